@@ -1,0 +1,13 @@
+# One interface target that carries how brim's own code is compiled.
+add_library(brim_options INTERFACE)
+target_compile_options(brim_options INTERFACE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+  # Contraction of a*b+c would make results depend on the machine.
+  -ffp-contract=off -fno-math-errno)
+if(BRIM_NATIVE)
+  target_compile_options(brim_options INTERFACE -march=native)
+endif()
+set(BRIM_SANITIZE "" CACHE STRING "Sanitizers to build with, for example address,undefined")
+if(BRIM_SANITIZE)
+  target_compile_options(brim_options INTERFACE -fsanitize=${BRIM_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=undefined)
+  target_link_options(brim_options INTERFACE -fsanitize=${BRIM_SANITIZE})
+endif()

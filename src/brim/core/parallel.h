@@ -1,0 +1,62 @@
+#pragma once
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+namespace brim {
+
+/// Limits the number of worker threads for as long as it lives.
+class ThreadLimit {
+ public:
+  /// @param threads  >= 1; 0 leaves the default (all cores)
+  explicit ThreadLimit(int threads);
+  ~ThreadLimit();
+  ThreadLimit(const ThreadLimit&) = delete;
+  ThreadLimit& operator=(const ThreadLimit&) = delete;
+
+ private:
+  struct Control;
+  std::unique_ptr<Control> control_;
+};
+
+/// Number of threads that parallel_for may use now.
+int thread_count();
+
+/// Calls f(i) for i in [0, n), in any order and on any thread. f must write only what belongs to i.
+template <class F>
+void parallel_for(std::size_t n, const F& f, std::size_t grain = 1) {
+  if (n <= grain) {
+    for (std::size_t i = 0; i < n; ++i) f(i);
+    return;
+  }
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain), [&](const tbb::blocked_range<std::size_t>& r) {
+    for (std::size_t i = r.begin(); i < r.end(); ++i) f(i);
+  });
+}
+
+/// Calls f(begin, end) on fixed blocks of [0, n); the blocks do not depend on the number of threads.
+template <class F>
+void parallel_blocks(std::size_t n, std::size_t block, const F& f) {
+  const std::size_t count = (n + block - 1) / block;
+  parallel_for(count, [&](std::size_t b) { f(b * block, std::min(n, (b + 1) * block)); });
+}
+
+/// Sum of f(begin, end) over fixed blocks, added in block order: the same bits for any number of threads.
+template <class F>
+double ordered_sum(std::size_t n, const F& f, std::size_t block = 4096) {
+  const std::size_t count = (n + block - 1) / block;
+  if (count == 0) return 0.0;
+  if (count == 1) return f(std::size_t{0}, n);
+  std::vector<double> part(count);
+  parallel_for(count, [&](std::size_t b) { part[b] = f(b * block, std::min(n, (b + 1) * block)); });
+  double sum = 0.0;
+  for (double p : part) sum += p;
+  return sum;
+}
+
+}  // namespace brim
