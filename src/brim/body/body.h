@@ -1,0 +1,143 @@
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "brim/grid/tile.h"
+#include "brim/map/map.h"
+#include "brim/math/block_diagonal.h"
+#include "brim/math/types.h"
+#include "brim/mesh/tri_mesh.h"
+
+namespace brim {
+
+/// How the surface of a part behaves in contact.
+struct Material {
+  std::string name = "default";
+  double friction = 0.5;  ///< Coulomb coefficient, [-], >= 0; a pair uses the geometric mean unless overridden
+};
+
+/// What contact needs to know of a part besides its density.
+struct PartInfo {
+  double voxel_size = 0.0;  ///< [m] grid step that fits the part's detail; the world rounds it to h0 2^l
+  double areal_mass = 0.0;  ///< [kg/m²] mass behind a unit of contact surface, for the choice of stiffness; 0 if fixed
+  double thickness = std::numeric_limits<double>::infinity();  ///< [m] smallest extent, for warnings on thin parts
+  Material material;
+};
+
+/// What acts on every body from outside.
+struct Environment {
+  Vec3 gravity = Vec3(0, 0, -9.81);  ///< [m/s²]
+};
+
+/// What viewers and files show of a body: its topology is constant, its positions follow the state.
+struct Display {
+  enum class Kind { Triangles, Lines, Points };
+  Kind kind = Kind::Triangles;
+  std::size_t vertices = 0;
+  std::vector<Triangle> triangles;                  ///< when kind is Triangles
+  std::vector<std::array<std::int32_t, 2>> lines;   ///< when kind is Lines
+  bool two_sided = false;                           ///< an open sheet
+  double radius = 0.0;                              ///< [m] of lines and points
+};
+
+/// A simulated thing with generalised coordinates q and velocities v (paper, section 5). Everything that the world,
+/// contact and the solver know of a body is said here; none of them knows its kind.
+///
+/// Order of calls in a step: prescribe, update, then the const operators, advance.
+class Body {
+ public:
+  virtual ~Body() = default;
+
+  const std::string& name() const { return name_; }
+  void set_name(std::string name) { name_ = std::move(name); }
+  /// The word for this kind in scenes and reports ("rigid", "cloth", ...).
+  virtual std::string_view kind() const = 0;
+
+  // ---- state -----------------------------------------------------------------------------------------------------
+  virtual std::size_t q_size() const = 0;
+  virtual std::size_t v_size() const = 0;
+  virtual void initial_state(std::span<double> q, std::span<double> v) const = 0;
+  /// Sets the velocities that are imposed (fixed and animated directions) so that the body arrives where it must be
+  /// at time + dt. @param q, v  at time
+  virtual void prescribe(double time, double dt, std::span<const double> q, std::span<double> v) const {
+    (void)time, (void)dt, (void)q, (void)v;
+  }
+  /// Takes the state in: everything below refers to the last update.
+  virtual void update(double time, std::span<const double> q, std::span<const double> v) = 0;
+  /// q ← q ⊕ dt v on the body's own manifold.
+  virtual void advance(double dt, std::span<double> q, std::span<const double> v) const = 0;
+  /// Work of the body's own after the common solve (for example the pressure projection of a fluid).
+  virtual void finish_step(double time, double dt, std::span<double> q, std::span<double> v) {
+    (void)time, (void)dt, (void)q, (void)v;
+  }
+
+  // ---- dynamics --------------------------------------------------------------------------------------------------
+  /// Q += Q(q, v): inner and outer forces without contact, [N, N·m], shape (nv).
+  virtual void add_forces(const Environment& env, std::span<double> Q) const = 0;
+  /// y += M x.
+  virtual void apply_mass(std::span<const double> x, std::span<double> y) const = 0;
+  /// y += (∂Q/∂q) x and y += (∂Q/∂v) x; symmetric, negative semi-definite after projection (the solve needs it).
+  virtual void apply_stiffness(std::span<const double> x, std::span<double> y) const { (void)x, (void)y; }
+  virtual void apply_damping(std::span<const double> x, std::span<double> y) const { (void)x, (void)y; }
+
+  /// Prepares A = M − dt ∂Q/∂v − dt² ∂Q/∂q for apply_system. The default composes the three operators above.
+  virtual void begin_solve(double dt) { dt_ = dt; }
+  /// y += A x.
+  virtual void apply_system(std::span<const double> x, std::span<double> y) const;
+  /// Sizes of the diagonal blocks of A, in order; they sum to v_size().
+  virtual std::vector<int> block_sizes() const = 0;
+  /// Adds the diagonal blocks of A. @param first  index of the body's first block in D
+  virtual void add_system_diagonal(std::size_t first, BlockDiagonal& D) const = 0;
+  /// Sets to zero the directions of x in which the velocity is imposed (filtered CG, Baraff and Witkin 1998).
+  virtual void filter(std::span<double> x) const { (void)x; }
+
+  // ---- contact ---------------------------------------------------------------------------------------------------
+  virtual int part_count() const { return 1; }
+  virtual PartInfo part(int p) const = 0;
+  /// True when no part moves and none can be moved; pairs of two such bodies are skipped.
+  virtual bool immobile() const { return false; }
+  /// Box that holds all matter of the part (without ramp), may be infinite.
+  virtual Aabb bounds(int p) const = 0;
+  /// Velocity with which the part as a whole travels (its mean), [m/s].
+  virtual Vec3 carrier_velocity(int p, std::span<const double> v) const = 0;
+  /// Largest speed of any matter of the part relative to the carrier velocity, [m/s]; an upper bound.
+  virtual double relative_speed_bound(int p, std::span<const double> v) const = 0;
+  /// Tiles of step h whose block (halo included) may hold density of the part, within the region: never too few.
+  /// @param w    [m] ramp width
+  /// @param out  appended to; order and repetition do not matter
+  virtual void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const = 0;
+  /// Writes the part's density on the given tiles, every node of every block.
+  virtual void rasterize(int p, double h, double w, std::span<const TileKey> tiles,
+                         std::span<DensityBlock> out) const = 0;
+  /// Makes (or refills) the map of the part at the given points, each near the node whose source it was.
+  virtual void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
+                        std::unique_ptr<Map>& map) const = 0;
+
+  // ---- measures --------------------------------------------------------------------------------------------------
+  /// [kg]; infinity when the body is fixed or animated.
+  virtual double mass() const = 0;
+  virtual double kinetic_energy(std::span<const double> v) const;
+  /// Elastic and gravitational energy of the last updated state, [J].
+  virtual double potential_energy(const Environment& env) const = 0;
+  virtual Vec3 linear_momentum(std::span<const double> v) const = 0;
+  /// About the world's origin, [kg m²/s].
+  virtual Vec3 angular_momentum(std::span<const double> v) const = 0;
+
+  // ---- display ---------------------------------------------------------------------------------------------------
+  virtual const Display& display() const = 0;
+  /// Positions of the display's vertices in the last updated state, [m], shape (display().vertices).
+  virtual void display_positions(std::span<Vec3f> x) const = 0;
+
+ protected:
+  double dt_ = 0.0;
+
+ private:
+  std::string name_;
+};
+
+}  // namespace brim

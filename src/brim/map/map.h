@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "brim/math/block_diagonal.h"
+#include "brim/math/types.h"
+
+namespace brim {
+
+/// The kinematic map of one part at its contact points (paper, section 5.1): J = ∂r/∂q at points r fixed in space.
+/// It is linear and constant during a solve. Vectors of the body have the body's own numbering, from 0.
+class Map {
+ public:
+  virtual ~Map() = default;
+
+  /// Number of contact points, n.
+  virtual std::size_t points() const = 0;
+
+  /// u = J v: velocity of the body's matter at each point.
+  /// @param v  generalised velocities of the body, shape (nv)
+  /// @param u  [m/s], overwritten, shape (n)
+  virtual void velocity(std::span<const double> v, std::span<Vec3> u) const = 0;
+
+  /// Q += Jᵀ f: generalised forces that do the same work as f.
+  /// @param f  [N], shape (n)
+  /// @param Q  shape (nv)
+  virtual void add_force(std::span<const Vec3> f, std::span<double> Q) const = 0;
+
+  /// Q += (∂Jᵀ/∂q · dq) f with f held and the points carried by the matter (appendix B, last term).
+  /// Zero for maps that are linear in q. @param dq  displacement in generalised coordinates, shape (nv)
+  virtual void add_geometric(std::span<const Vec3> f, std::span<const double> dq, std::span<double> Q) const {
+    (void)f, (void)dq, (void)Q;
+  }
+
+  /// Adds the diagonal blocks of Jᵀ K J. @param K  symmetric, one per point, shape (n)
+  /// @param first  index of the body's first block in D
+  virtual void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const = 0;
+};
+
+}  // namespace brim
