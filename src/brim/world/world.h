@@ -1,0 +1,93 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "brim/body/body.h"
+#include "brim/world/step_report.h"
+
+namespace brim {
+
+/// How the world steps. Every default is explained in docs/numerics.md.
+struct WorldOptions {
+  Environment environment;
+  double time_step = 1.0 / 60.0;     ///< [s] of one call of step()
+  double voxel_size = 0.0;           ///< [m] h0, the finest step; 0: the finest that a part asks for
+  double ramp_voxels = 3.0;          ///< ramp width over h, 2 to 4
+  double stiffness = 0.0;            ///< [Pa] k; 0: chosen from the loads
+  double damping_steps = 2.0;        ///< β over dt, stiffness-proportional damping of contact
+  double max_motion_voxels = 1.0;    ///< relative motion allowed in one sub-step, (0, 2]
+  int max_substeps = 64;
+  int min_substeps = 1;
+  double cg_tolerance = 1e-4;        ///< relative residual
+  int cg_max_iterations = 2000;
+  int newton_iterations = 1;
+  bool release_pass = true;
+  bool curvature_stiffness = false;  ///< add the projected second term of equation 3
+  double friction_speed = 0.0;       ///< [m/s] ε of the regularised friction; 0: 0.01 g dt
+  double memory_limit = 8e9;         ///< [bytes] of density blocks; more is refused before it is allocated
+  bool sleeping = true;
+  std::map<std::pair<std::string, std::string>, double> pair_friction;  ///< by material names, in sorted order
+};
+
+/// The mutable truth of a world: flat arrays in body order.
+struct State {
+  double time = 0.0;        ///< [s]
+  std::int64_t step = 0;    ///< number of steps taken
+  std::vector<double> q;    ///< generalised coordinates, shape (nq)
+  std::vector<double> v;    ///< generalised velocities, shape (nv)
+  std::vector<double> memory;  ///< what the response carries from step to step (sleep counters, ...)
+};
+
+/// A global part: part `index` of body `body`.
+struct PartRef {
+  int body = 0, index = 0;
+};
+
+/// Bodies, their state, and the step that moves them (design: one step).
+class World {
+ public:
+  explicit World(WorldOptions options = {});
+  ~World();
+  World(World&&) noexcept;
+
+  /// Takes a body in; its name must be unique. @return its number @throws InputError
+  int add(std::unique_ptr<Body> body);
+  int body_count() const;
+  const Body& body(int b) const;
+  int part_count() const;
+  PartRef part(int p) const;
+  /// Slices of the state that belong to body b.
+  std::span<const double> q(int b) const;
+  std::span<const double> v(int b) const;
+
+  const WorldOptions& options() const;
+  const State& state() const;
+  /// Replaces the state (resume); sizes must match. @throws InputError
+  void set_state(State state);
+
+  /// Advances by options().time_step. Never throws for numerical trouble: the report says it.
+  StepReport step();
+  /// Contact nodes of the last sub-step, in a fixed order.
+  std::span<const ContactSample> contacts() const;
+  /// Tiles that were rasterized for two parts or more in the last sub-step: key and step h.
+  std::span<const std::pair<TileKey, double>> active_tiles() const;
+  /// Contact stiffness chosen from the loads or given, [Pa].
+  double stiffness() const;
+  /// Density of one part on arbitrary tiles of step h, for viewers and tests.
+  void density(int part, double h, std::span<const TileKey> tiles, std::span<DensityBlock> out) const;
+  /// Hash of the whole state: equal runs have equal hashes at every step.
+  std::uint64_t hash() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace brim
