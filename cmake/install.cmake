@@ -1,0 +1,24 @@
+# Installs the library, its headers and the program; a project then says find_package(brim) and links brim::brim.
+include(CMakePackageConfigHelpers)
+
+set(BRIM_CONFIG_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/brim)
+
+install(TARGETS brim EXPORT brimTargets)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/brim DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+install(EXPORT brimTargets NAMESPACE brim:: DESTINATION ${BRIM_CONFIG_DIR})
+if(TARGET brim_cli)
+  install(TARGETS brim_cli)
+  # A shared library is found beside the program, wherever both were moved.
+  file(RELATIVE_PATH to_lib ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
+  set_target_properties(brim_cli PROPERTIES INSTALL_RPATH "$ORIGIN/${to_lib}")
+endif()
+
+# A static library passes its private dependencies on to whoever links it; a shared one does not.
+get_target_property(BRIM_LIBRARY_TYPE brim TYPE)
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/brimConfig.cmake.in ${PROJECT_BINARY_DIR}/brimConfig.cmake
+  INSTALL_DESTINATION ${BRIM_CONFIG_DIR})
+# Before 1.0 any minor version may change the interface.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/brimConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/brimConfig.cmake ${PROJECT_BINARY_DIR}/brimConfigVersion.cmake
+  DESTINATION ${BRIM_CONFIG_DIR})
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} OPTIONAL)
