@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+
+#include "brim/mesh/tri_mesh.h"
+
+namespace brim {
+
+/// Reads a surface from OBJ, STL, PLY, OFF, glTF or GLB (by Assimp): polygons become triangles, vertices at equal
+/// positions are joined, node transforms are applied; normals, textures and materials are left out. Lengths as in the
+/// file, taken as metres. Degenerate triangles are dropped.
+/// @throws InputError  with the path and the reason: missing, unknown format, not readable, no triangles, a vertex that
+/// is
+///                     not finite, only triangles without area
+/// Tests: tests/io/surface_reader_test.cpp
+TriMesh read_surface(const std::filesystem::path& path);
+
+}  // namespace brim
