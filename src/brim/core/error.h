@@ -32,10 +32,9 @@ template <class A, class B>
 
 /// Always on: states a relation between two values and shows both when it does not hold.
 /// Usage: BRIM_CHECK(a, ==, b).
-#define BRIM_CHECK(a, op, b)                                                             \
-  do {                                                                                   \
-    const auto& brim_a_ = (a);                                                           \
-    const auto& brim_b_ = (b);                                                           \
-    if (!(brim_a_ op brim_b_))                                                           \
-      ::brim::detail::check_failed(__FILE__, __LINE__, #a " " #op " " #b, brim_a_, brim_b_); \
+#define BRIM_CHECK(a, op, b)                                                                                          \
+  do {                                                                                                                \
+    const auto& brim_a_ = (a);                                                                                        \
+    const auto& brim_b_ = (b);                                                                                        \
+    if (!(brim_a_ op brim_b_)) ::brim::detail::check_failed(__FILE__, __LINE__, #a " " #op " " #b, brim_a_, brim_b_); \
   } while (false)

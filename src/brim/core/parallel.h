@@ -8,6 +8,8 @@
 #include <memory>
 #include <vector>
 
+#include "brim/core/fork_join.h"
+
 namespace brim {
 
 /// Limits the number of worker threads for as long as it lives.
@@ -27,6 +29,14 @@ class ThreadLimit {
 /// Number of threads that parallel_for may use now.
 int thread_count();
 
+namespace detail {
+template <class F>
+void run_piece(ForkJoin& edges, std::size_t begin, std::size_t end, const F& f) {
+  const ForkJoin::Work work(edges);
+  for (std::size_t i = begin; i < end; ++i) f(i);
+}
+}  // namespace detail
+
 /// Calls f(i) for i in [0, n), in any order and on any thread. f must write only what belongs to i.
 template <class F>
 void parallel_for(std::size_t n, const F& f, std::size_t grain = 1) {
@@ -34,9 +44,10 @@ void parallel_for(std::size_t n, const F& f, std::size_t grain = 1) {
     for (std::size_t i = 0; i < n; ++i) f(i);
     return;
   }
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain), [&](const tbb::blocked_range<std::size_t>& r) {
-    for (std::size_t i = r.begin(); i < r.end(); ++i) f(i);
-  });
+  detail::ForkJoin edges;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
+                    [&](const tbb::blocked_range<std::size_t>& r)
+                        BRIM_UNSEEN { detail::run_piece(edges, r.begin(), r.end(), f); });
 }
 
 /// Calls f(begin, end) on fixed blocks of [0, n); the blocks do not depend on the number of threads.
