@@ -1,0 +1,50 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "brim/grid/tile.h"
+#include "brim/mesh/tri_mesh.h"
+#include "brim/raster/tile_bins.h"
+#include "brim/raster/tile_cover.h"
+
+namespace brim {
+
+/// A solid of tetrahedra at its current positions. The spans must outlive the call.
+struct TetSolid {
+  std::span<const Vec3> x;              ///< nodes, [m]
+  std::span<const Tetrahedron> tets;    ///< shape (ne, 4); may be turned inside out by deformation
+  std::span<const Triangle> surface;    ///< boundary triangles, indices into x
+  std::span<const std::int32_t> owner;  ///< tetrahedron behind each boundary triangle
+};
+
+/// Scratch memory, kept by the caller between calls.
+struct TetRasterWorkspace {
+  TileIndex index;
+  TileBins tets, surface;
+  TileCover cover;
+};
+
+/// Writes the density of a solid of tetrahedra: the band method.
+///   rho(r) = ramp(s d, w),  d: distance to the boundary triangles, s = −1 inside of any tetrahedron, +1 outside
+/// The source is the tetrahedron that holds the node (lowest index), or the owner of the nearest boundary triangle
+/// outside; its barycentric weights, extrapolated there, have Σ w = 1 and Σ w x = r.
+/// Where a solid passes through itself its inner boundary dents the density; tetrahedra without volume hold no node.
+/// Cost: O(tetrahedra and boundary triangles near the tiles). Same bits for any number of threads.
+/// @param h    [m]  grid step
+/// @param w    [m]  ramp width
+/// @param out  one block per tile, overwritten; source −1 where rho = 0
+/// Tests: tests/raster/raster_tets_test.cpp
+void raster_tets(const TetSolid& solid, std::span<const TileKey> tiles, double h, double w, std::span<DensityBlock> out,
+                 TetRasterWorkspace& workspace);
+
+/// Tiles whose block, halo included, may hold density of the solid, within a region; appended to out, each once.
+void presence_tets(const TetSolid& solid, double h, double w, const Aabb& region, std::vector<TileKey>& out,
+                   TetRasterWorkspace& workspace);
+
+/// Barycentric weights of r in a tetrahedron, Σ = 1, Σ w x = r, extrapolated linearly outside. Where Σ|w| would pass
+/// `max_weight` (slivers, far points) those of the closest point of its faces instead: Σ = 1 and all w >= 0, but
+/// Σ w x is then only near r.
+std::array<double, 4> tet_weights(const Vec3& r, const std::array<Vec3, 4>& x, double max_weight = 8.0);
+
+}  // namespace brim
