@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+
+namespace brim {
+
+/// JSON whose keys keep the order in which they were written.
+using Json = nlohmann::ordered_json;
+
+/// A JSON text together with where each of its values stands.
+struct Document {
+  std::string file;  ///< as the user named it
+  std::string text;  ///< the bytes as read
+  Json root;
+  std::map<std::string, int> line;  ///< JSON pointer -> line, from 1; of the key for members of objects
+
+  /// Line of a pointer, or of its nearest ancestor that is written in the file (defaults are not).
+  int line_of(std::string pointer) const;
+  /// "file:line: pointer: message", the form of every complaint about a document.
+  std::string place(const std::string& pointer) const;
+};
+
+/// Reads JSON (RFC 8259) with // and /* */ comments.
+/// @throws InputError  naming file, line and cause: bad syntax, a key given twice, NaN, infinite or overflowing
+///   numbers, text that is not UTF-8, more than 64 levels
+Document parse_document(std::string_view text, const std::string& file);
+
+/// @throws InputError  likewise, and when the file cannot be read or passes 64 MiB
+Document read_document(const std::string& path);
+
+/// One token of a JSON pointer (RFC 6901): "/" becomes "~1" and "~" becomes "~0".
+std::string pointer_token(std::string_view key);
+
+/// A value as shown in messages: compact JSON, cut when long.
+std::string shown(const Json& value);
+
+/// The word of `known` nearest to `word` in edit distance, or "" when none is near (more than a third of it differs).
+template <class Words>
+std::string nearest_word(std::string_view word, const Words& known);
+
+/// Edit distance (Levenshtein): least number of inserted, removed or replaced letters, with swaps of neighbours as one.
+int edit_distance(std::string_view a, std::string_view b);
+
+template <class Words>
+std::string nearest_word(std::string_view word, const Words& known) {
+  std::string best;
+  int least = 1 + static_cast<int>(word.size() + 2) / 3;
+  for (const auto& candidate : known) {
+    const int d = edit_distance(word, candidate);
+    if (d < least) {
+      least = d;
+      best = candidate;
+    }
+  }
+  return best;
+}
+
+}  // namespace brim

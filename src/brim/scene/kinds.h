@@ -1,0 +1,43 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "brim/body/body.h"
+#include "brim/scene/node.h"
+#include "brim/scene/repeat.h"
+#include "brim/world/world.h"
+
+namespace brim {
+
+/// What a kind may use besides its own node.
+struct BuildContext {
+  const WorldOptions& world;
+  const Material& material;
+  double duration = 0.0;  ///< [s] of the run
+};
+
+/// Makes the copies of one entry of "bodies"; whatever they can share was read when it was made.
+class BodyMaker {
+ public:
+  virtual ~BodyMaker() = default;
+  /// A body at a placement, not yet named. @throws InputError
+  virtual std::unique_ptr<Body> body(const Placement& place) const = 0;
+};
+
+/// How scenes speak of one kind of body. A new kind is a file in kinds/ that defines one of these, its line in
+/// kinds.cpp, and its branch of "body" in the schema; nothing else knows kinds.
+struct BodyKind {
+  std::string name;
+  /// What the schema cannot say: keys that exclude each other, sizes that contradict. Reads no files. @throws
+  /// InputError
+  std::function<void(const Node&)> check;
+  /// Reads files, builds meshes. @throws InputError
+  std::function<std::unique_ptr<BodyMaker>(const Node&, const BuildContext&)> make;
+};
+
+/// The kind that "kind" names; the schema has already refused others.
+const BodyKind& find_body_kind(const std::string& name);
+
+}  // namespace brim

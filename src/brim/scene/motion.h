@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include "brim/math/types.h"
+#include "brim/scene/node.h"
+
+namespace brim {
+
+/// A moment of a given motion, against where things start.
+struct MotionKey {
+  double time = 0.0;           ///< [s]
+  Vec3 offset = Vec3::Zero();  ///< [m]
+  Quat rotation = Quat::Identity();
+};
+
+/// @throws InputError  when times do not increase
+void check_key_times(const Node& keyframes);
+std::vector<MotionKey> read_motion(const Node& keyframes);
+/// A rotation as scenes write it. @throws InputError  when its axis or quaternion has length zero
+Quat read_rotation(const Node& rotation);
+
+}  // namespace brim

@@ -1,0 +1,70 @@
+#include "brim/scene/repeat.h"
+
+#include <numbers>
+
+#include "brim/scene/motion.h"
+
+namespace brim {
+
+namespace {
+
+Quat yaw(double degrees) { return Quat(Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0, Vec3::UnitZ())); }
+
+}  // namespace
+
+std::uint64_t SceneRandom::next() {
+  std::uint64_t z = (state_ += 0x9e3779b97f4a7c15u);
+  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+  return z ^ (z >> 31);
+}
+
+Quat random_rotation(SceneRandom& random) {
+  const double u = random.unit();
+  const double a = 2.0 * std::numbers::pi * random.unit(), b = 2.0 * std::numbers::pi * random.unit();
+  const double r = std::sqrt(1.0 - u), s = std::sqrt(u);
+  return Quat(s * std::cos(b), r * std::sin(a), r * std::cos(a), s * std::sin(b));
+}
+
+std::size_t repeat_count(const Node& body) {
+  if (!body.has("repeat")) return 1;
+  std::size_t n = 1;
+  for (const int c : body.at("repeat").at("count").integers()) n *= static_cast<std::size_t>(c);
+  return n;
+}
+
+std::vector<Placement> placements(const Node& body) {
+  Placement first;
+  first.name = body.string("name");
+  const Node transform = body.at("transform");
+  first.position = transform.vec3("position");
+  first.scale = transform.number("scale");
+  if (transform.has("rotation")) first.rotation = read_rotation(transform.at("rotation"));
+  first.velocity = body.vec3("velocity");
+  if (body.has("angular_velocity")) first.angular_velocity = body.vec3("angular_velocity");
+  if (!body.has("repeat")) return {first};
+
+  const Node repeat = body.at("repeat");
+  const std::vector<int> count = repeat.at("count").integers();
+  const Vec3 spacing = repeat.vec3("spacing"), jitter = repeat.vec3("jitter");
+  const std::string turn = repeat.string("turn");
+  const double turn_degrees = repeat.number("turn_degrees");
+  const auto seed = static_cast<std::uint64_t>(repeat.integer("seed"));
+  std::vector<Placement> all;
+  all.reserve(repeat_count(body));
+  for (int k = 0; k < count[2]; ++k)
+    for (int j = 0; j < count[1]; ++j)
+      for (int i = 0; i < count[0]; ++i) {
+        Placement p = first;
+        SceneRandom random(seed * 0x100000001b3u + all.size());
+        const Vec3 cell(i - 0.5 * (count[0] - 1), j - 0.5 * (count[1] - 1), k);
+        for (int a = 0; a < 3; ++a) p.position[a] += cell[a] * spacing[a] + jitter[a] * random.symmetric();
+        if (turn == "any") p.rotation = random_rotation(random) * p.rotation;
+        if (turn == "yaw") p.rotation = yaw(turn_degrees * random.symmetric()) * p.rotation;
+        p.name += "." + std::to_string(all.size());
+        all.push_back(std::move(p));
+      }
+  return all;
+}
+
+}  // namespace brim

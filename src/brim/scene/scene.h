@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "brim/body/body.h"
+#include "brim/world/expectation.h"
+#include "brim/world/world.h"
+
+namespace brim {
+
+struct Document;
+
+/// A scene file, read and found good (schema/scene.schema.json, docs/scenes.md).
+struct Scene {
+  std::string file;  ///< as the user named it; paths inside are relative to its folder
+  std::string name;
+  std::string description;
+  std::string text;  ///< the file's bytes, for the run folder
+  WorldOptions world;
+  std::int64_t frames = 0;  ///< recorded frames after the first
+  int steps_per_frame = 1;
+  std::map<std::string, Material> materials;
+  std::vector<Expectation> expect;
+  std::shared_ptr<const Document> document;  ///< what the bodies are built from
+
+  double frame_time() const { return world.time_step * steps_per_frame; }  ///< [s]
+};
+
+/// Reads and checks a scene: syntax, schema, and everything that can be known without building its bodies.
+/// @throws InputError  "file:line: pointer: value and what is allowed"
+/// Tests: tests/scene/bad_scenes_test.cpp
+Scene load_scene(const std::string& path);
+
+/// The same for a text. @param file  the name used in messages, and whose folder relative paths start from
+Scene parse_scene(std::string_view text, const std::string& file = "scene.json");
+
+/// Builds the bodies and puts them into a world.
+/// @throws InputError  likewise: files that cannot be read, meshes that are not fit, resolutions that do not fit into
+///   the memory limit
+World build_world(const Scene& scene);
+
+/// The schema of scene files (JSON Schema 2020-12), the single source of what load_scene accepts.
+const std::string& scene_schema_text();
+
+}  // namespace brim

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "brim/scene/document.h"
+#include "brim/scene/scene.h"
+
+namespace brim {
+
+/// Holds a document against a JSON Schema and fills in the schema's defaults, so that readers find every key that has
+/// one. Understood: type, properties, required, additionalProperties, enum, const,
+/// minimum, maximum, exclusiveMinimum, exclusiveMaximum, minLength, items, minItems, maxItems, oneOf, $ref to #/$defs,
+/// default, title, description. Any other keyword in the schema is a programming error: it would promise what is not
+/// checked.
+///
+/// A oneOf picks its branch first and then checks only that, so that the message speaks of what the user meant:
+/// by the JSON type; among objects by the property that is const in every branch ("kind"), or by the required key that
+/// is present.
+/// @throws InputError  one message: file, line, JSON pointer, the value, what is allowed, and for an unknown key the
+///   nearest known one
+void validate(Document& document, const Json& schema);
+
+/// The schema of scene files, parsed.
+const Json& scene_schema();
+
+}  // namespace brim
