@@ -1,0 +1,298 @@
+#include "brim/record/h5.h"
+
+#include <hdf5.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+namespace brim::h5 {
+
+static_assert(sizeof(hid_t) == sizeof(Id));
+
+namespace {
+
+hid_t native(Type t) {
+  switch (t) {
+    case Type::Float64:
+      return H5T_NATIVE_DOUBLE;
+    case Type::Float32:
+      return H5T_NATIVE_FLOAT;
+    case Type::Int64:
+      return H5T_NATIVE_INT64;
+    case Type::Int32:
+      return H5T_NATIVE_INT32;
+    case Type::UInt8:
+      return H5T_NATIVE_UINT8;
+  }
+  return -1;
+}
+
+/// Little-endian in the file, whatever the machine.
+hid_t stored(Type t) {
+  switch (t) {
+    case Type::Float64:
+      return H5T_IEEE_F64LE;
+    case Type::Float32:
+      return H5T_IEEE_F32LE;
+    case Type::Int64:
+      return H5T_STD_I64LE;
+    case Type::Int32:
+      return H5T_STD_I32LE;
+    case Type::UInt8:
+      return H5T_STD_U8LE;
+  }
+  return -1;
+}
+
+/// Keeps the library from printing its error stack; we say what went wrong ourselves.
+void hush() {
+  static const bool once = [] {
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    return true;
+  }();
+  (void)once;
+}
+
+template <class T>
+T need(T result, const std::string& path, const char* what) {
+  if (result < 0) throw InputError(fmt::format("{}: {}", path, what));
+  return result;
+}
+
+}  // namespace
+
+Handle::~Handle() {
+  if (id_ < 0) return;
+  switch (H5Iget_type(id_)) {
+    case H5I_FILE:
+      H5Fclose(id_);
+      break;
+    case H5I_GROUP:
+      H5Gclose(id_);
+      break;
+    case H5I_DATASET:
+      H5Dclose(id_);
+      break;
+    case H5I_DATASPACE:
+      H5Sclose(id_);
+      break;
+    case H5I_DATATYPE:
+      H5Tclose(id_);
+      break;
+    case H5I_ATTR:
+      H5Aclose(id_);
+      break;
+    case H5I_GENPROP_LST:
+      H5Pclose(id_);
+      break;
+    default:
+      break;
+  }
+}
+
+std::vector<std::uint64_t> Dataset::shape() const {
+  const Handle space(need(H5Dget_space(handle_.id()), path_, "cannot be read"));
+  std::vector<hsize_t> dims(
+      static_cast<std::size_t>(need(H5Sget_simple_extent_ndims(space.id()), path_, "has no shape")));
+  H5Sget_simple_extent_dims(space.id(), dims.data(), nullptr);
+  return {dims.begin(), dims.end()};
+}
+
+void Dataset::append(const void* data, std::uint64_t rows, Type type) {
+  if (rows == 0) return;
+  std::vector<std::uint64_t> dims = shape();
+  std::vector<hsize_t> size(dims.begin(), dims.end()), start(dims.size(), 0), count(dims.begin(), dims.end());
+  start[0] = size[0];
+  size[0] += rows;
+  count[0] = rows;
+  need(H5Dset_extent(handle_.id(), size.data()), path_, "cannot grow; is the disk full?");
+  for (std::size_t i = 1; i < count.size(); ++i)
+    if (count[i] == 0) return;
+  const Handle space(need(H5Dget_space(handle_.id()), path_, "cannot be read"));
+  need(H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), path_,
+       "bad rows");
+  const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr));
+  need(H5Dwrite(handle_.id(), native(type), memory.id(), space.id(), H5P_DEFAULT, data), path_,
+       "cannot be written; is the disk full?");
+}
+
+void Dataset::read(void* data, std::uint64_t first, std::uint64_t rows, Type type) const {
+  std::vector<std::uint64_t> dims = shape();
+  if (first + rows > dims[0])
+    throw InputError(fmt::format("{}: rows {} to {} asked for, but it has {}", path_, first, first + rows, dims[0]));
+  std::vector<hsize_t> start(dims.size(), 0), count(dims.begin(), dims.end());
+  start[0] = first;
+  count[0] = rows;
+  for (const hsize_t c : count)
+    if (c == 0) return;
+  const Handle space(need(H5Dget_space(handle_.id()), path_, "cannot be read"));
+  need(H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), path_,
+       "bad rows");
+  const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr));
+  need(H5Dread(handle_.id(), native(type), memory.id(), space.id(), H5P_DEFAULT, data), path_, "is damaged");
+}
+
+void Dataset::cut(std::uint64_t rows) {
+  const std::vector<std::uint64_t> dims = shape();
+  std::vector<hsize_t> size(dims.begin(), dims.end());
+  if (size[0] <= rows) return;
+  size[0] = rows;
+  need(H5Dset_extent(handle_.id(), size.data()), path_, "cannot be cut");
+}
+
+File::File(const std::string& path, Mode mode) : path_(path) {
+  hush();
+  if (mode != Mode::Create && !std::filesystem::exists(path)) throw InputError(path + ": no such file");
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS));
+  // Version 2 of the superblock carries no "open for writing" mark, which would lock out readers for ever after a
+  // crash.
+  H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18);
+  H5Pset_file_locking(access.id(), false, true);
+  if (mode != Mode::Read) {
+    // Metadata reach the disk at flush() and at no other moment, so that the file on disk is always that of a flush.
+    H5AC_cache_config_t cache;
+    cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;
+    H5Pget_mdc_config(access.id(), &cache);
+    cache.evictions_enabled = false;
+    cache.incr_mode = H5C_incr__off;
+    cache.flash_incr_mode = H5C_flash_incr__off;
+    cache.decr_mode = H5C_decr__off;
+    need(H5Pset_mdc_config(access.id(), &cache), path, "the cache of HDF5 cannot be set");
+  }
+  switch (mode) {
+    case Mode::Create:
+      handle_ = Handle(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()));
+      need(handle_.id(), path, "cannot be created");
+      break;
+    case Mode::Write:
+      handle_ = Handle(H5Fopen(path.c_str(), H5F_ACC_RDWR, access.id()));
+      need(handle_.id(), path, "cannot be opened for writing; is it an HDF5 file, and not open elsewhere?");
+      break;
+    case Mode::Read:
+      handle_ = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id()));
+      need(handle_.id(), path, "is not an HDF5 file, or is damaged");
+      break;
+  }
+}
+
+void File::group(const std::string& path) {
+  for (std::size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
+    const std::string part = path.substr(0, end);
+    if (!exists(part)) {
+      const Handle g(H5Gcreate2(handle_.id(), part.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+      need(g.id(), path_ + ":" + part, "the group cannot be made");
+    }
+    if (end == std::string::npos) return;
+  }
+}
+
+bool File::exists(const std::string& path) const {
+  for (std::size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
+    if (H5Lexists(handle_.id(), path.substr(0, end).c_str(), H5P_DEFAULT) <= 0) return false;
+    if (end == std::string::npos) return true;
+  }
+}
+
+Dataset File::growing(const std::string& path, Type type, std::span<const std::uint64_t> row, std::uint64_t chunk_rows,
+                      int deflate) {
+  std::vector<hsize_t> size = {0}, most = {H5S_UNLIMITED}, chunk = {std::max<hsize_t>(chunk_rows, 1)};
+  for (const std::uint64_t n : row) {
+    size.push_back(n);
+    most.push_back(n);
+    chunk.push_back(std::max<hsize_t>(n, 1));
+  }
+  // A chunk holds less than 4 GiB; far less is handier.
+  for (std::size_t a = 1; a < chunk.size() && chunk[a] > (1u << 18); ++a) chunk[a] = 1u << 18;
+  for (std::size_t a = 1; a < size.size(); ++a)
+    if (most[a] == 0) most[a] = H5S_UNLIMITED;
+  const Handle space(H5Screate_simple(static_cast<int>(size.size()), size.data(), most.data()));
+  const Handle list(H5Pcreate(H5P_DATASET_CREATE));
+  H5Pset_chunk(list.id(), static_cast<int>(chunk.size()), chunk.data());
+  if (deflate > 0) {
+    H5Pset_shuffle(list.id());
+    H5Pset_deflate(list.id(), static_cast<unsigned>(deflate));
+  }
+  Handle set(H5Dcreate2(handle_.id(), path.c_str(), stored(type), space.id(), H5P_DEFAULT, list.id(), H5P_DEFAULT));
+  need(set.id(), path_ + ":" + path, "the data set cannot be made");
+  return {std::move(set), path_ + ":" + path};
+}
+
+void File::write(const std::string& path, Type type, std::span<const std::uint64_t> shape, const void* data) {
+  const std::vector<hsize_t> size(shape.begin(), shape.end());
+  const Handle space(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr));
+  const Handle set(
+      H5Dcreate2(handle_.id(), path.c_str(), stored(type), space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  need(set.id(), path_ + ":" + path, "the data set cannot be made");
+  for (const hsize_t n : size)
+    if (n == 0) return;
+  need(H5Dwrite(set.id(), native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data), path_ + ":" + path,
+       "cannot be written; is the disk full?");
+}
+
+Dataset File::open(const std::string& path) const {
+  if (!exists(path)) throw InputError(fmt::format("{}: has no data set {}; it must be a brim run", path_, path));
+  Handle set(H5Dopen2(handle_.id(), path.c_str(), H5P_DEFAULT));
+  need(set.id(), path_ + ":" + path, "is not a data set");
+  return {std::move(set), path_ + ":" + path};
+}
+
+namespace {
+
+void put_attribute(Id file, const std::string& object, const std::string& name, hid_t stored_type, hid_t memory_type,
+                   const void* data) {
+  if (H5Aexists_by_name(file, object.c_str(), name.c_str(), H5P_DEFAULT) > 0)
+    H5Adelete_by_name(file, object.c_str(), name.c_str(), H5P_DEFAULT);
+  const Handle space(H5Screate(H5S_SCALAR));
+  const Handle a(H5Acreate_by_name(file, object.c_str(), name.c_str(), stored_type, space.id(), H5P_DEFAULT,
+                                   H5P_DEFAULT, H5P_DEFAULT));
+  need(a.id(), object + "@" + name, "the attribute cannot be made");
+  need(H5Awrite(a.id(), memory_type, data), object + "@" + name, "the attribute cannot be written");
+}
+
+}  // namespace
+
+void File::attribute(const std::string& object, const std::string& name, const std::string& value) {
+  const Handle type(H5Tcopy(H5T_C_S1));
+  H5Tset_size(type.id(), std::max<std::size_t>(value.size(), 1));
+  H5Tset_strpad(type.id(), H5T_STR_NULLPAD);
+  H5Tset_cset(type.id(), H5T_CSET_UTF8);
+  const std::string padded = value.empty() ? std::string(1, '\0') : value;
+  put_attribute(handle_.id(), object, name, type.id(), type.id(), padded.data());
+}
+
+void File::attribute(const std::string& object, const std::string& name, double value) {
+  put_attribute(handle_.id(), object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
+}
+
+void File::attribute(const std::string& object, const std::string& name, std::int64_t value) {
+  put_attribute(handle_.id(), object, name, H5T_STD_I64LE, H5T_NATIVE_INT64, &value);
+}
+
+bool File::has_attribute(const std::string& object, const std::string& name) const {
+  return H5Aexists_by_name(handle_.id(), object.c_str(), name.c_str(), H5P_DEFAULT) > 0;
+}
+
+std::string File::text(const std::string& object, const std::string& name) const {
+  const Handle a(H5Aopen_by_name(handle_.id(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
+  need(a.id(), fmt::format("{}:{}", path_, object), ("has no attribute " + name).c_str());
+  const Handle type(H5Aget_type(a.id()));
+  if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) > 0)
+    throw InputError(fmt::format("{}:{}: the attribute {} must be a string of fixed length", path_, object, name));
+  std::string value(H5Tget_size(type.id()), '\0');
+  need(H5Aread(a.id(), type.id(), value.data()), object + "@" + name, "cannot be read");
+  while (!value.empty() && value.back() == '\0') value.pop_back();
+  return value;
+}
+
+double File::number(const std::string& object, const std::string& name) const {
+  const Handle a(H5Aopen_by_name(handle_.id(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
+  need(a.id(), fmt::format("{}:{}", path_, object), ("has no attribute " + name).c_str());
+  double value = 0.0;
+  need(H5Aread(a.id(), H5T_NATIVE_DOUBLE, &value), object + "@" + name, "cannot be read");
+  return value;
+}
+
+void File::flush() { need(H5Fflush(handle_.id(), H5F_SCOPE_GLOBAL), path_, "cannot be flushed; is the disk full?"); }
+
+}  // namespace brim::h5

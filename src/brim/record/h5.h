@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "brim/core/error.h"
+
+/// A thin owner of HDF5 handles: the few calls that run files need, each failing with one message.
+///
+/// Files that grow stay readable while they grow and after the program was killed, with everything up to the last
+/// flush(): metadata are written only there, compressed chunks are written once (one row each) and never move, and
+/// uncompressed ones are rewritten in place.
+namespace brim::h5 {
+
+using Id = std::int64_t;  ///< hid_t, without the library's header
+
+/// Element types of data sets.
+enum class Type { Float64, Float32, Int64, Int32, UInt8 };
+
+/// Owns one handle of any kind.
+class Handle {
+ public:
+  Handle() = default;
+  explicit Handle(Id id) : id_(id) {}
+  Handle(Handle&& o) noexcept : id_(std::exchange(o.id_, -1)) {}
+  Handle& operator=(Handle&& o) noexcept {
+    std::swap(id_, o.id_);
+    return *this;
+  }
+  ~Handle();
+  Id id() const { return id_; }
+
+ private:
+  Id id_ = -1;
+};
+
+/// A data set that grows along its first axis, or one of fixed size.
+class Dataset {
+ public:
+  Dataset() = default;
+  Dataset(Handle handle, std::string path) : handle_(std::move(handle)), path_(std::move(path)) {}
+
+  /// Shape now.
+  std::vector<std::uint64_t> shape() const;
+  /// Writes rows at the end. @param data  rows x (product of the other extents) elements of `type`
+  void append(const void* data, std::uint64_t rows, Type type);
+  /// Reads rows [first, first + rows) into data, converting to `type`.
+  void read(void* data, std::uint64_t first, std::uint64_t rows, Type type) const;
+  /// Cuts the first axis to `rows`.
+  void cut(std::uint64_t rows);
+
+ private:
+  Handle handle_;
+  std::string path_;
+};
+
+/// An HDF5 file, open for as long as it lives.
+class File {
+ public:
+  enum class Mode { Create, Write, Read };
+  /// @throws InputError  when it cannot be opened or is no HDF5 file
+  File(const std::string& path, Mode mode);
+
+  /// Makes a group and those above it; one that is there already is left as it is.
+  void group(const std::string& path);
+  bool exists(const std::string& path) const;
+
+  /// @param row        extents after the first
+  /// @param chunk_rows rows stored together
+  /// @param deflate    0: as they are; 1 to 9: shuffled and compressed, with chunk_rows = 1 (see above)
+  Dataset growing(const std::string& path, Type type, std::span<const std::uint64_t> row, std::uint64_t chunk_rows,
+                  int deflate);
+  /// A data set of fixed size, written at once.
+  void write(const std::string& path, Type type, std::span<const std::uint64_t> shape, const void* data);
+  Dataset open(const std::string& path) const;
+
+  void attribute(const std::string& object, const std::string& name, const std::string& value);
+  void attribute(const std::string& object, const std::string& name, double value);
+  void attribute(const std::string& object, const std::string& name, std::int64_t value);
+  bool has_attribute(const std::string& object, const std::string& name) const;
+  std::string text(const std::string& object, const std::string& name) const;
+  double number(const std::string& object, const std::string& name) const;
+
+  /// Hands everything to the operating system: what was written so far survives the end of this process.
+  void flush();
+
+ private:
+  std::string path_;
+  Handle handle_;
+};
+
+}  // namespace brim::h5

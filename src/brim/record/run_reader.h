@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "brim/world/measures.h"
+#include "brim/world/world.h"
+
+namespace brim {
+
+/// A body as a run file describes it.
+struct RecordedBody {
+  std::string name, kind;
+  Display display;
+  bool immobile = false;
+  double mass = 0.0;  ///< [kg], may be infinite
+  std::size_t q_offset = 0, q_size = 0, v_offset = 0, v_size = 0;
+  int parts = 0;
+};
+
+/// A part as a run file describes it.
+struct RecordedPart {
+  std::string name, material;
+  int body = 0, part = 0;
+  double voxel_size = 0.0;  ///< [m]
+};
+
+/// Reads run.h5, finished, growing or interrupted (docs/formats.md). Frame 0 is the start.
+/// Every function throws InputError for frames and names that are not there, and for damaged files.
+class RunReader {
+ public:
+  /// @param path  a run folder, or a run.h5
+  explicit RunReader(const std::string& path);
+  ~RunReader();
+  RunReader(RunReader&&) noexcept;
+
+  const std::string& scene_name() const;
+  const std::string& brim_version() const;
+  double frame_time() const;  ///< [s]
+  int steps_per_frame() const;
+  std::int64_t frames() const;
+  double time(std::int64_t frame) const;
+  const std::vector<RecordedBody>& bodies() const;
+  const std::vector<RecordedPart>& parts() const;
+
+  /// Everything that the world needs to go on from a frame, bit for bit.
+  State state(std::int64_t frame) const;
+  /// Display positions of one body, [m], shape (vertices).
+  std::vector<Vec3f> positions(int body, std::int64_t frame) const;
+  std::vector<ContactSample> contacts(std::int64_t frame) const;
+  std::vector<std::pair<TileKey, double>> tiles(std::int64_t frame) const;
+  std::vector<PairReport> pairs(std::int64_t frame) const;
+  std::vector<Warning> warnings(std::int64_t frame) const;
+  /// Report of a frame: scalars, pairs and warnings.
+  StepReport report(std::int64_t frame) const;
+  /// Steps that a frame joined.
+  int steps(std::int64_t frame) const;
+  /// Samples of all bodies, shape (bodies).
+  std::vector<BodySample> samples(std::int64_t frame) const;
+  /// One scalar over all frames ("worst_overlap", "seconds_solve", ...: report_fields(), "steps", "warnings").
+  std::vector<double> series(const std::string& name) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// @throws InputError  naming the first difference, when the run is not one of such a world
+void check_same_world(const RunReader& run, const World& world);
+
+}  // namespace brim

@@ -1,0 +1,140 @@
+#include "brim/record/runner.h"
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <filesystem>
+#include <optional>
+
+#include "brim/core/error.h"
+#include "brim/core/parallel.h"
+#include "brim/world/report_fields.h"
+
+namespace brim {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double since(Clock::time_point t) { return std::chrono::duration<double>(Clock::now() - t).count(); }
+
+/// Step rate over the last few seconds.
+class Rate {
+ public:
+  double add(double wall, int steps) {
+    marks_.push_back({wall, steps_ += steps});
+    while (marks_.size() > 2 && marks_.back().wall - marks_.front().wall > 10.0) marks_.pop_front();
+    const double span = marks_.back().wall - marks_.front().wall;
+    return span > 0.0 ? static_cast<double>(marks_.back().steps - marks_.front().steps) / span : 0.0;
+  }
+
+ private:
+  struct Mark {
+    double wall;
+    std::int64_t steps;
+  };
+  std::deque<Mark> marks_ = {{0.0, 0}};
+  std::int64_t steps_ = 0;
+};
+
+/// The steps of one frame, joined.
+StepReport step_frame(World& world, int steps, int& taken) {
+  StepReport frame = world.step();
+  taken = 1;
+  while (taken < steps && frame.ok) {
+    join(frame, world.step());
+    ++taken;
+  }
+  return frame;
+}
+
+}  // namespace
+
+bool RunResult::ok() const {
+  return end == RunEnd::Completed &&
+         std::all_of(findings.begin(), findings.end(), [](const Finding& f) { return f.ok; });
+}
+
+RunResult record_run(World& world, const RunPlan& plan, const std::function<bool(const RunProgress&)>& progress) {
+  RunResult result;
+  Measures measures(world, plan.expect, static_cast<double>(plan.scene_frames) * plan.info.frame_time);
+  std::optional<RunWriter> writer;
+  std::int64_t frame = 0;
+  const Clock::time_point start = Clock::now();
+
+  if (plan.resume) {
+    const RunReader old(plan.folder);
+    check_same_world(old, world);
+    frame = old.frames() - 1;
+    if (frame < 0) throw InputError(fmt::format("{}: holds no frame to go on from", plan.folder));
+    // A failed frame is a report, not a state to go on from twice; its state is that before the failure.
+    for (std::int64_t f = 0; f <= frame; ++f) {
+      const StepReport report = old.report(f);
+      measures.restore(report, old.steps(f), report.warnings.size(), old.samples(f));
+      result.totals.add(report, old.steps(f));
+    }
+    world.set_state(old.state(frame));
+  } else if (!plan.folder.empty()) {
+    check_run_folder(plan.folder, plan.force);
+  }
+  if (!plan.folder.empty()) {
+    if (plan.resume)
+      writer.emplace(plan.folder, world, frame);
+    else
+      writer.emplace(plan.folder, world, plan.info);
+  }
+  if (!plan.resume) {
+    const StepReport nothing;
+    measures.add(world, nothing, 0);
+    result.totals.add(nothing, 0);
+    if (writer) writer->add(world, nothing, 0, measures.samples());
+  }
+
+  Rate rate;
+  double record_seconds = 0.0;
+  const double build_and_start = since(start);
+  const Clock::time_point stepping = Clock::now();
+  while (frame < plan.frames) {
+    int taken = 0;
+    StepReport report = step_frame(world, plan.info.steps_per_frame, taken);
+    // Recording a frame ends after its report is written: its time counts with the next.
+    report.seconds[static_cast<std::size_t>(Phase::Record)] += record_seconds;
+    const Clock::time_point recording = Clock::now();
+    ++frame;
+    measures.add(world, report, taken);
+    result.totals.add(report, taken);
+    if (writer) writer->add(world, report, taken, measures.samples());
+    record_seconds = since(recording);
+    const double steps_per_second = rate.add(since(stepping), taken);
+    const double left = static_cast<double>(plan.frames - frame) * plan.info.steps_per_frame;
+    const bool go_on = !progress || progress({frame, plan.frames, world.state().time, steps_per_second,
+                                              steps_per_second > 0.0 ? left / steps_per_second : 0.0, &report});
+    if (!report.ok) {
+      result.end = RunEnd::Failed;
+      break;
+    }
+    if (!go_on && frame < plan.frames) {
+      result.end = RunEnd::Interrupted;
+      break;
+    }
+  }
+  result.totals.seconds[static_cast<std::size_t>(Phase::Record)] += record_seconds;
+  result.findings = measures.findings();
+  if (writer) {
+    writer->flush();
+    RunFacts facts;
+    facts.scene_name = plan.info.scene_name;
+    facts.scene_file = plan.scene_file;
+    facts.threads = thread_count();
+    facts.frames_wanted = plan.frames;
+    facts.frame_time = plan.info.frame_time;
+    facts.wall = since(stepping);
+    facts.build_wall = plan.build_wall + build_and_start;
+    facts.end = result.end;
+    write_whole((std::filesystem::path(plan.folder) / "summary.json").string(),
+                summary_text(world, result.totals, facts, result.findings));
+  }
+  return result;
+}
+
+}  // namespace brim

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "brim/record/run_reader.h"
+#include "brim/record/run_writer.h"
+#include "brim/record/summary.h"
+#include "brim/world/measures.h"
+
+namespace brim {
+
+/// What to run and where to.
+struct RunPlan {
+  std::string folder;  ///< of the run; empty: nothing is recorded
+  RunInfo info;
+  std::string scene_file;
+  std::int64_t frames = 0;        ///< recorded frames after the first, in all
+  std::int64_t scene_frames = 0;  ///< of the scene: expectations without an end mean this one
+  std::vector<Expectation> expect;
+  double build_wall = 0.0;  ///< [s]
+  bool force = false;       ///< replace an old run
+  bool resume = false;      ///< go on with the run in the folder
+};
+
+/// Where a run stands, after each frame.
+struct RunProgress {
+  std::int64_t frame = 0, frames = 0;
+  double time = 0.0;              ///< [s] simulated
+  double steps_per_second = 0.0;  ///< of wall time, of the last seconds
+  double seconds_left = 0.0;      ///< [s] of wall time, estimated
+  const StepReport* report = nullptr;
+};
+
+struct RunResult {
+  RunEnd end = RunEnd::Completed;
+  std::vector<Finding> findings;
+  RunTotals totals;
+  bool ok() const;  ///< completed, and every finding is good
+};
+
+/// Steps a world and records it. Nothing is created before everything that can be refused has been.
+/// @param world     as built; with plan.resume it is set to the last recorded state
+/// @param progress  called after each frame; false ends the run with all frames kept
+/// @throws InputError  for folders that cannot be used and runs that do not fit
+/// Tests: tests/record/run_test.cpp
+RunResult record_run(World& world, const RunPlan& plan, const std::function<bool(const RunProgress&)>& progress);
+
+}  // namespace brim

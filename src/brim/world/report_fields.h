@@ -1,0 +1,27 @@
+#pragma once
+
+#include <span>
+
+#include "brim/world/step_report.h"
+
+namespace brim {
+
+/// One scalar of a step report, for files and tables that treat all alike.
+struct ReportField {
+  const char* name;  ///< "worst_overlap", "seconds_solve", ...
+  const char* unit;  ///< "voxels", "s", ...; "" for counts and ratios
+  double (*get)(const StepReport&);
+  void (*set)(StepReport&, double);
+};
+
+/// Every scalar of StepReport, in a fixed order; each phase's seconds are fields of their own.
+std::span<const ReportField> report_fields();
+
+/// Joins the report of the next step to that of the steps before it, so that one report speaks of a whole frame:
+/// counts and times add up, worst values stay, states (energy, contacts, pairs) are those of the later step.
+void join(StepReport& frame, StepReport&& next);
+
+/// Seconds that contact took: presence to respond, and its share of the solve.
+double contact_seconds(const StepReport& report);
+
+}  // namespace brim
