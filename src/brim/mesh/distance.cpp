@@ -48,7 +48,7 @@ TrianglePoint closest_on_edges(const Vec3& p, const std::array<Vec3, 3>& x) {
 TrianglePoint closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a, ap = p - a;
   const double longest2 = std::max({ab.squaredNorm(), ac.squaredNorm(), (c - b).squaredNorm()});
-  if (!(ab.cross(ac).norm() > 1e-14 * longest2)) return closest_on_edges(p, {a, b, c});
+  if (!(ab.cross(ac).squaredNorm() > 1e-28 * longest2 * longest2)) return closest_on_edges(p, {a, b, c});
 
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
   if (d1 <= 0.0 && d2 <= 0.0) return {a, {1, 0, 0}, Feature::VertexA};

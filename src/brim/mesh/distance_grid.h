@@ -18,7 +18,11 @@ enum class SurfaceTreatment : std::uint8_t {
   Thickness       ///< the surface is a sheet: unsigned distance minus half the thickness
 };
 
-/// How values between nodes are found.
+/// How values between nodes are found. Measured with a cubic ramp 3 spacings wide at random points of its band, root
+/// mean square error of the density and of its gradient (largest 1/2 per spacing = 1), trilinear -> tricubic: sphere of
+/// 20 spacings 0.31 % -> 0.01 %, 0.9 % -> 0.05 %; torus tube of 6 spacings 0.56 % -> 0.03 %, 1.6 % -> 0.14 %; lumpy
+/// blob 0.39 % -> 0.10 %, 1.1 % -> 0.5 %; sharp gear 2.3 % -> 1.4 %, 9.7 % -> 6.3 %. A tricubic value costs about 0.3
+/// µs, 2.3 times a trilinear one.
 enum class Interpolation : std::uint8_t {
   Trilinear,  ///< 8 nodes, continuous
   Tricubic    ///< 64 nodes, Catmull-Rom, continuous first derivatives, exact for quadratic fields
@@ -64,13 +68,15 @@ struct DistanceGridOptions {
   SurfaceTreatment treatment = SurfaceTreatment::Closed;
   double thickness = 0.0;                        ///< [m], for SurfaceTreatment::Thickness, > 0
   double margin = 0.0;                           ///< [m] of grid around the solid; at least 3 spacings are always added
+  double exact_band = 0.0;                       ///< [m] distances up to this are exact; at least 4 spacings
   std::size_t max_nodes = std::size_t{1} << 26;  ///< 256 MiB of floats
   Interpolation interpolation = Interpolation::Tricubic;
 };
 
-/// Samples the signed distance of a surface; exact (to float) at every node of the grid.
-/// Closed: distance to the triangles, sign from pseudonormals. WindingNumber: distance to the closed surface where the
-/// winding number is 1/2, taken on the same grid, so details below the spacing round off. Thickness: |d| − thickness/2.
+/// Samples the signed distance of a surface: exact (to float) at nodes up to 4 spacings (or exact_band) from it,
+/// farther at most 2 % too large; the sign is right everywhere. Closed: distance to the triangles, sign from
+/// pseudonormals. WindingNumber: distance to the closed surface where the winding number is 1/2, taken on the same
+/// grid, so details below the spacing round off. Thickness: |d| − thickness/2.
 /// @throws InputError  when a size is not positive, the grid would pass max_nodes, the surface is unfit for the
 ///                     treatment (the message counts the open edges and names the treatments that would do), or no
 ///                     node is inside
