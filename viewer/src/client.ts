@@ -1,0 +1,88 @@
+/** Talks to the server: everything the page knows of a run comes through here. */
+import { decodeArrays } from './codec';
+import {
+  frameFromArrays,
+  seriesFromArrays,
+  topologyFromArrays,
+  type Frame,
+  type RunInfo,
+  type Series,
+  type Topology,
+} from './run';
+
+export interface Progress {
+  frames: number;
+  complete: boolean;
+}
+
+/** The server answered, with an error that says what it could not do. */
+export class ServerError extends Error {
+  constructor(
+    readonly status: number,
+    message: string,
+  ) {
+    super(message);
+  }
+}
+
+async function request(path: string): Promise<Response> {
+  const response = await fetch(path);
+  if (response.ok) return response;
+  let message = `${response.status} ${response.statusText}`;
+  try {
+    message = ((await response.json()) as { error?: string }).error ?? message;
+  } catch {
+    // The status says enough.
+  }
+  throw new ServerError(response.status, message);
+}
+
+async function arrays(path: string) {
+  const buffer = await (await request(path)).arrayBuffer();
+  return { list: decodeArrays(buffer), bytes: buffer.byteLength };
+}
+
+export const fetchRun = async (): Promise<RunInfo> => (await (await request('api/run')).json()) as RunInfo;
+
+export const fetchTopology = async (body: number): Promise<Topology> =>
+  topologyFromArrays((await arrays(`api/topology/${body}`)).list);
+
+export async function fetchFrame(index: number): Promise<Frame> {
+  const { list, bytes } = await arrays(`api/frame/${index}`);
+  return frameFromArrays(index, list, bytes);
+}
+
+export const fetchSeries = async (from: number): Promise<Series> =>
+  seriesFromArrays((await arrays(`api/series?from=${from}`)).list);
+
+/**
+ * Listens to the run's progress. A lost server is reported once and asked for again until it answers; the browser's
+ * own retry is not relied on, since it gives up for good on some refusals.
+ */
+export function watchProgress(on: { progress(p: Progress): void; lost(): void; found(): void }): () => void {
+  let source: EventSource | undefined;
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let lost = false;
+  let stopped = false;
+  const open = () => {
+    source = new EventSource('api/events');
+    source.addEventListener('frames', (event) => {
+      if (lost) on.found();
+      lost = false;
+      on.progress(JSON.parse((event as MessageEvent<string>).data) as Progress);
+    });
+    source.onerror = () => {
+      source?.close();
+      if (stopped) return;
+      if (!lost) on.lost();
+      lost = true;
+      timer = setTimeout(open, 1000);
+    };
+  };
+  open();
+  return () => {
+    stopped = true;
+    source?.close();
+    clearTimeout(timer);
+  };
+}

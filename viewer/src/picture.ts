@@ -1,0 +1,155 @@
+/** The picture of a run: bodies, contacts and tiles on the stage, for one frame at a time. */
+import * as THREE from 'three';
+import type { BodyInfo, Frame, RunInfo, Topology } from './run';
+import { makeBodyView, type BodyView } from './scene/body_view';
+import { boxOf, framing } from './scene/bounds';
+import { ContactView, type ContactStyle } from './scene/contact_view';
+import { defaultColours } from './scene/palette';
+import { Stage } from './scene/stage';
+import { TileView } from './scene/tile_view';
+
+export interface Picked {
+  at: THREE.Vector3;
+  body?: BodyInfo;
+  vertex?: number; // nearest vertex of the body
+  contact?: number;
+}
+
+export class Picture {
+  readonly stage: Stage;
+  contacts: ContactView | undefined;
+  readonly tiles = new TileView();
+  colours: string[] = [];
+  shown: Frame | undefined;
+  private views: BodyView[] = [];
+  private bodies: BodyInfo[] = [];
+  private positions: (Float32Array | undefined)[] = [];
+  private fixedBoxes: THREE.Box3[] = [];
+
+  constructor(canvas: HTMLCanvasElement) {
+    this.stage = new Stage(canvas);
+    this.stage.scene.add(this.tiles.object);
+  }
+
+  /** Takes the bodies; `samples` are a few frames over the run, to know how large it is. */
+  setRun(run: RunInfo, topologies: Topology[], samples: Frame[]): void {
+    for (const view of this.views) {
+      this.stage.scene.remove(view.object);
+      view.dispose();
+    }
+    if (this.contacts) this.stage.scene.remove(this.contacts.object);
+    this.bodies = run.bodies;
+    this.colours = defaultColours(run.bodies);
+    this.contacts = new ContactView((part) => run.bodies[run.parts[part]?.body ?? -1]?.fixed ?? false);
+    this.stage.scene.add(this.contacts.object);
+    this.fixedBoxes = topologies.flatMap((t) => (t.positions ? [boxOf(t.positions)] : []));
+    this.frameScene(samples);
+    this.views = run.bodies.map((body, i) => {
+      const view = makeBodyView(body, topologies[i]!, this.colours[i]!, 0.003 * this.stage.radius);
+      view.object.userData.body = i;
+      view.object.visible = false; // until its positions are known
+      this.stage.scene.add(view.object);
+      return view;
+    });
+    this.positions = topologies.map((t) => t.positions);
+    topologies.forEach((t, i) => {
+      if (!t.positions) return;
+      this.views[i]!.update(t.positions);
+      this.views[i]!.object.visible = true;
+    });
+    this.shown = undefined;
+    this.stage.invalidate();
+  }
+
+  /** Fits light and ground to what some frames show. */
+  frameScene(samples: Frame[]): void {
+    const boxes = samples.map((s) => {
+      const box = new THREE.Box3();
+      for (const p of s.positions.values()) box.union(boxOf(p));
+      return box;
+    });
+    const box = framing(boxes, this.fixedBoxes);
+    if (box.isEmpty()) return;
+    const center = box.getCenter(new THREE.Vector3());
+    this.stage.setBounds(center, Math.max(0.5 * box.min.distanceTo(box.max), 1e-6), box.min.z);
+  }
+
+  show(frame: Frame, visible: (body: number) => boolean): void {
+    this.shown = frame;
+    for (const [body, positions] of frame.positions) {
+      const view = this.views[body];
+      if (!view) continue;
+      this.positions[body] = positions;
+      view.update(positions);
+      view.object.visible = visible(body);
+    }
+    this.refreshContacts();
+    this.tiles.update(frame.tiles);
+    this.stage.invalidate();
+  }
+
+  setLook(body: number, look: { visible: boolean; colour: string; wireframe: boolean }): void {
+    const view = this.views[body];
+    if (!view) return;
+    view.object.visible = look.visible && this.positions[body] !== undefined;
+    view.setColour(look.colour);
+    view.setWireframe(look.wireframe);
+    this.stage.invalidate();
+  }
+
+  setContacts(style: ContactStyle, scale: number): void {
+    if (!this.contacts) return;
+    this.contacts.style = style;
+    this.contacts.scale = scale;
+    this.refreshContacts();
+    this.stage.invalidate();
+  }
+
+  private refreshContacts() {
+    if (this.contacts && this.shown) this.contacts.update(this.shown.contacts, this.stage.radius);
+  }
+
+  setTiles(on: boolean): void {
+    this.tiles.object.visible = on;
+    if (this.shown) this.tiles.update(this.shown.tiles);
+    this.stage.invalidate();
+  }
+
+  /** What lies under a point of the canvas, given in -1..1 from bottom left; contacts come before bodies. */
+  pick(x: number, y: number): Picked | undefined {
+    const ray = new THREE.Raycaster();
+    ray.setFromCamera(new THREE.Vector2(x, y), this.stage.camera);
+    const contact = this.contacts?.pick(ray) ?? -1;
+    if (contact >= 0 && this.shown)
+      return { at: new THREE.Vector3().fromArray(this.shown.contacts.position, 3 * contact), contact };
+    const hit = ray.intersectObjects(
+      this.views.map((v) => v.object).filter((o) => o.visible),
+      true,
+    )[0];
+    if (!hit) return undefined;
+    let object: THREE.Object3D | null = hit.object;
+    while (object && object.userData.body === undefined) object = object.parent;
+    const index = object?.userData.body as number | undefined;
+    if (index === undefined) return undefined;
+    return { at: hit.point, body: this.bodies[index]!, vertex: this.nearestVertex(index, hit.point) };
+  }
+
+  private nearestVertex(body: number, point: THREE.Vector3): number {
+    const p = this.positions[body] ?? new Float32Array(0);
+    let best = -1;
+    let least = Infinity;
+    for (let i = 0; i + 2 < p.length; i += 3) {
+      const d = (p[i]! - point.x) ** 2 + (p[i + 1]! - point.y) ** 2 + (p[i + 2]! - point.z) ** 2;
+      if (d < least) {
+        least = d;
+        best = i / 3;
+      }
+    }
+    return best;
+  }
+
+  positionOf(body: number, vertex: number): [number, number, number] | undefined {
+    const p = this.positions[body];
+    return p && vertex >= 0 ? [p[3 * vertex]!, p[3 * vertex + 1]!, p[3 * vertex + 2]!] : undefined;
+  }
+}

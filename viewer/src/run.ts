@@ -1,0 +1,133 @@
+/** What the server tells of a run, in the shapes the page works with. docs/viewer.md describes the interface. */
+import { find, type NamedArray } from './codec';
+
+export type Display = 'triangles' | 'lines' | 'points';
+
+export interface BodyInfo {
+  index: number;
+  name: string;
+  kind: string;
+  display: Display;
+  twoSided: boolean;
+  radius: number; // [m] of lines and points
+  vertices: number;
+  fixed: boolean; // its one set of positions comes with the topology
+  parts: number[]; // global part numbers
+}
+
+export interface Warning {
+  time: number;
+  code: string;
+  message: string;
+}
+
+export interface RunInfo {
+  name: string;
+  scene: string;
+  brimVersion: string;
+  frames: number;
+  complete: boolean; // the writer closed the file
+  bodies: BodyInfo[];
+  parts: { name: string; body: number }[];
+  warnings: Warning[];
+  summary: Record<string, unknown>;
+}
+
+export interface Topology {
+  cells: Int32Array; // (n, 3) triangles, (n, 2) lines, empty for points
+  positions: Float32Array | undefined; // (nv, 3), of a fixed body
+}
+
+export interface Contacts {
+  count: number;
+  position: Float32Array; // (n, 3) [m]
+  force: Float32Array; // (n, 3) [N] normal, on the first part
+  friction: Float32Array; // (n, 3) [N] on the first part
+  overlap: Float32Array; // (n) [voxels]
+  pair: Int32Array; // (n, 2) global part numbers
+}
+
+export interface Frame {
+  index: number;
+  positions: Map<number, Float32Array>; // body -> (nv, 3) [m]
+  contacts: Contacts;
+  tiles: { key: Int32Array; step: Float32Array }; // (n, 3), (n) [m]
+  bytes: number;
+}
+
+export type Series = Map<string, Float64Array>;
+
+const noFloats = new Float32Array(0);
+const noInts = new Int32Array(0);
+
+const floats = (a: NamedArray[], name: string, body = -1) =>
+  (find(a, name, body)?.data as Float32Array | undefined) ?? noFloats;
+const ints = (a: NamedArray[], name: string) => (find(a, name)?.data as Int32Array | undefined) ?? noInts;
+
+export function frameFromArrays(index: number, arrays: NamedArray[], bytes: number): Frame {
+  const positions = new Map<number, Float32Array>();
+  for (const a of arrays) if (a.name === 'positions') positions.set(a.body, a.data as Float32Array);
+  const position = floats(arrays, 'contacts/position');
+  return {
+    index,
+    positions,
+    contacts: {
+      count: position.length / 3,
+      position,
+      force: floats(arrays, 'contacts/force'),
+      friction: floats(arrays, 'contacts/friction'),
+      overlap: floats(arrays, 'contacts/overlap'),
+      pair: ints(arrays, 'contacts/pair'),
+    },
+    tiles: { key: ints(arrays, 'tiles/key'), step: floats(arrays, 'tiles/step') },
+    bytes,
+  };
+}
+
+export function topologyFromArrays(arrays: NamedArray[]): Topology {
+  const cells = arrays.find((a) => a.name === 'triangles' || a.name === 'lines');
+  const body = arrays.find((a) => a.name === 'positions');
+  return {
+    cells: (cells?.data as Int32Array | undefined) ?? noInts,
+    positions: body?.data as Float32Array | undefined,
+  };
+}
+
+export function seriesFromArrays(arrays: NamedArray[]): Series {
+  const series: Series = new Map();
+  for (const a of arrays) series.set(a.name, a.data as Float64Array);
+  return series;
+}
+
+/** Totals per pair of parts, from the contacts of a frame. */
+export interface PairTotal {
+  a: number;
+  b: number;
+  count: number;
+  normal: number; // [N] magnitude of the summed normal force
+  friction: number; // [N] magnitude of the summed friction
+  worstOverlap: number; // [voxels]
+}
+
+export function pairTotals(c: Contacts): PairTotal[] {
+  const byKey = new Map<string, PairTotal & { n: number[]; f: number[] }>();
+  for (let i = 0; i < c.count; ++i) {
+    const a = c.pair[2 * i]!;
+    const b = c.pair[2 * i + 1]!;
+    const key = `${a},${b}`;
+    let t = byKey.get(key);
+    if (!t) {
+      t = { a, b, count: 0, normal: 0, friction: 0, worstOverlap: 0, n: [0, 0, 0], f: [0, 0, 0] };
+      byKey.set(key, t);
+    }
+    ++t.count;
+    t.worstOverlap = Math.max(t.worstOverlap, c.overlap[i] ?? 0);
+    for (let k = 0; k < 3; ++k) {
+      t.n[k]! += c.force[3 * i + k] ?? 0;
+      t.f[k]! += c.friction[3 * i + k] ?? 0;
+    }
+  }
+  return [...byKey.values()]
+    .map(({ n, f, ...t }) => ({ ...t, normal: Math.hypot(...n), friction: Math.hypot(...f) }))
+    .sort((x, y) => x.a - y.a || x.b - y.b);
+}

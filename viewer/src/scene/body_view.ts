@@ -1,0 +1,193 @@
+/** Bodies as the picture shows them. One class per display kind behind one small interface. */
+import * as THREE from 'three';
+import type { BodyInfo, Topology } from '../run';
+import { splitAtCreases, updateShading, type SplitMesh } from './normals';
+
+const kCrease = THREE.MathUtils.degToRad(38);
+
+export interface BodyView {
+  readonly object: THREE.Object3D;
+  update(positions: Float32Array): void;
+  setColour(colour: string): void;
+  setWireframe(on: boolean): void;
+  dispose(): void;
+}
+
+function material(colour: string, body: BodyInfo): THREE.MeshPhysicalMaterial {
+  const cloth = body.twoSided;
+  return new THREE.MeshPhysicalMaterial({
+    color: colour,
+    roughness: body.fixed ? 0.9 : cloth ? 0.78 : 0.48,
+    metalness: 0,
+    clearcoat: body.fixed || cloth ? 0 : 0.25,
+    clearcoatRoughness: 0.45,
+    sheen: cloth ? 0.5 : 0,
+    sheenRoughness: 0.6,
+    side: THREE.DoubleSide, // a look inside shows the inside, and open surfaces have two sides
+    shadowSide: THREE.DoubleSide,
+  });
+}
+
+class TriangleView implements BodyView {
+  readonly object: THREE.Mesh<THREE.BufferGeometry, THREE.MeshPhysicalMaterial>;
+  private split: SplitMesh | undefined;
+
+  constructor(
+    body: BodyInfo,
+    private readonly topology: Topology,
+    colour: string,
+  ) {
+    this.object = new THREE.Mesh(new THREE.BufferGeometry(), material(colour, body));
+    this.object.castShadow = true;
+    this.object.receiveShadow = true;
+    this.object.frustumCulled = false; // bounds would have to follow every frame
+  }
+
+  update(positions: Float32Array): void {
+    const geometry = this.object.geometry;
+    if (!this.split) {
+      this.split = splitAtCreases(positions, this.topology.cells, kCrease);
+      const n = this.split.source.length * 3;
+      geometry.setIndex(new THREE.BufferAttribute(this.split.index, 1));
+      for (const name of ['position', 'normal'])
+        geometry.setAttribute(
+          name,
+          new THREE.BufferAttribute(new Float32Array(n), 3).setUsage(THREE.DynamicDrawUsage),
+        );
+    }
+    const p = geometry.getAttribute('position') as THREE.BufferAttribute;
+    const n = geometry.getAttribute('normal') as THREE.BufferAttribute;
+    updateShading(this.split, positions, p.array as Float32Array, n.array as Float32Array);
+    p.needsUpdate = n.needsUpdate = true;
+    geometry.boundingSphere = null;
+    geometry.boundingBox = null;
+  }
+
+  setColour(colour: string) {
+    this.object.material.color.set(colour);
+  }
+  setWireframe(on: boolean) {
+    this.object.material.wireframe = on;
+  }
+  dispose() {
+    this.object.geometry.dispose();
+    this.object.material.dispose();
+  }
+}
+
+/** Instances of one small mesh; picking needs their bounds renewed whenever they move. */
+function instances(geometry: THREE.BufferGeometry, m: THREE.Material, count: number): THREE.InstancedMesh {
+  const mesh = new THREE.InstancedMesh(geometry, m, count);
+  mesh.instanceMatrix.setUsage(THREE.DynamicDrawUsage);
+  mesh.castShadow = true;
+  mesh.receiveShadow = true;
+  mesh.frustumCulled = false;
+  return mesh;
+}
+
+/** Fewer triangles per ball when there are many. */
+function ballGeometry(count: number): THREE.BufferGeometry {
+  return new THREE.IcosahedronGeometry(1, count < 2_000 ? 4 : count < 20_000 ? 2 : 1);
+}
+
+class PointView implements BodyView {
+  readonly object: THREE.InstancedMesh;
+  private readonly material: THREE.MeshPhysicalMaterial;
+
+  constructor(
+    body: BodyInfo,
+    colour: string,
+    private readonly radius: number,
+  ) {
+    this.material = material(colour, body);
+    this.object = instances(ballGeometry(body.vertices), this.material, body.vertices);
+  }
+
+  update(positions: Float32Array): void {
+    const m = this.object.instanceMatrix.array;
+    for (let i = 0, j = 0; i < positions.length; i += 3, j += 16) {
+      m[j] = m[j + 5] = m[j + 10] = this.radius;
+      m[j + 12] = positions[i]!;
+      m[j + 13] = positions[i + 1]!;
+      m[j + 14] = positions[i + 2]!;
+      m[j + 15] = 1;
+    }
+    this.object.instanceMatrix.needsUpdate = true;
+    this.object.boundingSphere = null;
+  }
+  setColour(colour: string) {
+    this.material.color.set(colour);
+  }
+  setWireframe(on: boolean) {
+    this.material.wireframe = on;
+  }
+  dispose() {
+    this.object.geometry.dispose();
+    this.object.dispose();
+    this.material.dispose();
+  }
+}
+
+class LineView implements BodyView {
+  readonly object = new THREE.Group();
+  private readonly material: THREE.MeshPhysicalMaterial;
+  private readonly tubes: THREE.InstancedMesh;
+  private readonly joints: PointView;
+
+  constructor(
+    body: BodyInfo,
+    private readonly topology: Topology,
+    colour: string,
+    private readonly radius: number,
+  ) {
+    this.material = material(colour, body);
+    const tube = new THREE.CylinderGeometry(1, 1, 1, 14, 1, true);
+    this.tubes = instances(tube, this.material, topology.cells.length / 2);
+    this.joints = new PointView(body, colour, radius);
+    this.object.add(this.tubes, this.joints.object);
+  }
+
+  update(positions: Float32Array): void {
+    const { cells } = this.topology;
+    const from = new THREE.Vector3();
+    const to = new THREE.Vector3();
+    const up = new THREE.Vector3(0, 1, 0);
+    const turn = new THREE.Quaternion();
+    const scale = new THREE.Vector3();
+    const matrix = new THREE.Matrix4();
+    for (let s = 0; s < cells.length / 2; ++s) {
+      from.fromArray(positions, 3 * cells[2 * s]!);
+      to.fromArray(positions, 3 * cells[2 * s + 1]!);
+      scale.copy(to).sub(from);
+      const length = scale.length();
+      turn.setFromUnitVectors(up, scale.divideScalar(length || 1));
+      matrix.compose(from.add(to).multiplyScalar(0.5), turn, scale.set(this.radius, length, this.radius));
+      this.tubes.setMatrixAt(s, matrix);
+    }
+    this.tubes.instanceMatrix.needsUpdate = true;
+    this.tubes.boundingSphere = null;
+    this.joints.update(positions);
+  }
+  setColour(colour: string) {
+    this.material.color.set(colour);
+    this.joints.setColour(colour);
+  }
+  setWireframe(on: boolean) {
+    this.material.wireframe = on;
+    this.joints.setWireframe(on);
+  }
+  dispose() {
+    this.tubes.geometry.dispose();
+    this.tubes.dispose();
+    this.material.dispose();
+    this.joints.dispose();
+  }
+}
+
+/** @param thinnest [m] lines and points without a radius of their own are drawn this thick */
+export function makeBodyView(body: BodyInfo, topology: Topology, colour: string, thinnest: number): BodyView {
+  const radius = body.radius > 0 ? body.radius : thinnest;
+  if (body.display === 'points') return new PointView(body, colour, radius);
+  if (body.display === 'lines') return new LineView(body, topology, colour, radius);
+  return new TriangleView(body, topology, colour);
+}

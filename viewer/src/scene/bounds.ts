@@ -1,0 +1,39 @@
+/** How much of the world the picture should show. */
+import * as THREE from 'three';
+
+/** Box of the finite points of a list, empty if there are none. */
+export function boxOf(positions: Float32Array): THREE.Box3 {
+  const box = new THREE.Box3();
+  const p = new THREE.Vector3();
+  for (let i = 0; i + 2 < positions.length; i += 3) {
+    p.set(positions[i]!, positions[i + 1]!, positions[i + 2]!);
+    if (Number.isFinite(p.x + p.y + p.z)) box.expandByPoint(p);
+  }
+  return box;
+}
+
+const diagonal = (box: THREE.Box3) => (box.isEmpty() ? 0 : box.min.distanceTo(box.max));
+
+/**
+ * Box to frame: the moving bodies over some frames, the first of which sets the scale, so that a body shot far away
+ * does not shrink the rest to a dot; and of what is fixed, all if it is of that scale, else the part near by.
+ */
+export function framing(moving: THREE.Box3[], fixed: THREE.Box3[]): THREE.Box3 {
+  const box = new THREE.Box3();
+  for (const m of moving)
+    if (box.isEmpty() || diagonal(box.clone().union(m)) < 4 * diagonal(box)) box.union(m);
+  const scale = diagonal(box);
+  for (const f of fixed) {
+    if (f.isEmpty()) continue;
+    if (scale === 0 || diagonal(f) < 2 * scale) {
+      box.union(f);
+      continue;
+    }
+    const near = box
+      .clone()
+      .expandByScalar(0.1 * scale)
+      .intersect(f);
+    if (!near.isEmpty()) box.union(near);
+  }
+  return box;
+}

@@ -1,0 +1,145 @@
+/** Contacts of a frame: a dot where each is, an arrow for its normal force, another for friction. */
+import * as THREE from 'three';
+import type { Contacts } from '../run';
+
+export type ContactStyle = 'off' | 'points' | 'forces' | 'all';
+
+export const normalColour = '#c2303a';
+export const frictionColour = '#e0a100';
+
+/** Dots and arrows of one colour, drawn where they are seen, and as a ghost where a body hides them. */
+class Glyphs {
+  readonly object = new THREE.Group();
+  private capacity = 0;
+  private shown: THREE.InstancedMesh | undefined;
+  private ghost: THREE.InstancedMesh | undefined;
+  private readonly solid: THREE.MeshStandardMaterial;
+  private readonly faint: THREE.MeshBasicMaterial;
+
+  constructor(
+    private readonly geometry: THREE.BufferGeometry,
+    colour: string,
+  ) {
+    this.solid = new THREE.MeshStandardMaterial({ color: colour, roughness: 0.6 });
+    this.faint = new THREE.MeshBasicMaterial({
+      color: colour,
+      transparent: true,
+      opacity: 0.3,
+      depthTest: false,
+      depthWrite: false,
+    });
+  }
+
+  begin(count: number): THREE.InstancedMesh {
+    if (count > this.capacity || !this.shown || !this.ghost) {
+      this.capacity = Math.max(64, Math.ceil(count * 1.5));
+      this.shown?.dispose();
+      this.ghost?.dispose();
+      this.object.clear();
+      this.shown = new THREE.InstancedMesh(this.geometry, this.solid, this.capacity);
+      this.ghost = new THREE.InstancedMesh(this.geometry, this.faint, this.capacity);
+      this.shown.instanceMatrix.setUsage(THREE.DynamicDrawUsage);
+      this.ghost.instanceMatrix = this.shown.instanceMatrix;
+      this.shown.frustumCulled = this.ghost.frustumCulled = false;
+      this.ghost.renderOrder = 5;
+      this.object.add(this.shown, this.ghost);
+    }
+    this.shown.count = this.ghost.count = count;
+    this.shown.instanceMatrix.needsUpdate = true;
+    this.shown.boundingSphere = null;
+    return this.shown;
+  }
+
+  get mesh(): THREE.InstancedMesh | undefined {
+    return this.shown;
+  }
+}
+
+export class ContactView {
+  readonly object = new THREE.Group();
+  style: ContactStyle = 'off';
+  scale = 1; // of arrows, times the length chosen from the run's largest force
+  private readonly dots = new Glyphs(new THREE.IcosahedronGeometry(1, 2), '#202a36');
+  private readonly shafts = [0, 1].map((k) => this.glyphs(new THREE.CylinderGeometry(1, 1, 1, 10), k));
+  private readonly heads = [0, 1].map((k) => this.glyphs(new THREE.ConeGeometry(1, 1, 14), k));
+  private largest = 0; // [N] largest force seen so far in the run: arrows keep their scale from frame to frame
+
+  /** @param isFixed tells whether a part never moves: forces are drawn on the part that does */
+  constructor(private readonly isFixed: (part: number) => boolean) {
+    this.object.add(
+      this.dots.object,
+      ...this.shafts.map((g) => g.object),
+      ...this.heads.map((g) => g.object),
+    );
+  }
+
+  private glyphs(geometry: THREE.BufferGeometry, kind: number): Glyphs {
+    geometry.translate(0, 0.5, 0);
+    return new Glyphs(geometry, kind === 0 ? normalColour : frictionColour);
+  }
+
+  /** +1 or -1: the sign that turns the recorded force, on the first part, into that on the part it is drawn on. */
+  sign(c: Contacts, i: number): number {
+    return this.isFixed(c.pair[2 * i]!) && !this.isFixed(c.pair[2 * i + 1]!) ? -1 : 1;
+  }
+
+  update(c: Contacts, radius: number): void {
+    for (let i = 0; i < c.count; ++i) {
+      const f = Math.hypot(c.force[3 * i]!, c.force[3 * i + 1]!, c.force[3 * i + 2]!);
+      if (Number.isFinite(f)) this.largest = Math.max(this.largest, f);
+    }
+    this.object.visible = this.style !== 'off';
+    if (!this.object.visible) return;
+    const showDots = this.style !== 'forces';
+    const showArrows = this.style !== 'points';
+    const matrix = new THREE.Matrix4();
+    const dot = this.dots.begin(showDots ? c.count : 0);
+    const size = 0.0045 * radius;
+    if (showDots)
+      for (let i = 0; i < c.count; ++i) {
+        matrix
+          .makeScale(size, size, size)
+          .setPosition(c.position[3 * i]!, c.position[3 * i + 1]!, c.position[3 * i + 2]!);
+        dot.setMatrixAt(i, matrix);
+      }
+    this.arrows(0, c, showArrows ? c.force : undefined, radius);
+    this.arrows(1, c, showArrows ? c.friction : undefined, radius);
+  }
+
+  private arrows(kind: number, c: Contacts, vectors: Float32Array | undefined, radius: number): void {
+    const count = vectors?.length ? c.count : 0;
+    const shaft = this.shafts[kind]!.begin(count);
+    const head = this.heads[kind]!.begin(count);
+    if (!vectors || count === 0) return;
+    const perNewton = this.largest > 0 ? (0.32 * radius * this.scale) / this.largest : 0;
+    const thick = 0.0034 * radius;
+    const up = new THREE.Vector3(0, 1, 0);
+    const v = new THREE.Vector3();
+    const at = new THREE.Vector3();
+    const size = new THREE.Vector3();
+    const turn = new THREE.Quaternion();
+    const matrix = new THREE.Matrix4();
+    for (let i = 0; i < count; ++i) {
+      v.fromArray(vectors, 3 * i).multiplyScalar(perNewton * this.sign(c, i));
+      at.fromArray(c.position, 3 * i);
+      const length = v.length();
+      const drawn = Number.isFinite(length) && length > 0.2 * thick;
+      turn.setFromUnitVectors(up, drawn ? v.divideScalar(length) : up);
+      const tip = drawn ? Math.min(0.45 * length, 5 * thick) : 0;
+      const width = drawn ? thick * Math.min(1, length / (4 * thick)) : 0;
+      shaft.setMatrixAt(i, matrix.compose(at, turn, size.set(width, drawn ? length - tip : 0, width)));
+      if (drawn) at.addScaledVector(v, length - tip);
+      head.setMatrixAt(i, matrix.compose(at, turn, size.set(2.4 * width, tip, 2.4 * width)));
+    }
+  }
+
+  /** The contact under a ray, or -1. */
+  pick(ray: THREE.Raycaster): number {
+    if (!this.object.visible) return -1;
+    const meshes = [this.dots, ...this.shafts, ...this.heads].flatMap((g) =>
+      g.mesh && g.mesh.count > 0 ? [g.mesh] : [],
+    );
+    for (const mesh of meshes) mesh.boundingSphere = null;
+    return ray.intersectObjects(meshes, false)[0]?.instanceId ?? -1;
+  }
+}

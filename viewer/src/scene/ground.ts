@@ -1,0 +1,81 @@
+/** An endless studio floor: soft shadows and a grid that fades, on nothing. */
+import * as THREE from 'three';
+
+const gridVertex = `
+  varying vec2 at;
+  void main() {
+    vec4 world = modelMatrix * vec4(position, 1.0);
+    at = world.xy;
+    gl_Position = projectionMatrix * viewMatrix * world;
+  }`;
+
+// Lines are as wide as a pixel at any distance: the distance to the next line is measured in its own screen derivative.
+const gridFragment = `
+  uniform float spacing, reach;
+  uniform vec2 middle;
+  uniform vec3 ink;
+  varying vec2 at;
+  float lines(vec2 p, float width) {
+    vec2 d = fwidth(p);
+    vec2 away = abs(fract(p - 0.5) - 0.5) / max(d, vec2(1e-6));
+    vec2 on = 1.0 - smoothstep(0.0, width, away);
+    on *= 1.0 - smoothstep(0.2, 0.5, d);
+    return max(on.x, on.y);
+  }
+  void main() {
+    float fade = 1.0 - smoothstep(0.15, 1.0, length(at - middle) / reach);
+    float a = max(0.16 * lines(at / spacing, 1.2), 0.30 * lines(at / (5.0 * spacing), 1.5));
+    gl_FragColor = vec4(ink, a * fade);
+  }`;
+
+/** A round length, 1, 2 or 5 times a power of ten, near x. */
+export function roundLength(x: number): number {
+  const power = 10 ** Math.floor(Math.log10(x));
+  const m = x / power;
+  return power * (m < 1.5 ? 1 : m < 3.5 ? 2 : m < 7.5 ? 5 : 10);
+}
+
+export class Ground {
+  readonly object = new THREE.Group();
+  spacing = 0.1; // [m] between thin lines
+  private readonly shadow: THREE.Mesh;
+  private readonly grid: THREE.Mesh<THREE.PlaneGeometry, THREE.ShaderMaterial>;
+
+  constructor() {
+    const plane = new THREE.PlaneGeometry(2, 2);
+    this.shadow = new THREE.Mesh(plane, new THREE.ShadowMaterial({ opacity: 0.26, color: '#1c2733' }));
+    this.shadow.receiveShadow = true;
+    this.shadow.material = this.shadow.material as THREE.ShadowMaterial;
+    (this.shadow.material as THREE.ShadowMaterial).depthWrite = false;
+    this.shadow.renderOrder = -2;
+    this.grid = new THREE.Mesh(
+      plane,
+      new THREE.ShaderMaterial({
+        vertexShader: gridVertex,
+        fragmentShader: gridFragment,
+        transparent: true,
+        depthWrite: false,
+        side: THREE.DoubleSide,
+        uniforms: {
+          spacing: { value: 0.1 },
+          reach: { value: 1 },
+          middle: { value: new THREE.Vector2() },
+          ink: { value: new THREE.Color('#24384d') },
+        },
+      }),
+    );
+    this.grid.renderOrder = -1;
+    this.object.add(this.shadow, this.grid);
+  }
+
+  place(center: THREE.Vector3, radius: number, height: number): void {
+    const reach = 5 * radius;
+    this.spacing = roundLength(radius / 6);
+    this.object.position.set(center.x, center.y, height - 0.002 * radius);
+    this.object.scale.set(reach, reach, 1);
+    const u = this.grid.material.uniforms;
+    u.spacing!.value = this.spacing;
+    u.reach!.value = reach;
+    (u.middle!.value as THREE.Vector2).set(center.x, center.y);
+  }
+}

@@ -1,0 +1,44 @@
+/** The keyboard. */
+import type { App } from '../app';
+
+export function bindKeys(app: App): void {
+  const actions: Record<string, (shift: boolean) => void> = {
+    ' ': () => app.player.toggle(),
+    ArrowLeft: (shift) => app.player.step(shift ? -10 : -1),
+    ArrowRight: (shift) => app.player.step(shift ? 10 : 1),
+    Home: () => app.player.step(-app.player.frames),
+    End: () => app.player.step(app.player.frames),
+    f: () => app.picture.stage.fit(),
+    1: () => app.setPose({ azimuth: -90, elevation: 4 }),
+    2: () => app.setPose({ azimuth: 0, elevation: 4 }),
+    3: () => app.setPose({ azimuth: -90, elevation: 89 }),
+    w: () => app.panel.toggleWireframe(),
+    c: () => app.panel.cycleContacts(),
+    t: () => app.panel.setTiles(!app.panel.tilesShown),
+    l: () => app.player.setLoop(!app.player.loop),
+    p: () => app.togglePlots(),
+    b: () => app.togglePanel(),
+    s: () => void app.savePicture(),
+    '?': () => app.toggleHelp(),
+  };
+  window.addEventListener('keydown', (e) => {
+    if (e.ctrlKey || e.metaKey || e.altKey) return;
+    const target = e.target as HTMLElement;
+    const typing =
+      target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && target.type === 'color');
+    // A focused slider or button keeps the keys that work it; the time line's slider is the time line.
+    const own =
+      (target instanceof HTMLInputElement &&
+        target.type === 'range' &&
+        !target.classList.contains('scrub') &&
+        e.key.length > 1) ||
+      ((target instanceof HTMLButtonElement ||
+        (target instanceof HTMLInputElement && target.type === 'checkbox')) &&
+        e.key === ' ');
+    const action = actions[e.key.length === 1 ? e.key.toLowerCase() : e.key];
+    if (!action || typing || own) return;
+    if (document.querySelector('dialog[open]') && e.key !== '?') return;
+    e.preventDefault();
+    action(e.shiftKey);
+  });
+}

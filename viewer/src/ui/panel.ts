@@ -1,0 +1,349 @@
+/** The side panel: bodies, contacts, tiles, touching pairs, warnings. */
+import type { Player } from '../player';
+import { pairTotals, type BodyInfo, type Frame, type RunInfo } from '../run';
+import { frictionColour, normalColour, type ContactStyle } from '../scene/contact_view';
+import { h, human, iconButton, setIcon } from './dom';
+import { swatch } from './plots';
+
+export interface BodyLook {
+  visible: boolean;
+  colour: string;
+  wireframe: boolean;
+}
+
+export interface PanelEvents {
+  look(body: number, look: BodyLook): void;
+  contacts(style: ContactStyle, scale: number): void;
+  tiles(on: boolean): void;
+}
+
+const styles: [ContactStyle, string][] = [
+  ['off', 'off'],
+  ['points', 'points'],
+  ['forces', 'arrows'],
+  ['all', 'both'],
+];
+
+export class Panel {
+  readonly element = h('aside', { class: 'side left', 'aria-label': 'what is shown' });
+  looks: BodyLook[] = [];
+  contactStyle: ContactStyle = 'off';
+  contactScale = 1;
+  tilesShown = false;
+  private readonly status = h('p', { class: 'status' });
+  private readonly bodies = h('ul', { class: 'bodies' });
+  private readonly pairs = h('div', { class: 'pairs' });
+  private readonly warnings = h('section', { class: 'card' });
+  private readonly segments: HTMLButtonElement[];
+  private readonly tilesBox = h('input', { type: 'checkbox', id: 'tiles' });
+  private rows: { refresh(): void }[] = [];
+  private run: RunInfo | undefined;
+
+  constructor(
+    private readonly player: Player,
+    private readonly on: PanelEvents,
+  ) {
+    this.segments = styles.map(([style, label]) =>
+      h('button', { type: 'button', 'data-style': style, onclick: () => this.setContacts(style) }, label),
+    );
+    const slider = h('input', { type: 'range', min: '-1', max: '1', step: '0.02', value: '0', id: 'arrow' });
+    slider.addEventListener('input', () => {
+      this.contactScale = 10 ** Number(slider.value);
+      this.on.contacts(this.contactStyle, this.contactScale);
+    });
+    this.tilesBox.addEventListener('change', () => this.setTiles(this.tilesBox.checked));
+    this.element.append(
+      h('section', { class: 'card head' }, this.status),
+      h(
+        'section',
+        { class: 'card' },
+        h(
+          'h3',
+          {},
+          'Bodies',
+          h('span', { class: 'spacer' }),
+          h('button', { class: 'text', type: 'button', onclick: () => this.showAll(true) }, 'all'),
+          h('button', { class: 'text', type: 'button', onclick: () => this.showAll(false) }, 'none'),
+        ),
+        this.bodies,
+      ),
+      h(
+        'section',
+        { class: 'card' },
+        h('h3', {}, 'Contacts'),
+        h('div', { class: 'segments', role: 'group', 'aria-label': 'contacts' }, ...this.segments),
+        h('div', { class: 'row' }, h('label', { for: 'arrow' }, 'arrow length'), slider),
+        h(
+          'div',
+          { class: 'legend' },
+          h('span', { class: 'item' }, swatch(normalColour), 'normal force'),
+          h('span', { class: 'item' }, swatch(frictionColour), 'friction'),
+        ),
+        this.pairs,
+      ),
+      h(
+        'section',
+        { class: 'card' },
+        h('h3', {}, 'Grid'),
+        h(
+          'div',
+          { class: 'row' },
+          this.tilesBox,
+          h('label', { for: 'tiles' }, 'active tiles (8³ nodes each)'),
+        ),
+      ),
+      this.warnings,
+    );
+    this.refreshContacts();
+  }
+
+  /** Fills the panel; what the user chose for bodies shown before is kept. */
+  setRun(run: RunInfo, colours: string[]): void {
+    this.run = run;
+    const fresh = this.looks.length !== run.bodies.length;
+    if (fresh) {
+      this.looks = colours.map((colour) => ({ visible: true, colour, wireframe: false }));
+      this.rows = [];
+      this.bodies.replaceChildren(...run.bodies.map((b) => this.bodyRow(b)));
+    }
+    this.status.replaceChildren(
+      h('b', { class: 'name' }, run.name),
+      h(
+        'span',
+        {},
+        `${run.bodies.length} ${run.bodies.length === 1 ? 'body' : 'bodies'} · ${run.frames} frames · `,
+      ),
+      h('span', { class: run.complete ? '' : 'growing' }, run.complete ? 'complete' : 'growing'),
+    );
+    this.warnings.hidden = run.warnings.length === 0;
+    this.warnings.replaceChildren(
+      h('h3', {}, `Warnings (${run.warnings.length})`),
+      h(
+        'ul',
+        { class: 'warnings' },
+        ...run.warnings
+          .slice(0, 100)
+          .map((w) =>
+            h(
+              'li',
+              {},
+              h(
+                'button',
+                {
+                  type: 'button',
+                  class: 'warning',
+                  onclick: () => this.player.step(this.player.frameAt(w.time) - this.player.frame),
+                },
+                h('b', {}, `${human(w.time, 's')} · ${w.code.replaceAll('_', ' ')}`),
+                h('span', {}, w.message),
+              ),
+            ),
+          ),
+      ),
+    );
+  }
+
+  private bodyRow(body: BodyInfo): HTMLElement {
+    const look = () => this.looks[body.index]!;
+    const tell = () => {
+      refresh();
+      this.on.look(body.index, look());
+    };
+    const eye = iconButton('eye', 'hide', () => {
+      look().visible = !look().visible;
+      tell();
+    });
+    const wire = iconButton('wire', `wireframe of ${body.name}`, () => {
+      look().wireframe = !look().wireframe;
+      tell();
+    });
+    const colour = h('input', {
+      type: 'color',
+      value: look().colour,
+      'aria-label': `colour of ${body.name}`,
+      title: 'colour',
+    });
+    colour.addEventListener('input', () => {
+      look().colour = colour.value;
+      tell();
+    });
+    const row = h(
+      'li',
+      { 'data-body': body.index },
+      colour,
+      h(
+        'span',
+        { class: 'what' },
+        h('b', {}, body.name),
+        h(
+          'small',
+          {},
+          body.fixed ? `${body.kind}` : `${body.kind} · ${body.vertices.toLocaleString('en')} points`,
+        ),
+      ),
+      wire,
+      eye,
+    );
+    const refresh = () => {
+      row.classList.toggle('off', !look().visible);
+      wire.classList.toggle('on', look().wireframe);
+      wire.setAttribute('aria-pressed', String(look().wireframe));
+      setIcon(eye, look().visible ? 'eye' : 'hidden', `${look().visible ? 'hide' : 'show'} ${body.name}`);
+    };
+    refresh();
+    this.rows.push({ refresh });
+    return row;
+  }
+
+  private changeAll(change: (look: BodyLook) => void) {
+    this.looks.forEach((look, body) => {
+      change(look);
+      this.rows[body]?.refresh();
+      this.on.look(body, look);
+    });
+  }
+
+  showAll(visible: boolean): void {
+    this.changeAll((look) => (look.visible = visible));
+  }
+
+  /** Wireframe for all bodies, or for none if all have it. */
+  toggleWireframe(): void {
+    const on = !this.looks.every((l) => l.wireframe);
+    this.changeAll((look) => (look.wireframe = on));
+  }
+
+  setContacts(style: ContactStyle): void {
+    this.contactStyle = style;
+    this.refreshContacts();
+    this.on.contacts(style, this.contactScale);
+  }
+
+  /** Goes through off, points, arrows, both. */
+  cycleContacts(): void {
+    const at = styles.findIndex(([s]) => s === this.contactStyle);
+    this.setContacts(styles[(at + 1) % styles.length]![0]);
+  }
+
+  setTiles(on: boolean): void {
+    this.tilesShown = on;
+    this.tilesBox.checked = on;
+    this.on.tiles(on);
+  }
+
+  private refreshContacts() {
+    for (const s of this.segments) {
+      const on = s.dataset.style === this.contactStyle;
+      s.classList.toggle('on', on);
+      s.setAttribute('aria-pressed', String(on));
+    }
+  }
+
+  /** The table of touching pairs of the frame shown. */
+  showFrame(frame: Frame): void {
+    const totals = pairTotals(frame.contacts);
+    if (!totals.length) {
+      this.pairs.replaceChildren(h('p', { class: 'empty' }, 'Nothing touches in this frame.'));
+      return;
+    }
+    const name = (part: number) => this.run?.parts[part]?.name ?? `part ${part}`;
+    this.pairs.replaceChildren(
+      h(
+        'table',
+        {},
+        h(
+          'thead',
+          {},
+          h('tr', {}, ...['pair', 'nodes', 'normal', 'friction', 'overlap'].map((t) => h('th', {}, t))),
+        ),
+        h(
+          'tbody',
+          {},
+          ...totals
+            .slice(0, 200)
+            .map((t) =>
+              h(
+                'tr',
+                {},
+                h('td', { title: `${name(t.a)} and ${name(t.b)}` }, `${name(t.a)} – ${name(t.b)}`),
+                h('td', {}, String(t.count)),
+                h('td', {}, human(t.normal, 'N')),
+                h('td', {}, human(t.friction, 'N')),
+                h('td', { title: 'voxels' }, human(t.worstOverlap)),
+              ),
+            ),
+        ),
+      ),
+      ...(totals.length > 200 ? [h('p', { class: 'empty' }, `and ${totals.length - 200} more pairs`)] : []),
+    );
+  }
+}
+
+/** What was clicked, in numbers. */
+export class PickCard {
+  readonly element = h('section', { class: 'pick card', hidden: true, 'aria-live': 'polite' });
+
+  show(title: string, rows: [string, string][]): void {
+    this.element.hidden = false;
+    this.element.replaceChildren(
+      h(
+        'h3',
+        {},
+        title,
+        h('span', { class: 'spacer' }),
+        h(
+          'button',
+          { class: 'text', type: 'button', 'aria-label': 'close', onclick: () => this.hide() },
+          '×',
+        ),
+      ),
+      h('dl', {}, ...rows.flatMap(([k, v]) => [h('dt', {}, k), h('dd', {}, v)])),
+    );
+  }
+
+  hide(): void {
+    this.element.hidden = true;
+  }
+}
+
+const keys: [string, string][] = [
+  ['space', 'play or pause'],
+  ['← →', 'one frame back or on (shift: ten)'],
+  ['home, end', 'first or last frame'],
+  ['f', 'fit the view to the scene'],
+  ['1 2 3', 'view from the front, the side, above'],
+  ['w', 'wireframe'],
+  ['c', 'contacts: off, points, arrows, both'],
+  ['t', 'active tiles'],
+  ['l', 'loop'],
+  ['p', 'plots'],
+  ['b', 'bodies'],
+  ['s', 'save a picture'],
+  ['?', 'this list'],
+];
+
+export function helpDialog(): HTMLDialogElement {
+  const dialog = h(
+    'dialog',
+    { class: 'help', 'aria-label': 'keys' },
+    h('h2', {}, 'Keys'),
+    h(
+      'dl',
+      {},
+      ...keys.flatMap(([k, v]) => [
+        h('dt', {}, ...k.split(' ').map((x) => h('kbd', {}, x.replace(',', '')))),
+        h('dd', {}, v),
+      ]),
+    ),
+    h(
+      'p',
+      {},
+      'Drag to turn, drag with the right button to move, scroll to come closer. Click a body or a contact to read its numbers.',
+    ),
+    h('button', { type: 'button', class: 'wide', onclick: () => dialog.close() }, 'Close'),
+  );
+  dialog.addEventListener('click', (e) => {
+    if (e.target === dialog) dialog.close();
+  });
+  return dialog;
+}
