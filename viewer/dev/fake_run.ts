@@ -329,7 +329,7 @@ export function fakeRun(frames = 180, complete = true): FakeRun {
         ),
         ...phases.map((name, k) =>
           array(
-            `seconds/${name}`,
+            `seconds_${name}`,
             contacts.map((c, i) => 1e-3 * cost[k]! * (0.7 + 0.012 * c + 0.15 * noise(17 * k + from + i))),
           ),
         ),

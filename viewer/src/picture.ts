@@ -70,8 +70,7 @@ export class Picture {
     });
     const box = framing(boxes, this.fixedBoxes);
     if (box.isEmpty()) return;
-    const center = box.getCenter(new THREE.Vector3());
-    this.stage.setBounds(center, Math.max(0.5 * box.min.distanceTo(box.max), 1e-6), box.min.z);
+    this.stage.setBounds(box);
   }
 
   show(frame: Frame, visible: (body: number) => boolean): void {

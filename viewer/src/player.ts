@@ -9,9 +9,10 @@ export class Player {
   private current = 0;
   private readonly listeners: (() => void)[] = [];
 
-  /** Called after anything a person can see has changed. */
-  onChange(listener: () => void): void {
+  /** Called after anything a person can see has changed, until the returned function is called. */
+  onChange(listener: () => void): () => void {
     this.listeners.push(listener);
+    return () => this.listeners.splice(this.listeners.indexOf(listener), 1);
   }
 
   get frames(): number {
@@ -93,6 +94,6 @@ export class Player {
   }
 
   private changed() {
-    for (const listener of this.listeners) listener();
+    for (const listener of [...this.listeners]) listener();
   }
 }

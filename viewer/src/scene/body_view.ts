@@ -1,5 +1,6 @@
 /** Bodies as the picture shows them. One class per display kind behind one small interface. */
 import * as THREE from 'three';
+import { mergeVertices } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import type { BodyInfo, Topology } from '../run';
 import { splitAtCreases, updateShading, type SplitMesh } from './normals';
 
@@ -13,23 +14,18 @@ export interface BodyView {
   dispose(): void;
 }
 
-function material(colour: string, body: BodyInfo): THREE.MeshPhysicalMaterial {
-  const cloth = body.twoSided;
-  return new THREE.MeshPhysicalMaterial({
+function material(colour: string, body: BodyInfo): THREE.MeshStandardMaterial {
+  return new THREE.MeshStandardMaterial({
     color: colour,
-    roughness: body.fixed ? 0.9 : cloth ? 0.78 : 0.48,
+    roughness: body.fixed ? 0.95 : body.twoSided ? 0.8 : 0.46,
     metalness: 0,
-    clearcoat: body.fixed || cloth ? 0 : 0.25,
-    clearcoatRoughness: 0.45,
-    sheen: cloth ? 0.5 : 0,
-    sheenRoughness: 0.6,
     side: THREE.DoubleSide, // a look inside shows the inside, and open surfaces have two sides
     shadowSide: THREE.DoubleSide,
   });
 }
 
 class TriangleView implements BodyView {
-  readonly object: THREE.Mesh<THREE.BufferGeometry, THREE.MeshPhysicalMaterial>;
+  readonly object: THREE.Mesh<THREE.BufferGeometry, THREE.MeshStandardMaterial>;
   private split: SplitMesh | undefined;
 
   constructor(
@@ -85,14 +81,20 @@ function instances(geometry: THREE.BufferGeometry, m: THREE.Material, count: num
   return mesh;
 }
 
-/** Fewer triangles per ball when there are many. */
+/** A ball with fewer triangles the more of them there are: about 10⁵ in all, as long as they still look round. */
 function ballGeometry(count: number): THREE.BufferGeometry {
-  return new THREE.IcosahedronGeometry(1, count < 2_000 ? 4 : count < 20_000 ? 2 : 1);
+  const detail = Math.round(Math.sqrt(100_000 / (20 * Math.max(1, count)))) - 1;
+  const ball = new THREE.IcosahedronGeometry(1, Math.max(1, Math.min(6, detail)));
+  ball.deleteAttribute('uv');
+  ball.deleteAttribute('normal');
+  const indexed = mergeVertices(ball);
+  indexed.setAttribute('normal', indexed.getAttribute('position').clone());
+  return indexed;
 }
 
 class PointView implements BodyView {
   readonly object: THREE.InstancedMesh;
-  private readonly material: THREE.MeshPhysicalMaterial;
+  private readonly material: THREE.MeshStandardMaterial;
 
   constructor(
     body: BodyInfo,
@@ -130,7 +132,7 @@ class PointView implements BodyView {
 
 class LineView implements BodyView {
   readonly object = new THREE.Group();
-  private readonly material: THREE.MeshPhysicalMaterial;
+  private readonly material: THREE.MeshStandardMaterial;
   private readonly tubes: THREE.InstancedMesh;
   private readonly joints: PointView;
 

@@ -25,13 +25,13 @@ export function framing(moving: THREE.Box3[], fixed: THREE.Box3[]): THREE.Box3 {
   const scale = diagonal(box);
   for (const f of fixed) {
     if (f.isEmpty()) continue;
-    if (scale === 0 || diagonal(f) < 2 * scale) {
+    if (scale === 0 || diagonal(f) < scale) {
       box.union(f);
       continue;
     }
     const near = box
       .clone()
-      .expandByScalar(0.1 * scale)
+      .expandByScalar(0.06 * scale)
       .intersect(f);
     if (!near.isEmpty()) box.union(near);
   }

@@ -3,15 +3,15 @@
 export const bodyColours = [
   '#4f83b5', // steel blue
   '#e2a03f', // amber
-  '#b3556b', // rose
-  '#3f9c84', // sea green
+  '#a83e58', // rose
+  '#43a88c', // sea green
   '#e8c9a0', // sand
   '#6b4f8f', // violet
   '#8cc7dd', // sky
   '#7b5a3a', // umber
 ] as const;
 
-export const fixedColour = '#c9c8c4';
+export const fixedColour = '#d4d5d3';
 
 /** Default colours of a run's bodies: grey for what never moves, the list in order for the rest. */
 export function defaultColours(bodies: { fixed: boolean }[]): string[] {

@@ -1,8 +1,8 @@
 /** The studio: renderer, camera, lights, ground and background. z is up, lengths are in metres. */
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import { RoomEnvironment } from 'three/examples/jsm/environments/RoomEnvironment.js';
 import { Ground } from './ground';
+import { studioLight } from './studio_light';
 
 export interface CameraPose {
   azimuth: number; // [degrees] from +x towards +y
@@ -35,29 +35,30 @@ export class Stage {
   readonly renderer: THREE.WebGLRenderer;
   readonly controls: OrbitControls;
   readonly ground = new Ground();
-  private readonly key = new THREE.DirectionalLight('#fff4e6', 2.6);
-  private readonly fill = new THREE.DirectionalLight('#dfeaff', 0.55);
-  private readonly bounds = new THREE.Sphere(new THREE.Vector3(0, 0, 0.5), 1);
+  private readonly key = new THREE.DirectionalLight('#fff4e6', 2.0);
+  private readonly fill = new THREE.DirectionalLight('#dfeaff', 0.35);
+  private readonly box = new THREE.Box3(new THREE.Vector3(-1, -1, 0), new THREE.Vector3(1, 1, 1));
+  private readonly bounds = new THREE.Sphere();
   private dirty = true;
+  private fitted = false; // the whole scene is shown; once a person moves the camera, it stays where it was put
 
   constructor(readonly canvas: HTMLCanvasElement) {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    this.renderer.toneMapping = THREE.AgXToneMapping;
-    this.renderer.toneMappingExposure = 1.25;
+    // Keeps the hues, so that bodies look as their colour in the list does.
+    this.renderer.toneMapping = THREE.NeutralToneMapping;
+    this.renderer.toneMappingExposure = 0.92;
     this.renderer.shadowMap.enabled = true;
-    this.renderer.shadowMap.type = THREE.VSMShadowMap;
+    this.renderer.shadowMap.type = THREE.PCFShadowMap;
 
-    const pmrem = new THREE.PMREMGenerator(this.renderer);
-    this.scene.environment = pmrem.fromScene(new RoomEnvironment(), 0.04).texture;
-    this.scene.environmentIntensity = 0.55;
-    this.scene.environmentRotation.set(Math.PI / 2, 0, 0); // the room is built y up
+    this.scene.environment = studioLight(this.renderer);
+    this.scene.environmentIntensity = 0.42;
+    this.scene.environmentRotation.set(Math.PI / 2, 0, 0); // environment maps are y up
     this.scene.background = backdrop();
 
     this.key.castShadow = true;
     this.key.shadow.mapSize.set(2048, 2048);
-    this.key.shadow.radius = 7;
-    this.key.shadow.blurSamples = 16;
+    this.key.shadow.radius = 4;
     this.key.shadow.bias = -0.0004;
     this.scene.add(this.key, this.key.target, this.fill, this.fill.target, this.ground.object);
 
@@ -67,27 +68,29 @@ export class Stage {
     this.controls.dampingFactor = 0.12;
     this.controls.maxPolarAngle = Math.PI * 0.98;
     this.controls.addEventListener('change', () => this.invalidate());
-    this.setBounds(this.bounds.center, this.bounds.radius, 0);
+    this.controls.addEventListener('start', () => (this.fitted = false));
+    this.setBounds(this.box);
     this.setPose(defaultPose);
   }
 
-  /** Fits light, ground and clipping to the scene: a ball that holds it, and the height of the ground. */
-  setBounds(center: THREE.Vector3, radius: number, groundHeight: number): void {
-    const r = Math.max(radius, 1e-6);
-    this.bounds.set(center.clone(), r);
+  /** Fits light, ground and clipping to a box that holds what is to be seen; the ground lies at its bottom. */
+  setBounds(box: THREE.Box3): void {
+    this.box.copy(box);
+    const center = box.getCenter(this.bounds.center);
+    const r = (this.bounds.radius = Math.max(0.5 * box.min.distanceTo(box.max), 1e-6));
     const towards = new THREE.Vector3(0.45, -0.55, 1).normalize();
     this.key.position.copy(center).addScaledVector(towards, 4 * r);
     this.key.target.position.copy(center);
     this.fill.position.copy(center).add(new THREE.Vector3(-3 * r, -1.5 * r, 1.2 * r));
     this.fill.target.position.copy(center);
-    const box = this.key.shadow.camera;
-    box.left = box.bottom = -1.35 * r;
-    box.right = box.top = 1.35 * r;
-    box.near = r;
-    box.far = 8 * r;
-    box.updateProjectionMatrix();
+    const seen = this.key.shadow.camera;
+    seen.left = seen.bottom = -1.35 * r;
+    seen.right = seen.top = 1.35 * r;
+    seen.near = r;
+    seen.far = 8 * r;
+    seen.updateProjectionMatrix();
     this.key.shadow.normalBias = 0.004 * r;
-    this.ground.place(center, r, groundHeight);
+    this.ground.place(center, r, box.min.z);
     this.camera.near = r / 200;
     this.camera.far = r * 100;
     this.camera.updateProjectionMatrix();
@@ -105,13 +108,29 @@ export class Stage {
     const a = THREE.MathUtils.degToRad(pose.azimuth);
     const e = THREE.MathUtils.degToRad(Math.max(-89.9, Math.min(89.9, pose.elevation)));
     const direction = new THREE.Vector3(Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e));
-    const half = THREE.MathUtils.degToRad(this.camera.fov / 2);
-    const narrow = Math.min(half, Math.atan(Math.tan(half) * this.camera.aspect));
-    const distance = pose.distance ?? this.bounds.radius / Math.sin(narrow);
+    const distance = pose.distance ?? this.fittingDistance(direction);
+    this.fitted = pose.distance === undefined;
     this.controls.target.copy(this.bounds.center);
     this.camera.position.copy(this.bounds.center).addScaledVector(direction, distance);
     this.controls.update();
     this.invalidate();
+  }
+
+  /** How far away, in a direction, every corner of the box comes into the picture, with a margin. */
+  private fittingDistance(direction: THREE.Vector3): number {
+    const right = new THREE.Vector3().crossVectors(this.camera.up, direction).normalize();
+    const up = new THREE.Vector3().crossVectors(direction, right);
+    const tanUp = 0.94 * Math.tan(THREE.MathUtils.degToRad(this.camera.fov / 2));
+    const tanRight = tanUp * this.camera.aspect;
+    let distance = 0;
+    for (let i = 0; i < 8; ++i) {
+      const { min, max } = this.box;
+      const p = new THREE.Vector3(i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z);
+      p.sub(this.bounds.center);
+      const needed = Math.max(Math.abs(p.dot(right)) / tanRight, Math.abs(p.dot(up)) / tanUp);
+      distance = Math.max(distance, p.dot(direction) + needed);
+    }
+    return Math.max(distance, 0.1 * this.bounds.radius);
   }
 
   /** Keeps the direction of the view and brings the whole scene into it. */
@@ -129,6 +148,7 @@ export class Stage {
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / Math.max(1, height);
     this.camera.updateProjectionMatrix();
+    if (this.fitted) this.fit();
     this.invalidate();
   }
 

@@ -52,6 +52,7 @@ export function film(canvas: HTMLCanvasElement, player: Player): { done: Promise
   };
   const done = new Promise<Blob>((resolve) => {
     recorder.onstop = () => {
+      forget();
       player.setLoop(loop);
       resolve(new Blob(pieces, { type: 'video/webm' }));
     };
@@ -60,7 +61,7 @@ export function film(canvas: HTMLCanvasElement, player: Player): { done: Promise
   player.setLoop(false);
   recorder.start();
   player.toggle();
-  player.onChange(() => {
+  const forget = player.onChange(() => {
     if (!player.playing) setTimeout(stop, 150); // so that the last frame is in
   });
   return { done, stop };

@@ -121,24 +121,22 @@ export class Panel {
       h(
         'ul',
         { class: 'warnings' },
-        ...run.warnings
-          .slice(0, 100)
-          .map((w) =>
+        ...run.warnings.slice(0, 100).map((w) =>
+          h(
+            'li',
+            {},
             h(
-              'li',
-              {},
-              h(
-                'button',
-                {
-                  type: 'button',
-                  class: 'warning',
-                  onclick: () => this.player.step(this.player.frameAt(w.time) - this.player.frame),
-                },
-                h('b', {}, `${human(w.time, 's')} · ${w.code.replaceAll('_', ' ')}`),
-                h('span', {}, w.message),
-              ),
+              'button',
+              {
+                type: 'button',
+                class: 'warning',
+                onclick: () => this.player.step(this.player.frameAt(w.time) - this.player.frame),
+              },
+              h('b', {}, `${human(w.time, 's')} · ${w.code.replaceAll('_', ' ')}`),
+              h('span', {}, w.message),
             ),
           ),
+        ),
       ),
     );
   }

@@ -25,7 +25,7 @@ export function plotSpecs(series: Series): PlotSpec[] {
       return values ? [{ name, colour, values }] : [];
     });
   const phases = Object.entries(phaseColours).map(
-    ([phase, colour]) => [`seconds/${phase}`, words(phase), colour] as [string, string, string],
+    ([phase, colour]) => [`seconds_${phase}`, words(phase), colour] as [string, string, string],
   );
   const specs: PlotSpec[] = [
     { title: 'Time per frame', unit: 's', kind: 'stack', curves: pick(phases) },

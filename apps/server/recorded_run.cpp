@@ -1,0 +1,191 @@
+#include "server/recorded_run.h"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "brim/core/error.h"
+#include "brim/world/report_fields.h"
+#include "server/array_message.h"
+
+namespace brim::viewer {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+namespace {
+
+constexpr std::size_t kWarningsShown = 1000;
+
+const char* display_word(Display::Kind kind) {
+  switch (kind) {
+    case Display::Kind::Triangles:
+      return "triangles";
+    case Display::Kind::Lines:
+      return "lines";
+    case Display::Kind::Points:
+      return "points";
+  }
+  return "points";
+}
+
+Json read_json(const fs::path& path) {
+  std::ifstream in(path);
+  Json value = in ? Json::parse(in, nullptr, false) : Json::object();
+  return value.is_discarded() ? Json::object() : value;
+}
+
+}  // namespace
+
+RecordedRun::RecordedRun(const std::string& path) {
+  folder_ = fs::is_directory(path) ? fs::path(path) : fs::path(path).parent_path();
+  file_ = fs::is_directory(path) ? folder_ / "run.h5" : fs::path(path);
+  reader_ = std::make_unique<RunReader>(path);
+  std::error_code error;
+  seen_ = fs::last_write_time(file_, error);
+}
+
+void RecordedRun::refresh() {
+  std::error_code error;
+  const auto now = fs::last_write_time(file_, error);
+  if (error || now == seen_) return;
+  try {
+    auto fresh = std::make_unique<RunReader>(file_.string());
+    if (fresh->frames() < reader_->frames()) {  // the run was started anew
+      warnings_.clear();
+      warnings_read_ = 0;
+    }
+    reader_ = std::move(fresh);
+    seen_ = now;
+  } catch (const InputError&) {
+    // Caught in the middle of a write: what was open goes on serving, and the next call tries again.
+  }
+}
+
+bool RecordedRun::complete() const {
+  // The summary is written when a run ends; one that is older than the frames is of a run since resumed.
+  std::error_code error;
+  const auto summary = fs::last_write_time(folder_ / "summary.json", error);
+  return !error && summary >= seen_;
+}
+
+Progress RecordedRun::progress() {
+  const std::lock_guard lock(mutex_);
+  refresh();
+  return {reader_->frames(), complete()};
+}
+
+Json RecordedRun::info() {
+  const std::lock_guard lock(mutex_);
+  refresh();
+  Json bodies = Json::array();
+  const auto& list = reader_->bodies();
+  for (std::size_t b = 0; b < list.size(); ++b)
+    bodies.push_back({{"index", b},
+                      {"name", list[b].name},
+                      {"kind", list[b].kind},
+                      {"display", display_word(list[b].display.kind)},
+                      {"twoSided", list[b].display.two_sided},
+                      {"radius", list[b].display.radius},
+                      {"vertices", list[b].display.vertices},
+                      {"fixed", list[b].immobile},
+                      {"parts", Json::array()}});
+  Json parts = Json::array();
+  for (std::size_t p = 0; p < reader_->parts().size(); ++p) {
+    const RecordedPart& part = reader_->parts()[p];
+    const auto body = static_cast<std::size_t>(part.body);
+    const bool alone = body < list.size() && list[body].parts == 1;
+    parts.push_back({{"name", alone || part.name.empty() ? list.at(body).name : part.name}, {"body", part.body}});
+    if (body < list.size()) bodies[body]["parts"].push_back(p);
+  }
+  for (; warnings_read_ < reader_->frames() && warnings_.size() < kWarningsShown; ++warnings_read_)
+    for (Warning& w : reader_->warnings(warnings_read_)) warnings_.push_back(std::move(w));
+  Json warnings = Json::array();
+  for (const Warning& w : warnings_) warnings.push_back({{"time", w.time}, {"code", w.code}, {"message", w.message}});
+  const std::string folder_name = fs::absolute(folder_).lexically_normal().filename().string();
+  return {{"name", folder_name.empty() ? reader_->scene_name() : folder_name},
+          {"scene", reader_->scene_name()},
+          {"brimVersion", reader_->brim_version()},
+          {"frames", reader_->frames()},
+          {"complete", complete()},
+          {"bodies", bodies},
+          {"parts", parts},
+          {"warnings", warnings},
+          {"summary", read_json(folder_ / "summary.json")}};
+}
+
+std::string RecordedRun::topology(int body) {
+  const std::lock_guard lock(mutex_);
+  if (body < 0 || static_cast<std::size_t>(body) >= reader_->bodies().size())
+    throw InputError(fmt::format("no body {}", body));
+  const RecordedBody& b = reader_->bodies()[static_cast<std::size_t>(body)];
+  ArrayMessage message;
+  if (b.display.kind == Display::Kind::Triangles)
+    message.add("triangles", reinterpret_cast<const std::int32_t*>(b.display.triangles.data()),
+                b.display.triangles.size(), 3, body);
+  if (b.display.kind == Display::Kind::Lines)
+    message.add("lines", reinterpret_cast<const std::int32_t*>(b.display.lines.data()), b.display.lines.size(), 2,
+                body);
+  if (b.immobile && reader_->frames() > 0) {
+    const std::vector<Vec3f> x = reader_->positions(body, 0);
+    message.add("positions", reinterpret_cast<const float*>(x.data()), x.size(), 3, body);
+  }
+  return message.bytes();
+}
+
+std::string RecordedRun::frame(std::int64_t frame) {
+  const std::lock_guard lock(mutex_);
+  if (frame >= reader_->frames()) refresh();
+  ArrayMessage message;
+  const double time = reader_->time(frame);
+  message.add("time", &time, 1);
+  for (std::size_t b = 0; b < reader_->bodies().size(); ++b) {
+    if (reader_->bodies()[b].immobile) continue;
+    const std::vector<Vec3f> x = reader_->positions(static_cast<int>(b), frame);
+    message.add("positions", reinterpret_cast<const float*>(x.data()), x.size(), 3, static_cast<int>(b));
+  }
+  const std::vector<ContactSample> contacts = reader_->contacts(frame);
+  std::vector<float> position, force, friction, overlap;
+  std::vector<std::int32_t> pair;
+  for (const ContactSample& c : contacts) {
+    position.insert(position.end(), c.position.data(), c.position.data() + 3);
+    force.insert(force.end(), c.force.data(), c.force.data() + 3);
+    friction.insert(friction.end(), c.friction.data(), c.friction.data() + 3);
+    overlap.push_back(c.overlap);
+    pair.insert(pair.end(), {c.part_a, c.part_b});
+  }
+  message.add("contacts/position", position.data(), contacts.size(), 3);
+  message.add("contacts/force", force.data(), contacts.size(), 3);
+  message.add("contacts/friction", friction.data(), contacts.size(), 3);
+  message.add("contacts/overlap", overlap.data(), contacts.size());
+  message.add("contacts/pair", pair.data(), contacts.size(), 2);
+  std::vector<std::int32_t> key;
+  std::vector<float> step;
+  for (const auto& [tile, h] : reader_->tiles(frame)) {
+    key.insert(key.end(), {tile.x, tile.y, tile.z});
+    step.push_back(static_cast<float>(h));
+  }
+  message.add("tiles/key", key.data(), step.size(), 3);
+  message.add("tiles/step", step.data(), step.size());
+  return message.bytes();
+}
+
+std::string RecordedRun::series(std::int64_t from) {
+  const std::lock_guard lock(mutex_);
+  refresh();
+  const auto frames = static_cast<std::size_t>(reader_->frames());
+  const std::size_t first = std::min(static_cast<std::size_t>(std::max<std::int64_t>(from, 0)), frames);
+  ArrayMessage message;
+  const auto add = [&](const char* name, const std::vector<double>& values) {
+    const std::size_t end = std::min(values.size(), frames);
+    message.add(name, values.data() + std::min(first, end), end - std::min(first, end));
+  };
+  std::vector<double> times(frames);
+  for (std::size_t f = first; f < frames; ++f) times[f] = reader_->time(static_cast<std::int64_t>(f));
+  add("time", times);
+  for (const ReportField& field : report_fields())
+    if (std::string_view(field.name) != "time") add(field.name, reader_->series(field.name));
+  return message.bytes();
+}
+
+}  // namespace brim::viewer

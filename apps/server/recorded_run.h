@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <mutex>
+
+#include "brim/record/run_reader.h"
+#include "server/run_source.h"
+
+namespace brim::viewer {
+
+/// A run folder, finished or growing. The file is opened anew when it has changed, since an open reader sees the file
+/// as it was; one lock keeps HDF5, which is not made for threads, to one caller at a time.
+/// Tests: tests/server/recorded_run_test.cpp
+class RecordedRun : public RunSource {
+ public:
+  /// @param path  a run folder or its run.h5
+  /// @throws InputError  when there is no run there
+  explicit RecordedRun(const std::string& path);
+
+  Progress progress() override;
+  nlohmann::json info() override;
+  std::string topology(int body) override;
+  std::string frame(std::int64_t frame) override;
+  std::string series(std::int64_t from) override;
+
+ private:
+  void refresh();
+  bool complete() const;
+
+  std::filesystem::path folder_, file_;
+  std::mutex mutex_;
+  std::unique_ptr<RunReader> reader_;
+  std::filesystem::file_time_type seen_{};
+  std::vector<Warning> warnings_;   ///< of the frames read so far
+  std::int64_t warnings_read_ = 0;  ///< frames whose warnings are in the list
+};
+
+}  // namespace brim::viewer

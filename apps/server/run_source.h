@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+namespace brim::viewer {
+
+/// How far a run has come.
+struct Progress {
+  std::int64_t frames = 0;
+  bool complete = false;  ///< no more frames are to be expected
+  bool operator==(const Progress&) const = default;
+};
+
+/// What the server shows. Functions may be called from several threads at once; they throw InputError for what is not
+/// there or cannot be read. Messages are those of ArrayMessage; docs/viewer.md lists their arrays.
+class RunSource {
+ public:
+  virtual ~RunSource() = default;
+  virtual Progress progress() = 0;
+  virtual nlohmann::json info() = 0;
+  virtual std::string topology(int body) = 0;
+  virtual std::string frame(std::int64_t frame) = 0;
+  /// Every recorded scalar from a frame on.
+  virtual std::string series(std::int64_t from) = 0;
+};
+
+}  // namespace brim::viewer

@@ -1,0 +1,119 @@
+import { expect, test } from 'vitest';
+import { FrameCache } from '../src/frame_cache';
+import { frameFromArrays, pairTotals, type Contacts, type Frame } from '../src/run';
+import { roundLength } from '../src/scene/ground';
+import { tileEdges } from '../src/scene/tile_view';
+import { human } from '../src/ui/dom';
+import { appendSeries, plotSpecs, roundUp, squeeze } from '../src/ui/plot_data';
+import { crc32, zip } from '../src/ui/zip';
+
+const frame = (index: number, bytes: number): Frame => ({ ...frameFromArrays(index, [], bytes) });
+
+test('the cache asks once for a frame, keeps the latest used, and forgets the rest', async () => {
+  const asked: number[] = [];
+  const cache = new FrameCache((i) => (asked.push(i), Promise.resolve(frame(i, 10))), 30);
+  await Promise.all([cache.get(1), cache.get(1)]);
+  expect(asked).toEqual([1]);
+  for (const i of [2, 3, 1, 4]) await cache.get(i);
+  expect([1, 2, 3, 4].map((i) => cache.peek(i) !== undefined)).toEqual([true, false, true, true]);
+});
+
+test('a frame that could not be had is asked for again', async () => {
+  let fail = true;
+  const cache = new FrameCache((i) =>
+    fail ? Promise.reject(new Error('no')) : Promise.resolve(frame(i, 1)),
+  );
+  await expect(cache.get(5)).rejects.toThrow('no');
+  fail = false;
+  expect((await cache.get(5)).index).toBe(5);
+});
+
+test('pair totals are sums of vectors, not of magnitudes', () => {
+  const c: Contacts = {
+    count: 3,
+    position: new Float32Array(9),
+    force: new Float32Array([3, 0, 0, 0, 4, 0, 0, 0, 1]),
+    friction: new Float32Array([1, 0, 0, -1, 0, 0, 0, 0, 0]),
+    overlap: new Float32Array([0.5, 0.25, 2]),
+    pair: new Int32Array([0, 1, 0, 1, 0, 2]),
+  };
+  expect(pairTotals(c)).toEqual([
+    { a: 0, b: 1, count: 2, normal: 5, friction: 0, worstOverlap: 0.5 },
+    { a: 0, b: 2, count: 1, normal: 1, friction: 0, worstOverlap: 2 },
+  ]);
+});
+
+test('a tile is drawn around its own eight nodes per side', () => {
+  const { positions } = tileEdges(new Int32Array([1, 0, -1]), new Float32Array([0.5]));
+  const along = (k: number) => [...positions].filter((_, i) => i % 3 === k);
+  expect([0, 1, 2].map((k) => [Math.min(...along(k)), Math.max(...along(k))])).toEqual([
+    [3.75, 7.75],
+    [-0.25, 3.75],
+    [-4.25, -0.25],
+  ]);
+  expect(positions.length).toBe(12 * 2 * 3);
+});
+
+test('squeezing keeps the largest value of every bin and loses no frame', () => {
+  const values = Float64Array.from({ length: 1000 }, (_, i) => (i === 777 ? 9 : Math.sin(i)));
+  for (const bins of [1, 3, 64, 999, 5000]) {
+    const out = squeeze(values, bins, 'max');
+    expect(Math.max(...out)).toBe(9);
+    expect(out.length).toBe(Math.min(bins, 1000));
+  }
+  expect([...squeeze([1, 3, 5, 7], 2, 'mean')]).toEqual([2, 6]);
+  expect(squeeze([], 10, 'mean').length).toBe(0);
+});
+
+test('plots exist for the series that a run has', () => {
+  expect(plotSpecs(new Map()).length).toBe(0);
+  const specs = plotSpecs(
+    new Map([
+      ['seconds_solve', new Float64Array(2)],
+      ['contacts', new Float64Array(2)],
+    ]),
+  );
+  expect(specs.map((s) => [s.title, s.curves.length])).toEqual([
+    ['Time per frame', 1],
+    ['Contacts', 1],
+  ]);
+});
+
+test('series of a growing run are joined in order', () => {
+  const joined = appendSeries(
+    new Map([['time', new Float64Array([0, 1])]]),
+    new Map([['time', new Float64Array([2])]]),
+  );
+  expect([...joined.get('time')!]).toEqual([0, 1, 2]);
+});
+
+test('round numbers lie above or near', () => {
+  for (let x = 1e-6; x < 1e6; x *= 1.37) {
+    expect(roundUp(x)).toBeGreaterThanOrEqual(x * (1 - 1e-6));
+    expect(roundUp(x)).toBeLessThanOrEqual(x * 2.5);
+    expect(Math.abs(Math.log(roundLength(x) / x))).toBeLessThan(Math.log(1.8));
+  }
+  expect([0, -1, NaN, Infinity].map(roundUp)).toEqual([1, 1, 1, 1]);
+});
+
+test('numbers are written for people', () => {
+  expect(human(0.00123, 's')).toBe('1.23 ms');
+  expect(human(1234567, 'N')).toBe('1.23 MN');
+  expect(human(-2.5, 'J')).toBe('−2.5 J');
+  expect(human(0.9999, 's')).toBe('1 s');
+  expect(human(3e-12)).toBe('3.0e−12');
+  expect(human(NaN, 'J')).toBe('not a number');
+});
+
+test('a zip holds its files under the checksum that the format asks for', async () => {
+  expect(crc32(new TextEncoder().encode('123456789'))).toBe(0xcbf43926); // the check value of CRC-32
+  const data = new TextEncoder().encode('hello');
+  const bytes = new Uint8Array(await zip([{ name: 'a.txt', data }]).arrayBuffer());
+  const view = new DataView(bytes.buffer);
+  const end = bytes.length - 22;
+  expect(view.getUint32(end, true)).toBe(0x06054b50);
+  const directory = view.getUint32(end + 16, true);
+  expect(view.getUint32(directory, true)).toBe(0x02014b50);
+  expect(view.getUint32(directory + 16, true)).toBe(crc32(data));
+  expect(new TextDecoder().decode(bytes.subarray(30 + 5, 30 + 5 + 5))).toBe('hello');
+});
