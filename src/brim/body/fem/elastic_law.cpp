@@ -1,0 +1,85 @@
+#include "brim/body/fem/elastic_law.h"
+
+#include <Eigen/Eigenvalues>
+
+namespace brim {
+
+namespace {
+
+/// Constants of the stable neo-Hookean energy that agree with Hooke's law at rest.
+struct NeoHookean {
+  double mu, lambda, alpha;
+  explicit NeoHookean(const Lame& l) : mu(4.0 * l.mu / 3.0), lambda(l.lambda + 5.0 * l.mu / 6.0) {
+    alpha = 1.0 + 0.75 * mu / lambda;
+  }
+};
+
+Vec3 cofactors(const Vec3& s) { return {s[1] * s[2], s[2] * s[0], s[0] * s[1]}; }
+
+void corotational(const Lame& l, const Vec3& s, PrincipalResponse& r) {
+  const double trace = s.sum() - 3.0;
+  r.energy = l.mu * (s - Vec3::Ones()).squaredNorm() + 0.5 * l.lambda * trace * trace;
+  r.first = 2.0 * l.mu * (s - Vec3::Ones()) + Vec3::Constant(l.lambda * trace);
+  r.stretch = Mat3::Constant(l.lambda) + 2.0 * l.mu * Mat3::Identity();
+  for (int k = 0; k < 3; ++k) {
+    // Two vanishing stretches leave the rotation undefined; the floor keeps the stiffness finite there.
+    const double sum = std::max(s[(k + 1) % 3] + s[(k + 2) % 3], 1e-6);
+    r.twist[k] = 2.0 * l.mu + 2.0 * (l.lambda * trace - 2.0 * l.mu) / sum;
+    r.flip[k] = 2.0 * l.mu;
+  }
+}
+
+void neo_hookean(const NeoHookean& n, const Vec3& s, PrincipalResponse& r) {
+  const double ic = s.squaredNorm(), volume = s.prod() - n.alpha;
+  const double shear = n.mu * (1.0 - 1.0 / (ic + 1.0)), bulk = n.lambda * volume;
+  const Vec3 c = cofactors(s);
+  r.first = shear * s + bulk * c;
+  r.stretch = 2.0 * n.mu / ((ic + 1.0) * (ic + 1.0)) * s * s.transpose() + n.lambda * c * c.transpose();
+  r.stretch.diagonal().array() += shear;
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    r.stretch(i, j) += bulk * s[k];
+    r.stretch(j, i) += bulk * s[k];
+    r.twist[k] = shear + bulk * s[k];
+    r.flip[k] = shear - bulk * s[k];
+  }
+}
+
+}  // namespace
+
+double elastic_energy_density(ElasticLaw law, const Lame& lame, const Vec3& s) {
+  if (law == ElasticLaw::CorotationalLinear) {
+    const double trace = s.sum() - 3.0;
+    return lame.mu * (s - Vec3::Ones()).squaredNorm() + 0.5 * lame.lambda * trace * trace;
+  }
+  const NeoHookean n(lame);
+  const double ic = s.squaredNorm(), volume = s.prod() - n.alpha, rest = 1.0 - n.alpha;
+  return 0.5 * n.mu * (ic - 3.0) + 0.5 * n.lambda * (volume * volume - rest * rest) -
+         0.5 * n.mu * std::log((ic + 1.0) / 4.0);
+}
+
+PrincipalResponse principal_response(ElasticLaw law, const Lame& lame, const Vec3& s, bool project) {
+  PrincipalResponse r;
+  if (law == ElasticLaw::CorotationalLinear) {
+    corotational(lame, s, r);
+  } else {
+    neo_hookean(NeoHookean(lame), s, r);
+    r.energy = elastic_energy_density(law, lame, s);
+    if (project) r.stretch = clamp_to_positive(r.stretch);
+  }
+  if (project) {
+    r.twist = r.twist.cwiseMax(0.0);
+    r.flip = r.flip.cwiseMax(0.0);
+  }
+  return r;
+}
+
+Mat3 clamp_to_positive(const Mat3& a) {
+  // Leading minors all positive: nothing to do, the common case.
+  const double m2 = a(0, 0) * a(1, 1) - a(0, 1) * a(0, 1);
+  if (a(0, 0) > 0.0 && m2 > 0.0 && a.determinant() > 0.0) return a;
+  const Eigen::SelfAdjointEigenSolver<Mat3> e(a);
+  return e.eigenvectors() * e.eigenvalues().cwiseMax(0.0).asDiagonal() * e.eigenvectors().transpose();
+}
+
+}  // namespace brim

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "brim/body/fem/tet_elements.h"
+#include "brim/body/particles/particle_body.h"
+#include "brim/core/workspace_pool.h"
+#include "brim/raster/raster_tets.h"
+
+namespace brim {
+
+/// What an elastic solid is made of.
+struct FemOptions : ParticleOptions {
+  double density = 1000.0;  ///< [kg/m³]
+  double young = 1e5;       ///< Young's modulus E [Pa]
+  double poisson = 0.3;     ///< Poisson's ratio ν [-], in (−1, 0.5); above 0.45 linear tetrahedra lock
+  ElasticLaw law = ElasticLaw::CorotationalLinear;
+  TriMesh display;  ///< fine surface carried by the elements, for viewers only; empty: the boundary itself
+};
+
+/// Elastic solid of linear tetrahedra with large rotations and strains (docs/bodies/finite_elements.md).
+/// Contact: the band method (raster_tets) with barycentric weights, exact in linear and angular momentum.
+/// Tests: tests/body/fem_body_test.cpp
+class FemBody final : public ParticleBody {
+ public:
+  /// @param mesh  rest shape, world frame; every vertex in a tetrahedron
+  /// @throws InputError  when a number is out of range or the mesh cannot be used
+  FemBody(TetMesh mesh, FemOptions options);
+
+  std::string_view kind() const override { return "fem"; }
+  double elastic_energy() const override { return elements_.energy(x_); }
+
+  PartInfo part(int p) const override;
+  void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
+  void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
+  void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
+                std::unique_ptr<Map>& map) const override;
+
+  const Display& display() const override { return display_; }
+  void display_positions(std::span<Vec3f> x) const override;
+
+  const TetMesh& mesh() const { return mesh_; }
+  std::span<const Triangle> surface() const { return surface_; }
+  const TetElements& elements() const { return elements_; }
+
+ protected:
+  void add_inner() override { elements_.add(x_, force_, stiffness_); }
+
+ private:
+  FemBody(TetMesh mesh, FemOptions options, TetElements elements);
+  TetSolid solid() const { return {x_, mesh_.tets, surface_, owner_}; }
+  void make_display(const TriMesh& fine);
+
+  TetMesh mesh_;
+  TetElements elements_;
+  std::vector<Triangle> surface_;
+  std::vector<std::int32_t> owner_;
+  PartInfo part_;
+
+  Display display_;
+  std::vector<std::array<std::int32_t, 4>> carrier_;  // nodes that carry each display vertex
+  std::vector<std::array<double, 4>> weight_;
+
+  mutable WorkspacePool<TetRasterWorkspace> workspace_;
+};
+
+}  // namespace brim

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "brim/body/body.h"
+#include "brim/body/particles/block_matrix.h"
+
+namespace brim {
+
+/// Particles whose place is imposed over time.
+struct NodeMotion {
+  std::vector<std::int32_t> nodes;
+  /// Where a node that rests at `rest` [m] is at `time` [s].
+  std::function<Vec3(double time, const Vec3& rest)> position;
+
+  /// The nodes travel at a constant velocity [m/s] from time 0.
+  static NodeMotion constant_velocity(std::vector<std::int32_t> nodes, const Vec3& velocity);
+};
+
+/// What bodies made of particles have in common.
+struct ParticleOptions {
+  double mass_damping = 0.0;       ///< [1/s] force −a M v (Rayleigh), >= 0
+  double stiffness_damping = 0.0;  ///< [s] force −b K v (Rayleigh), >= 0; about 2 dt calms contact
+  std::vector<std::int32_t> fixed;
+  std::vector<NodeMotion> motions;       ///< a node may be in one of them only, and not fixed
+  Vec3 initial_velocity = Vec3::Zero();  ///< [m/s]
+  Vec3 initial_spin = Vec3::Zero();      ///< [rad/s] about the centre of mass
+  double voxel_size = 0.0;               ///< [m] grid step for contact; 0 lets the body choose
+  Material material;
+};
+
+/// Body of particles with three coordinates each: q are positions [m], v velocities [m/s], mass lumped at particles.
+/// Inner forces f(x) and their stiffness K(x) (positive semi-definite) come from the kind of body; this class adds
+/// gravity, Rayleigh damping −(a M + b K) v, imposed nodes, and the system of the implicit step
+///   A = (1 + dt a) M + (dt b + dt²) K
+/// K in the damping is that of the current state; its own change with q is left out of ∂Q/∂q.
+class ParticleBody : public Body {
+ public:
+  std::size_t q_size() const override { return 3 * rest_.size(); }
+  std::size_t v_size() const override { return 3 * rest_.size(); }
+  void initial_state(std::span<double> q, std::span<double> v) const override;
+  void prescribe(double time, double dt, std::span<const double> q, std::span<double> v) const override;
+  void update(double time, std::span<const double> q, std::span<const double> v) override;
+  void advance(double dt, std::span<double> q, std::span<const double> v) const override;
+
+  void add_forces(const Environment& env, std::span<double> Q) const override;
+  void apply_mass(std::span<const double> x, std::span<double> y) const override;
+  void apply_stiffness(std::span<const double> x, std::span<double> y) const override;
+  void apply_damping(std::span<const double> x, std::span<double> y) const override;
+  void apply_system(std::span<const double> x, std::span<double> y) const override;
+  std::vector<int> block_sizes() const override { return std::vector<int>(rest_.size(), 3); }
+  void add_system_diagonal(std::size_t first, BlockDiagonal& D) const override;
+  void filter(std::span<double> x) const override;
+
+  bool immobile() const override { return imposed_.size() == rest_.size() && options_.motions.empty(); }
+  Aabb bounds(int p) const override;
+  Vec3 carrier_velocity(int p, std::span<const double> v) const override;
+  double relative_speed_bound(int p, std::span<const double> v) const override;
+
+  double mass() const override;
+  double potential_energy(const Environment& env) const override;
+  Vec3 linear_momentum(std::span<const double> v) const override;
+  Vec3 angular_momentum(std::span<const double> v) const override;
+
+  // ---- for tests, tools and derived kinds ------------------------------------------------------------------------
+  std::size_t particle_count() const { return rest_.size(); }
+  std::span<const Vec3> rest_positions() const { return rest_; }
+  std::span<const double> masses() const { return mass_; }
+  std::span<const Vec3> positions() const { return x_; }
+  /// Inner elastic forces of the last updated state, [N], shape (particles).
+  std::span<const Vec3> inner_forces() const { return force_; }
+  const BlockMatrix& stiffness() const { return stiffness_; }
+  /// Elastic energy of the last updated state, [J].
+  virtual double elastic_energy() const = 0;
+
+ protected:
+  /// @param what  "finite elements 'jelly'", for messages
+  /// @throws InputError  when an option is out of range or names a node that does not exist
+  ParticleBody(std::vector<Vec3> rest, std::vector<double> mass, ParticleOptions options);
+  /// Adds the inner forces of positions_ to force_ and −∂f/∂x, projected to be positive semi-definite, to stiffness_.
+  virtual void add_inner() = 0;
+
+  std::vector<Vec3> rest_;
+  std::vector<double> mass_;
+  ParticleOptions options_;
+  std::vector<std::int32_t> imposed_;  // fixed and moved nodes, sorted
+  std::vector<Vec3> x_, v_, force_;    // of the last update
+  BlockMatrix stiffness_;
+};
+
+/// One message for a number out of range: "cloth: thickness is -1; it must be positive".
+void require_positive(const char* what, const char* name, double value);
+void require_not_negative(const char* what, const char* name, double value);
+
+}  // namespace brim
