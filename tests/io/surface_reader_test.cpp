@@ -150,7 +150,8 @@ TEST(SurfaceReader, ReadsRealMeshes) {
     EXPECT_EQ(r.closed(), e.closed);
     EXPECT_EQ(r.triangles, plain.triangles);
     EXPECT_EQ(r.vertices, plain.vertices);
-    EXPECT_NEAR(surface_area(mesh) / surface_area(plain_mesh), 1.0, 1e-6);
+    // The two readers may cut a quad that is not flat along different diagonals (suzanne: 3e-4 of the area).
+    EXPECT_NEAR(surface_area(mesh) / surface_area(plain_mesh), 1.0, 1e-3);
     if (e.closed) {
       EXPECT_NEAR(r.volume / plain.volume, 1.0, 1e-6);
     }
