@@ -188,4 +188,10 @@ std::string RecordedRun::series(std::int64_t from) {
   return message.bytes();
 }
 
+double RecordedRun::frame_rate() {
+  const std::lock_guard lock(mutex_);
+  const double seconds = reader_->frame_time();
+  return seconds > 0 ? std::min(60.0, 1.0 / seconds) : 30.0;
+}
+
 }  // namespace brim::viewer

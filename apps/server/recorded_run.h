@@ -24,6 +24,9 @@ class RecordedRun : public RunSource {
   std::string frame(std::int64_t frame) override;
   std::string series(std::int64_t from) override;
 
+  /// Frames per second at which the run plays in its own time, at most 60.
+  double frame_rate();
+
  private:
   void refresh();
   bool complete() const;

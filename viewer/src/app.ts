@@ -108,6 +108,7 @@ export class App {
         await this.load();
         break;
       } catch (error) {
+        if (this.bare) throw error;
         this.notice('load', `The run cannot be loaded: ${(error as Error).message}. Trying again…`);
         await new Promise((done) => setTimeout(done, 1500));
       }
@@ -271,6 +272,17 @@ export class App {
     this.player.seek(index);
     if (this.player.frames > 0) this.display(await this.cache.get(this.player.frame));
     this.picture.stage.draw(true);
+  }
+
+  /** Makes the picture this large, [pixels], whatever the window's size. */
+  setSize(width: number, height: number): void {
+    this.picture.stage.resize(width, height, 1);
+  }
+
+  /** One frame as a PNG, in base64. */
+  async png(index: number): Promise<string> {
+    await this.showFrame(index);
+    return this.canvas.toDataURL('image/png').split(',')[1]!;
   }
 
   setPose(pose: CameraPose): void {

@@ -36,7 +36,7 @@ export class Stage {
   readonly controls: OrbitControls;
   readonly ground = new Ground();
   private readonly key = new THREE.DirectionalLight('#fff4e6', 2.0);
-  private readonly fill = new THREE.DirectionalLight('#dfeaff', 0.35);
+  private readonly fill = new THREE.DirectionalLight('#dfeaff', 0.6);
   private readonly box = new THREE.Box3(new THREE.Vector3(-1, -1, 0), new THREE.Vector3(1, 1, 1));
   private readonly bounds = new THREE.Sphere();
   private dirty = true;
@@ -47,7 +47,7 @@ export class Stage {
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     // Keeps the hues, so that bodies look as their colour in the list does.
     this.renderer.toneMapping = THREE.NeutralToneMapping;
-    this.renderer.toneMappingExposure = 0.92;
+    this.renderer.toneMappingExposure = 1.0;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
 

@@ -24,17 +24,14 @@ export function bindKeys(app: App): void {
   window.addEventListener('keydown', (e) => {
     if (e.ctrlKey || e.metaKey || e.altKey) return;
     const target = e.target as HTMLElement;
-    const typing =
-      target instanceof HTMLSelectElement || (target instanceof HTMLInputElement && target.type === 'color');
+    const typing = target instanceof HTMLSelectElement;
     // A focused slider or button keeps the keys that work it; the time line's slider is the time line.
+    const kind =
+      target instanceof HTMLInputElement ? target.type : target instanceof HTMLButtonElement ? 'button' : '';
     const own =
-      (target instanceof HTMLInputElement &&
-        target.type === 'range' &&
-        !target.classList.contains('scrub') &&
-        e.key.length > 1) ||
-      ((target instanceof HTMLButtonElement ||
-        (target instanceof HTMLInputElement && target.type === 'checkbox')) &&
-        e.key === ' ');
+      kind === 'range'
+        ? !target.classList.contains('scrub') && e.key.length > 1
+        : kind !== '' && e.key === ' ';
     const action = actions[e.key.length === 1 ? e.key.toLowerCase() : e.key];
     if (!action || typing || own) return;
     if (document.querySelector('dialog[open]') && e.key !== '?') return;

@@ -252,7 +252,7 @@ export class Panel {
         h(
           'thead',
           {},
-          h('tr', {}, ...['pair', 'nodes', 'normal', 'friction', 'overlap'].map((t) => h('th', {}, t))),
+          h('tr', {}, ...['pair', 'nodes', 'normal', 'friction', 'voxels'].map((t) => h('th', {}, t))),
         ),
         h(
           'tbody',
@@ -267,7 +267,7 @@ export class Panel {
                 h('td', {}, String(t.count)),
                 h('td', {}, human(t.normal, 'N')),
                 h('td', {}, human(t.friction, 'N')),
-                h('td', { title: 'voxels' }, human(t.worstOverlap)),
+                h('td', { title: 'worst overlap in voxels' }, human(t.worstOverlap)),
               ),
             ),
         ),

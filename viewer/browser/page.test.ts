@@ -1,0 +1,219 @@
+import { afterAll, beforeAll, describe, expect, test } from 'vitest';
+import type { Browser } from 'playwright-core';
+import { fakeRun } from '../dev/fake_run';
+import { startFakeServer } from '../dev/fake_server';
+import type {} from '../src/main';
+import { chromiumPath, close, launch, open, page as folder, type Opened } from './harness';
+
+const frameOf = (o: Opened) => o.page.evaluate(() => window.brim.app.player.frame);
+const shownOf = (o: Opened) => o.page.evaluate(() => window.brim.app.picture.shown?.index);
+const notice = (o: Opened, name: string) => o.page.locator(`[data-notice="${name}"]`);
+const until = (o: Opened, what: () => boolean) =>
+  o.page.waitForFunction(what, undefined, { timeout: 30_000 });
+
+describe.skipIf(!chromiumPath)('the page', () => {
+  let browser: Browser;
+  beforeAll(async () => {
+    browser = await launch();
+  });
+  afterAll(() => browser?.close());
+
+  test('shows a run, asks nobody but its server, and throws nothing', async () => {
+    const o = await open(browser);
+    await o.page.waitForFunction(() => window.brim.app.picture.shown?.index === 0);
+    expect(await o.page.locator('.bodies li').count()).toBe(6);
+    expect(await o.page.locator('.plotcard').count()).toBe(6);
+    expect(await o.page.locator('.mark').count()).toBe(2);
+    // The picture is neither empty nor of one colour: the middle differs from the corner.
+    const colours = await o.page.evaluate(async () => {
+      await window.brim.app.showFrame(100);
+      const source = document.querySelector('canvas.picture') as HTMLCanvasElement;
+      const copy = document.createElement('canvas');
+      copy.width = 48;
+      copy.height = 32;
+      const context = copy.getContext('2d')!;
+      context.drawImage(source, 0, 0, 48, 32);
+      const data = context.getImageData(0, 0, 48, 32).data;
+      const seen = new Set<number>();
+      for (let i = 0; i < data.length; i += 4)
+        seen.add(((data[i]! >> 4) << 8) | ((data[i + 1]! >> 4) << 4) | (data[i + 2]! >> 4));
+      return seen.size;
+    });
+    expect(colours).toBeGreaterThan(25);
+    expect(
+      o.requests.filter(
+        (r) => !r.startsWith(o.server.url) && !r.startsWith('data:') && !r.startsWith('blob:'),
+      ),
+    ).toEqual([]);
+    expect(o.problems).toEqual([]);
+    await close(o);
+  });
+
+  test('plays, pauses, steps and scrubs by keyboard, buttons and slider', async () => {
+    const o = await open(browser, fakeRun(40));
+    await o.page.keyboard.press('ArrowRight');
+    await o.page.keyboard.press('ArrowRight');
+    expect(await frameOf(o)).toBe(2);
+    await o.page.keyboard.press('Shift+ArrowRight');
+    expect(await frameOf(o)).toBe(12);
+    await o.page.keyboard.press('End');
+    expect(await frameOf(o)).toBe(39);
+    await o.page.keyboard.press('Home');
+    expect(await frameOf(o)).toBe(0);
+    await o.page.keyboard.press('Space');
+    expect(await o.page.evaluate(() => window.brim.app.player.playing)).toBe(true);
+    await until(o, () => window.brim.app.player.frame > 3);
+    await o.page.getByRole('button', { name: 'pause' }).click();
+    expect(await o.page.evaluate(() => window.brim.app.player.playing)).toBe(false);
+    await o.page.locator('.scrub').fill('30');
+    await until(o, () => window.brim.app.picture.shown?.index === 30);
+    expect(await o.page.locator('.clock').innerText()).toContain('31 / 40');
+    expect(o.problems).toEqual([]);
+    await close(o);
+  });
+
+  test('hides and recolours bodies, shows contacts and tiles, and lists touching pairs', async () => {
+    const o = await open(browser);
+    await o.page.evaluate(() => window.brim.app.showFrame(130));
+    await o.page.getByRole('button', { name: 'hide crate' }).click();
+    expect(await o.page.getByRole('button', { name: 'show crate' }).count()).toBe(1);
+    await o.page.locator('[data-body="2"] input[type=color]').fill('#ff0000');
+    await o.page.keyboard.press('c');
+    await o.page.keyboard.press('c');
+    await o.page.keyboard.press('t');
+    const state = await o.page.evaluate(() => ({
+      style: window.brim.app.panel.contactStyle,
+      tiles: window.brim.app.picture.tiles.object.visible,
+      looks: window.brim.app.panel.looks.map((l) => [l.visible, l.colour]),
+    }));
+    expect([state.style, state.tiles]).toEqual(['forces', true]);
+    expect(state.looks[1]![0]).toBe(false);
+    expect(state.looks[2]![1]).toBe('#ff0000');
+    expect(await o.page.locator('.pairs tbody tr').allInnerTexts()).toHaveLength(2);
+    expect(o.problems).toEqual([]);
+    await close(o);
+  });
+
+  test('a click on a body reads its numbers, a click on nothing closes them', async () => {
+    const o = await open(browser);
+    await o.page.evaluate(() => {
+      window.brim.app.setPose({ azimuth: -90, elevation: 20 });
+      window.brim.app.picture.stage.draw(true);
+    });
+    const found = await o.page.evaluate(() => {
+      for (let y = 0.8; y > -0.8; y -= 0.05)
+        for (let x = -0.8; x < 0.8; x += 0.05) {
+          window.brim.app.pickAt(x, y);
+          if (document.querySelector('.pick h3')?.textContent?.startsWith('jelly ball')) return true;
+        }
+      return false;
+    });
+    expect(found).toBe(true);
+    expect(await o.page.locator('.pick').innerText()).toContain('nearest point');
+    await o.page.evaluate(() => window.brim.app.pickAt(-0.99, 0.99));
+    expect(await o.page.locator('.pick').isVisible()).toBe(false);
+    await close(o);
+  });
+
+  test('a growing run shows new frames and follows its end', async () => {
+    const o = await open(browser, fakeRun(5, false));
+    expect(await o.page.locator('.status').innerText()).toContain('growing');
+    await o.page.keyboard.press('End');
+    o.run.frames = 9;
+    await until(o, () => window.brim.app.player.frames === 9 && window.brim.app.player.frame === 8);
+    o.run.frames = 12;
+    o.run.complete = true;
+    await until(o, () => window.brim.app.player.frames === 12 && window.brim.app.run!.complete);
+    expect(await o.page.locator('.status').innerText()).toContain('complete');
+    expect(o.problems).toEqual([]);
+    await close(o);
+  });
+
+  test('a run without frames says so, and comes alive with its first ones', async () => {
+    const o = await open(browser, fakeRun(0, false));
+    expect(await notice(o, 'empty').innerText()).toContain('No frames yet');
+    await o.page.keyboard.press('Space');
+    await o.page.keyboard.press('End');
+    o.run.frames = 3;
+    await until(o, () => window.brim.app.picture.shown?.index === 0);
+    expect(await notice(o, 'empty').count()).toBe(0);
+    expect(o.problems).toEqual([]);
+    await close(o);
+  });
+
+  test('a damaged frame is named, and the rest still plays', async () => {
+    const run = fakeRun(20);
+    run.broken.add(7);
+    const o = await open(browser, run);
+    await o.page.locator('.scrub').fill('7');
+    await notice(o, 'frame').waitFor();
+    expect(await notice(o, 'frame').innerText()).toContain('Frame 8 cannot be shown: frame 7 cannot be read');
+    await o.page.keyboard.press('ArrowRight');
+    await until(o, () => window.brim.app.picture.shown?.index === 8);
+    expect(await notice(o, 'frame').count()).toBe(0);
+    expect(o.problems).toEqual([]);
+    await close(o);
+  });
+
+  test('a lost server is told, what is loaded still shows, and its return is noticed', async () => {
+    const o = await open(browser, fakeRun(20));
+    await o.page.evaluate(() => window.brim.app.showFrame(3));
+    const { port } = o.server;
+    await o.server.stop();
+    await notice(o, 'lost').waitFor();
+    expect(await notice(o, 'lost').innerText()).toContain('does not answer');
+    await o.page.locator('.scrub').fill('0');
+    await until(o, () => window.brim.app.picture.shown?.index === 0);
+    await o.page.locator('.scrub').fill('15'); // not loaded
+    o.server = await startFakeServer(o.run, folder, port);
+    await notice(o, 'lost').waitFor({ state: 'detached' });
+    await until(o, () => window.brim.app.picture.shown?.index === 15);
+    expect(o.problems).toEqual([]);
+    await close(o);
+  });
+
+  test('pointing at a plot marks the moment on the time line, clicking goes there', async () => {
+    const o = await open(browser, fakeRun(50));
+    const box = (await o.page.locator('.plot').first().boundingBox())!;
+    await o.page.mouse.move(box.x + box.width / 2, box.y + 20);
+    expect(await o.page.locator('.ghost').isVisible()).toBe(true);
+    await o.page.mouse.down();
+    await o.page.mouse.up();
+    expect(Math.abs((await frameOf(o)) - 25)).toBeLessThanOrEqual(1);
+    await close(o);
+  });
+
+  test('saves a picture and a zip of all pictures', async () => {
+    const o = await open(browser, fakeRun(3), { width: 700, height: 420 });
+    const [picture] = await Promise.all([o.page.waitForEvent('download'), o.page.keyboard.press('s')]);
+    expect(picture.suggestedFilename()).toBe('made-up_run_00000.png');
+    const [pictures] = await Promise.all([o.page.waitForEvent('download'), o.page.getByText('PNGs').click()]);
+    expect(pictures.suggestedFilename()).toBe('made-up_run.zip');
+    expect(await shownOf(o)).toBe(2);
+    expect(o.problems).toEqual([]);
+    await close(o);
+  });
+
+  test('films the run once through', async () => {
+    const o = await open(browser, fakeRun(12), { width: 700, height: 420 });
+    const [film] = await Promise.all([
+      o.page.waitForEvent('download'),
+      o.page.getByRole('button', { name: 'film the run' }).click(),
+    ]);
+    expect(film.suggestedFilename()).toBe('made-up_run.webm');
+    expect(await o.page.evaluate(() => window.brim.app.player.loop)).toBe(true);
+    expect(o.problems).toEqual([]);
+    await close(o);
+  });
+
+  test('on a phone the picture has the whole width and the panels open over it', async () => {
+    const o = await open(browser, fakeRun(5), { width: 400, height: 700 });
+    expect((await o.page.locator('.view').boundingBox())!.width).toBe(400);
+    await o.page.keyboard.press('b');
+    expect(await o.page.locator('.left').isVisible()).toBe(true);
+    await o.page.keyboard.press('p');
+    expect(await o.page.locator('.left').isVisible()).toBe(false);
+    expect(await o.page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(400);
+    await close(o);
+  });
+});
