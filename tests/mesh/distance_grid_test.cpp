@@ -231,5 +231,31 @@ TEST(DistanceGrid, HoldsTheBunnyInSpiteOfItsHoles) {
   EXPECT_NEAR(mass_properties(g, 1.0).volume / std::abs(enclosed_volume(bunny)), 1.0, 0.03);
 }
 
+TEST(DistanceGrid, HoldsMessyMeshesAsSheetsAndByTheirWindingNumber) {
+  int found = 0;
+  for (const char* name : {"teapot.obj", "suzanne.obj"}) {
+    const auto path = test::data_file(name);
+    if (path.empty()) continue;
+    ++found;
+    SCOPED_TRACE(name);
+    const TriMesh mesh = weld(test::read_plain_obj(path), 0.0);
+    const Aabb box = bounds(mesh.vertices);
+    const double h = box.extent().maxCoeff() / 40;
+    EXPECT_THROW(make_distance_grid(mesh, spacing(h)), InputError);
+    DistanceGridOptions o = spacing(h, SurfaceTreatment::Thickness);
+    o.thickness = 2 * h;
+    // A sheet's volume is about area times thickness, less where it folds, doubles or ends.
+    const double sheet = mass_properties(make_distance_grid(mesh, o), 1.0).volume / (surface_area(mesh) * o.thickness);
+    EXPECT_GT(sheet, 0.7);
+    EXPECT_LT(sheet, 1.1);
+    // As a solid it fills a fair share of its box, and no more than the box.
+    const double solid =
+        mass_properties(make_distance_grid(mesh, spacing(h, SurfaceTreatment::WindingNumber)), 1.0).volume;
+    EXPECT_GT(solid / box.extent().prod(), 0.2);
+    EXPECT_LT(solid / box.extent().prod(), 0.7);
+  }
+  if (found == 0) GTEST_SKIP() << "no test data";
+}
+
 }  // namespace
 }  // namespace brim

@@ -2,49 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
-#include <tuple>
 
 #include "brim/core/error.h"
+#include "brim/mesh/triangle_sides.h"
 
 namespace brim {
 
 namespace {
-
-// One side of a triangle: its edge with a < b, and whether the triangle runs it from a to b.
-struct Side {
-  std::int32_t a, b;
-  std::int32_t triangle;
-  std::int8_t corner;
-  bool forward;
-};
-
-std::vector<Side> sorted_sides(std::span<const Triangle> triangles) {
-  std::vector<Side> sides;
-  sides.reserve(3 * triangles.size());
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const std::int32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
-      sides.push_back(
-          {std::min(a, b), std::max(a, b), static_cast<std::int32_t>(t), static_cast<std::int8_t>(k), a < b});
-    }
-  std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) {
-    return std::tie(x.a, x.b, x.triangle, x.corner) < std::tie(y.a, y.b, y.triangle, y.corner);
-  });
-  return sides;
-}
-
-// Calls f(first, last) for each group of sides on the same edge.
-template <class F>
-void for_each_edge(const std::vector<Side>& sides, const F& f) {
-  for (std::size_t i = 0; i < sides.size();) {
-    std::size_t j = i + 1;
-    while (j < sides.size() && sides[j].a == sides[i].a && sides[j].b == sides[i].b) ++j;
-    f(sides.data() + i, sides.data() + j);
-    i = j;
-  }
-}
 
 struct UnionFind {
   std::vector<std::int32_t> parent;
@@ -220,86 +185,6 @@ Pieces connected_pieces(std::size_t vertex_count, std::span<const Triangle> tria
   }
   for (const Triangle& t : triangles) p.of_triangle.push_back(p.of_vertex[t[0]]);
   return p;
-}
-
-TriMesh oriented_outwards(const TriMesh& mesh) {
-  const std::vector<Side> sides = sorted_sides(mesh.triangles);
-  const std::size_t n = mesh.triangles.size();
-  std::vector<std::vector<std::pair<std::int32_t, bool>>> neighbours(n);
-  for_each_edge(sides, [&](const Side* first, const Side* last) {
-    if (last - first != 2) return;
-    const bool same = first[0].forward != first[1].forward;
-    neighbours[first[0].triangle].push_back({first[1].triangle, same});
-    neighbours[first[1].triangle].push_back({first[0].triangle, same});
-  });
-
-  // Each patch connected through ordinary edges gets one sense, then the patch as a whole is turned.
-  TriMesh result = mesh;
-  std::vector<std::int8_t> sense(n, 0);
-  for (std::size_t seed = 0; seed < n; ++seed) {
-    if (sense[seed] != 0) continue;
-    std::vector<std::int32_t> patch = {static_cast<std::int32_t>(seed)};
-    sense[seed] = 1;
-    for (std::size_t i = 0; i < patch.size(); ++i)
-      for (const auto& [t, same] : neighbours[patch[i]])
-        if (sense[t] == 0) {
-          sense[t] = same ? sense[patch[i]] : static_cast<std::int8_t>(-sense[patch[i]]);
-          patch.push_back(t);
-        }
-    std::vector<Triangle> as_turned;
-    std::ptrdiff_t kept = 0;
-    const Vec3 o = mesh.vertices[mesh.triangles[seed][0]];
-    double volume = 0.0;
-    for (const std::int32_t t : patch) {
-      Triangle c = mesh.triangles[t];
-      if (sense[t] < 0) std::swap(c[1], c[2]);
-      kept += sense[t];
-      volume += (mesh.vertices[c[0]] - o).cross(mesh.vertices[c[1]] - o).dot(mesh.vertices[c[2]] - o);
-      as_turned.push_back(c);
-    }
-    const bool open = !boundary_edges(as_turned).empty();
-    const bool turn = open ? kept < 0 : volume < 0.0;
-    for (std::size_t i = 0; i < patch.size(); ++i) {
-      if (turn) std::swap(as_turned[i][1], as_turned[i][2]);
-      result.triangles[patch[i]] = as_turned[i];
-    }
-  }
-  return result;
-}
-
-TetSurface tet_surface(const TetMesh& mesh) {
-  // Faces of a tetrahedron with positive volume, counter-clockwise from outside.
-  static constexpr int kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-  struct Face {
-    Triangle sorted, corners;
-    std::int32_t tet;
-  };
-  std::vector<Face> faces;
-  faces.reserve(4 * mesh.tets.size());
-  for (std::size_t e = 0; e < mesh.tets.size(); ++e)
-    for (const auto& f : kFaces) {
-      const Triangle c = {mesh.tets[e][f[0]], mesh.tets[e][f[1]], mesh.tets[e][f[2]]};
-      Triangle s = c;
-      std::sort(s.begin(), s.end());
-      faces.push_back({s, c, static_cast<std::int32_t>(e)});
-    }
-  std::sort(faces.begin(), faces.end(),
-            [](const Face& x, const Face& y) { return std::tie(x.sorted, x.tet) < std::tie(y.sorted, y.tet); });
-  std::vector<Face> outer;
-  for (std::size_t i = 0; i < faces.size();) {
-    std::size_t j = i + 1;
-    while (j < faces.size() && faces[j].sorted == faces[i].sorted) ++j;
-    if (j - i == 1) outer.push_back(faces[i]);
-    i = j;
-  }
-  std::sort(outer.begin(), outer.end(),
-            [](const Face& x, const Face& y) { return std::tie(x.tet, x.sorted) < std::tie(y.tet, y.sorted); });
-  TetSurface surface;
-  for (const Face& f : outer) {
-    surface.triangles.push_back(f.corners);
-    surface.owner.push_back(f.tet);
-  }
-  return surface;
 }
 
 std::vector<Vec3> vertex_normals(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
