@@ -1,0 +1,64 @@
+#pragma once
+
+#include <memory>
+
+#include "brim/body/cloth/bending_elements.h"
+#include "brim/body/cloth/membrane_elements.h"
+#include "brim/body/particles/particle_body.h"
+#include "brim/core/workspace_pool.h"
+#include "brim/raster/raster_triangles.h"
+
+namespace brim {
+
+/// What a sheet is made of.
+struct ClothOptions : ParticleOptions {
+  double areal_density = 0.2;  ///< [kg/m²]
+  double thickness = 0.01;     ///< [m] for contact only; the voxel size follows it (thickness / 2)
+  MembraneMaterial membrane;
+  double bending = 1e-5;  ///< B [N·m], >= 0 (E t³ / (12 (1 − ν²)) for a homogeneous plate)
+};
+
+/// Cloth, paper or shell: triangles with membrane and bending stiffness (docs/bodies/cloth.md). A flat rest shape bends
+/// by the quadratic model, a curved one keeps its rest angles.
+/// Contact: density of a slab of the given thickness (raster_triangles) with shell weights, exact in linear and angular
+/// momentum. A sheet wants a thickness of two voxels.
+/// Tests: tests/body/cloth_body_test.cpp
+class ClothBody final : public ParticleBody {
+ public:
+  /// @param mesh  rest shape, world frame, any manifold surface, open or closed; every vertex in a triangle
+  /// @throws InputError  when a number is out of range or the mesh cannot be used
+  ClothBody(TriMesh mesh, ClothOptions options);
+
+  std::string_view kind() const override { return "cloth"; }
+  double elastic_energy() const override { return membrane_.energy(x_) + bending_.energy(x_); }
+
+  PartInfo part(int p) const override;
+  Aabb bounds(int p) const override;
+  void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
+  void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
+  void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
+                std::unique_ptr<Map>& map) const override;
+
+  const Display& display() const override { return display_; }
+  void display_positions(std::span<Vec3f> x) const override;
+
+  const TriMesh& mesh() const { return mesh_; }
+  const MembraneElements& membrane() const { return membrane_; }
+  const BendingElements& bending() const { return bending_; }
+
+ protected:
+  void add_inner() override;
+
+ private:
+  ClothBody(TriMesh mesh, ClothOptions options, MembraneElements membrane);
+
+  TriMesh mesh_;
+  MembraneElements membrane_;
+  BendingElements bending_;
+  double thickness_;
+  PartInfo part_;
+  Display display_;
+  mutable WorkspacePool<RasterWorkspace> workspace_;
+};
+
+}  // namespace brim
