@@ -122,9 +122,14 @@ class Browser {
 
   async close() {
     this.process.removeAllListeners('exit');
-    const gone = this.process.exitCode !== null ? undefined : once(this.process, 'exit');
-    this.process.kill();
+    if (this.process.exitCode !== null || this.process.pid === undefined) return;
+    const gone = once(this.process, 'close');
+    this.session = undefined; // the browser itself is meant
+    this.send('Browser.close').catch(() => undefined);
+    const timer = setTimeout(() => this.process.kill('SIGKILL'), 5000);
     await gone;
+    clearTimeout(timer);
+    this.fail(new Error('the browser was closed'));
   }
 }
 
@@ -213,7 +218,11 @@ async function main() {
     await film?.finish();
   } finally {
     await browser.close();
-    rmSync(profile, { recursive: true, force: true, maxRetries: 5 });
+    try {
+      rmSync(profile, { recursive: true, force: true, maxRetries: 10, retryDelay: 100 });
+    } catch {
+      // A straggler of the browser still writes there; a stray temporary folder is no reason to fail.
+    }
   }
 }
 

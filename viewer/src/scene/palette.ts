@@ -3,7 +3,7 @@
 export const bodyColours = [
   '#4f83b5', // steel blue
   '#e2a03f', // amber
-  '#a83e58', // rose
+  '#b8455f', // rose
   '#43a88c', // sea green
   '#e8c9a0', // sand
   '#6b4f8f', // violet
@@ -11,7 +11,7 @@ export const bodyColours = [
   '#7b5a3a', // umber
 ] as const;
 
-export const fixedColour = '#d4d5d3';
+export const fixedColour = '#b9bcbd';
 
 /** Default colours of a run's bodies: grey for what never moves, the list in order for the rest. */
 export function defaultColours(bodies: { fixed: boolean }[]): string[] {

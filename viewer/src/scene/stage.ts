@@ -35,7 +35,7 @@ export class Stage {
   readonly renderer: THREE.WebGLRenderer;
   readonly controls: OrbitControls;
   readonly ground = new Ground();
-  private readonly key = new THREE.DirectionalLight('#fff4e6', 2.0);
+  private readonly key = new THREE.DirectionalLight('#fff4e6', 2.5);
   private readonly fill = new THREE.DirectionalLight('#dfeaff', 0.6);
   private readonly box = new THREE.Box3(new THREE.Vector3(-1, -1, 0), new THREE.Vector3(1, 1, 1));
   private readonly bounds = new THREE.Sphere();
@@ -47,18 +47,19 @@ export class Stage {
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     // Keeps the hues, so that bodies look as their colour in the list does.
     this.renderer.toneMapping = THREE.NeutralToneMapping;
-    this.renderer.toneMappingExposure = 1.0;
+    this.renderer.toneMappingExposure = 0.95;
     this.renderer.shadowMap.enabled = true;
-    this.renderer.shadowMap.type = THREE.PCFShadowMap;
+    this.renderer.shadowMap.type = THREE.VSMShadowMap;
 
     this.scene.environment = studioLight(this.renderer);
-    this.scene.environmentIntensity = 0.42;
+    this.scene.environmentIntensity = 0.3;
     this.scene.environmentRotation.set(Math.PI / 2, 0, 0); // environment maps are y up
     this.scene.background = backdrop();
 
     this.key.castShadow = true;
-    this.key.shadow.mapSize.set(2048, 2048);
-    this.key.shadow.radius = 4;
+    this.key.shadow.mapSize.set(1024, 1024);
+    this.key.shadow.radius = 5;
+    this.key.shadow.blurSamples = 12;
     this.key.shadow.bias = -0.0004;
     this.scene.add(this.key, this.key.target, this.fill, this.fill.target, this.ground.object);
 
