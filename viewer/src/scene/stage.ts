@@ -47,7 +47,7 @@ export class Stage {
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     // Keeps the hues, so that bodies look as their colour in the list does.
     this.renderer.toneMapping = THREE.NeutralToneMapping;
-    this.renderer.toneMappingExposure = 0.95;
+    this.renderer.toneMappingExposure = 1.0;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.VSMShadowMap;
 
@@ -79,7 +79,7 @@ export class Stage {
     this.box.copy(box);
     const center = box.getCenter(this.bounds.center);
     const r = (this.bounds.radius = Math.max(0.5 * box.min.distanceTo(box.max), 1e-6));
-    const towards = new THREE.Vector3(0.45, -0.55, 1).normalize();
+    const towards = new THREE.Vector3(0.5, -0.8, 1).normalize();
     this.key.position.copy(center).addScaledVector(towards, 4 * r);
     this.key.target.position.copy(center);
     this.fill.position.copy(center).add(new THREE.Vector3(-3 * r, -1.5 * r, 1.2 * r));
