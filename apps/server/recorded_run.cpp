@@ -62,6 +62,10 @@ void RecordedRun::refresh() {
   }
 }
 
+bool RecordedRun::fixed(std::size_t body) const {
+  return reader_->bodies()[body].immobile && reader_->still(static_cast<int>(body));
+}
+
 bool RecordedRun::complete() const {
   // The summary is written when a run ends; one that is older than the frames is of a run since resumed.
   std::error_code error;
@@ -88,7 +92,7 @@ Json RecordedRun::info() {
                       {"twoSided", list[b].display.two_sided},
                       {"radius", list[b].display.radius},
                       {"vertices", list[b].display.vertices},
-                      {"fixed", list[b].immobile},
+                      {"fixed", fixed(b)},
                       {"parts", Json::array()}});
   Json parts = Json::array();
   for (std::size_t p = 0; p < reader_->parts().size(); ++p) {
@@ -126,7 +130,7 @@ std::string RecordedRun::topology(int body) {
   if (b.display.kind == Display::Kind::Lines)
     message.add("lines", reinterpret_cast<const std::int32_t*>(b.display.lines.data()), b.display.lines.size(), 2,
                 body);
-  if (b.immobile && reader_->frames() > 0) {
+  if (fixed(static_cast<std::size_t>(body)) && reader_->frames() > 0) {
     const std::vector<Vec3f> x = reader_->positions(body, 0);
     message.add("positions", reinterpret_cast<const float*>(x.data()), x.size(), 3, body);
   }
@@ -140,7 +144,7 @@ std::string RecordedRun::frame(std::int64_t frame) {
   const double time = reader_->time(frame);
   message.add("time", &time, 1);
   for (std::size_t b = 0; b < reader_->bodies().size(); ++b) {
-    if (reader_->bodies()[b].immobile) continue;
+    if (fixed(b)) continue;
     const std::vector<Vec3f> x = reader_->positions(static_cast<int>(b), frame);
     message.add("positions", reinterpret_cast<const float*>(x.data()), x.size(), 3, static_cast<int>(b));
   }

@@ -29,6 +29,7 @@ class RecordedRun : public RunSource {
 
  private:
   void refresh();
+  bool fixed(std::size_t body) const;  ///< neither moved by the simulation nor animated
   bool complete() const;
 
   std::filesystem::path folder_, file_;

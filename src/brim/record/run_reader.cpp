@@ -169,6 +169,10 @@ std::vector<Vec3f> RunReader::positions(int body, std::int64_t frame) const {
   return x;
 }
 
+bool RunReader::still(int body) const {
+  return impl_->file.open(fmt::format("/display/{}/positions", body)).shape()[0] <= 1;
+}
+
 std::vector<ContactSample> RunReader::contacts(std::int64_t frame) const {
   const auto [first, n] = impl_->range("/contacts", frame);
   const auto x = impl_->rows<float>("/contacts/position", first, n, 3, Type::Float32);

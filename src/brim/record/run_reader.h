@@ -49,6 +49,8 @@ class RunReader {
   State state(std::int64_t frame) const;
   /// Display positions of one body, [m], shape (vertices).
   std::vector<Vec3f> positions(int body, std::int64_t frame) const;
+  /// True while one set of positions stands for all frames of a body.
+  bool still(int body) const;
   std::vector<ContactSample> contacts(std::int64_t frame) const;
   std::vector<std::pair<TileKey, double>> tiles(std::int64_t frame) const;
   std::vector<PairReport> pairs(std::int64_t frame) const;
