@@ -1,8 +1,10 @@
 #include "server/recorded_run.h"
 
+#include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <thread>
 
 #include "brim/core/error.h"
 #include "brim/world/report_fields.h"
@@ -16,6 +18,8 @@ using Json = nlohmann::json;
 namespace {
 
 constexpr std::size_t kWarningsShown = 1000;
+constexpr int kAttempts = 4;
+constexpr auto kPause = std::chrono::milliseconds(40);
 
 const char* display_word(Display::Kind kind) {
   switch (kind) {
@@ -40,25 +44,32 @@ Json read_json(const fs::path& path) {
 RecordedRun::RecordedRun(const std::string& path) {
   folder_ = fs::is_directory(path) ? fs::path(path) : fs::path(path).parent_path();
   file_ = fs::is_directory(path) ? folder_ / "run.h5" : fs::path(path);
-  reader_ = std::make_unique<RunReader>(path);
-  std::error_code error;
-  seen_ = fs::last_write_time(file_, error);
+  RunReader{path};  // whose message is better than any made here
+  refresh();
 }
 
 void RecordedRun::refresh() {
   std::error_code error;
   const auto now = fs::last_write_time(file_, error);
-  if (error || now == seen_) return;
-  try {
-    auto fresh = std::make_unique<RunReader>(file_.string());
-    if (fresh->frames() < reader_->frames()) {  // the run was started anew
-      warnings_.clear();
-      warnings_read_ = 0;
+  if (reader_ && (error || now == seen_)) return;
+  // HDF5 hands an open file's old view to whoever opens it again in the same process, so it must be closed first. A
+  // file caught in the middle of a write is tried again.
+  const std::int64_t before = progress_.frames;
+  reader_.reset();
+  for (int attempt = 0;; ++attempt) {
+    try {
+      reader_ = std::make_unique<RunReader>(file_.string());
+      break;
+    } catch (const InputError&) {
+      if (attempt == kAttempts) throw;
+      std::this_thread::sleep_for(kPause);
     }
-    reader_ = std::move(fresh);
-    seen_ = now;
-  } catch (const InputError&) {
-    // Caught in the middle of a write: what was open goes on serving, and the next call tries again.
+  }
+  seen_ = now;
+  progress_.frames = reader_->frames();
+  if (progress_.frames < before) {  // the run was started anew
+    warnings_.clear();
+    warnings_read_ = 0;
   }
 }
 
@@ -75,8 +86,13 @@ bool RecordedRun::complete() const {
 
 Progress RecordedRun::progress() {
   const std::lock_guard lock(mutex_);
-  refresh();
-  return {reader_->frames(), complete()};
+  try {
+    refresh();
+    progress_.complete = complete();
+  } catch (const InputError&) {
+    // The file cannot be read at the moment: nothing new is known.
+  }
+  return progress_;
 }
 
 Json RecordedRun::info() {
@@ -98,8 +114,7 @@ Json RecordedRun::info() {
   for (std::size_t p = 0; p < reader_->parts().size(); ++p) {
     const RecordedPart& part = reader_->parts()[p];
     const auto body = static_cast<std::size_t>(part.body);
-    const bool alone = body < list.size() && list[body].parts == 1;
-    parts.push_back({{"name", alone || part.name.empty() ? list.at(body).name : part.name}, {"body", part.body}});
+    parts.push_back({{"name", part.name}, {"body", part.body}});
     if (body < list.size()) bodies[body]["parts"].push_back(p);
   }
   for (; warnings_read_ < reader_->frames() && warnings_.size() < kWarningsShown; ++warnings_read_)
@@ -120,6 +135,7 @@ Json RecordedRun::info() {
 
 std::string RecordedRun::topology(int body) {
   const std::lock_guard lock(mutex_);
+  if (!reader_) refresh();
   if (body < 0 || static_cast<std::size_t>(body) >= reader_->bodies().size())
     throw InputError(fmt::format("no body {}", body));
   const RecordedBody& b = reader_->bodies()[static_cast<std::size_t>(body)];
@@ -139,7 +155,7 @@ std::string RecordedRun::topology(int body) {
 
 std::string RecordedRun::frame(std::int64_t frame) {
   const std::lock_guard lock(mutex_);
-  if (frame >= reader_->frames()) refresh();
+  if (!reader_ || frame >= reader_->frames()) refresh();
   ArrayMessage message;
   const double time = reader_->time(frame);
   message.add("time", &time, 1);
@@ -194,6 +210,7 @@ std::string RecordedRun::series(std::int64_t from) {
 
 double RecordedRun::frame_rate() {
   const std::lock_guard lock(mutex_);
+  if (!reader_) refresh();
   const double seconds = reader_->frame_time();
   return seconds > 0 ? std::min(60.0, 1.0 / seconds) : 30.0;
 }

@@ -28,6 +28,7 @@ class RecordedRun : public RunSource {
   double frame_rate();
 
  private:
+  /// Opens the file if it is not open or has changed. @throws InputError  when it cannot be read
   void refresh();
   bool fixed(std::size_t body) const;  ///< neither moved by the simulation nor animated
   bool complete() const;
@@ -35,9 +36,10 @@ class RecordedRun : public RunSource {
   std::filesystem::path folder_, file_;
   std::mutex mutex_;
   std::unique_ptr<RunReader> reader_;
-  std::filesystem::file_time_type seen_{};
-  std::vector<Warning> warnings_;   ///< of the frames read so far
-  std::int64_t warnings_read_ = 0;  ///< frames whose warnings are in the list
+  std::filesystem::file_time_type seen_{};  ///< when the file as it is open was written
+  Progress progress_;                       ///< last known
+  std::vector<Warning> warnings_;           ///< of the frames read so far
+  std::int64_t warnings_read_ = 0;          ///< frames whose warnings are in the list
 };
 
 }  // namespace brim::viewer
