@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 namespace brim {
 
@@ -17,6 +18,13 @@ inline double ramp(double d, double w) {
 inline double ramp_slope(double d, double w) {
   const double t = std::clamp(d / w + 0.5, 0.0, 1.0);
   return -6.0 * t * (1.0 - t) / w;
+}
+
+/// Signed distance that gives a density, [m]: the inverse of ramp, within ±w/2.
+///   t solves 3 t² − 2 t³ = y:  t = 1/2 − sin(asin(1 − 2 y) / 3)
+inline double ramp_inverse(double rho, double w) {
+  const double y = std::clamp(1.0 - rho, 0.0, 1.0);
+  return -w * std::sin(std::asin(1.0 - 2.0 * y) / 3.0);
 }
 
 }  // namespace brim

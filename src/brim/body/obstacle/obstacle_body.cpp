@@ -1,0 +1,101 @@
+#include "brim/body/obstacle/obstacle_body.h"
+
+#include "brim/core/error.h"
+#include "brim/core/parallel.h"
+#include "brim/map/rigid_map.h"
+#include "brim/math/rotation.h"
+
+namespace brim {
+
+namespace {
+
+/// Pose at a time: linear and spherical between keys, held before the first and after the last.
+PoseKey pose_at(const std::vector<PoseKey>& keys, double time) {
+  if (time <= keys.front().time) return keys.front();
+  if (time >= keys.back().time) return keys.back();
+  std::size_t i = 1;
+  while (keys[i].time < time) ++i;
+  const PoseKey &a = keys[i - 1], &b = keys[i];
+  const double s = (time - a.time) / (b.time - a.time);
+  return {time, (1.0 - s) * a.position + s * b.position, a.rotation.slerp(s, b.rotation).normalized()};
+}
+
+}  // namespace
+
+ObstacleBody::ObstacleBody(ObstacleModel model) : model_(std::move(model)) {
+  if (model_.keys.empty()) throw InputError("obstacle: at least one pose is needed");
+  for (std::size_t i = 1; i < model_.keys.size(); ++i)
+    if (!(model_.keys[i].time > model_.keys[i - 1].time))
+      throw InputError(fmt::format("obstacle: key {} has time {}, but times must increase (previous {})", i,
+                                   model_.keys[i].time, model_.keys[i - 1].time));
+  for (PoseKey& k : model_.keys) k.rotation.normalize();
+  const Aabb box = model_.shape->bounds();
+  const Vec3 far = box.hi.cwiseAbs().cwiseMax(box.lo.cwiseAbs());
+  reach_ = far.allFinite() ? far.norm() : 0.0;
+  display_.vertices = model_.surface.vertices.size();
+  display_.triangles = model_.surface.triangles;
+}
+
+void ObstacleBody::initial_state(std::span<double> q, std::span<double> v) const {
+  const PoseKey k = pose_at(model_.keys, 0.0);
+  Eigen::Map<Vec3>(q.data()) = k.position;
+  q[3] = k.rotation.w(), q[4] = k.rotation.x(), q[5] = k.rotation.y(), q[6] = k.rotation.z();
+  std::fill(v.begin(), v.end(), 0.0);
+}
+
+void ObstacleBody::prescribe(double time, double dt, std::span<const double> q, std::span<double> v) const {
+  if (!animated() || !(dt > 0.0)) {
+    std::fill(v.begin(), v.end(), 0.0);
+    return;
+  }
+  const PoseKey next = pose_at(model_.keys, time + dt);
+  Eigen::Map<Vec3>(v.data()) = (next.position - Vec3(q[0], q[1], q[2])) / dt;
+  const Quat now(q[3], q[4], q[5], q[6]);
+  Eigen::Map<Vec3>(v.data() + 3) = vector_from_rotation(next.rotation * now.conjugate()) / dt;
+}
+
+void ObstacleBody::update(double, std::span<const double> q, std::span<const double>) {
+  pose_.rotation = Quat(q[3], q[4], q[5], q[6]).toRotationMatrix();
+  pose_.translation = Vec3(q[0], q[1], q[2]);
+}
+
+void ObstacleBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
+  if (!animated()) return;
+  Eigen::Map<Vec3>(q.data()) += dt * Vec3(v[0], v[1], v[2]);
+  const Quat next = (rotation_from_vector(dt * Vec3(v[3], v[4], v[5])) * Quat(q[3], q[4], q[5], q[6])).normalized();
+  q[3] = next.w(), q[4] = next.x(), q[5] = next.y(), q[6] = next.z();
+}
+
+void ObstacleBody::apply_mass(std::span<const double> x, std::span<double> y) const {
+  for (std::size_t i = 0; i < x.size(); ++i) y[i] += x[i];  // any definite matrix: the filter removes it
+}
+
+void ObstacleBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) const {
+  D.block(first) += Eigen::Matrix<double, 6, 6>::Identity();
+}
+
+double ObstacleBody::relative_speed_bound(int, std::span<const double> v) const {
+  return reach_ * Vec3(v[3], v[4], v[5]).norm();
+}
+
+void ObstacleBody::presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const {
+  shape_presence(*model_.shape, pose_, h, w, region, out);
+}
+
+void ObstacleBody::rasterize(int, double h, double w, std::span<const TileKey> tiles,
+                             std::span<DensityBlock> out) const {
+  parallel_for(tiles.size(), [&](std::size_t i) { model_.shape->fill(pose_, tiles[i], h, w, out[i]); });
+}
+
+void ObstacleBody::make_map(int, std::span<const Vec3> points, std::span<const std::int32_t>,
+                            std::unique_ptr<Map>& map) const {
+  if (!map) map = std::make_unique<RigidMap>();
+  static_cast<RigidMap&>(*map).reset(0, pose_.translation, points);
+}
+
+void ObstacleBody::display_positions(std::span<Vec3f> x) const {
+  for (std::size_t i = 0; i < x.size(); ++i)
+    x[i] = (pose_.rotation * model_.surface.vertices[i] + pose_.translation).cast<float>();
+}
+
+}  // namespace brim

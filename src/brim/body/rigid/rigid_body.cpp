@@ -1,0 +1,123 @@
+#include "brim/body/rigid/rigid_body.h"
+
+#include <Eigen/Eigenvalues>
+
+#include "brim/core/error.h"
+#include "brim/core/parallel.h"
+#include "brim/map/rigid_map.h"
+#include "brim/math/rotation.h"
+
+namespace brim {
+
+RigidBody::RigidBody(RigidModel model) : model_(std::move(model)) {
+  if (!(model_.mass > 0.0) || !std::isfinite(model_.mass))
+    throw InputError(fmt::format("rigid body: mass is {}, but must be positive and finite [kg]", model_.mass));
+  const Eigen::SelfAdjointEigenSolver<Mat3> eig(model_.inertia);
+  if (!(eig.eigenvalues().minCoeff() > 0.0))
+    throw InputError("rigid body: the inertia tensor is not positive definite; is the solid closed and not empty?");
+  const Aabb box = model_.shape->bounds();
+  reach_ = std::max((box.hi - model_.center_of_mass).norm(), (box.lo - model_.center_of_mass).norm());
+  Vec3 far = (box.hi - model_.center_of_mass).cwiseAbs().cwiseMax((box.lo - model_.center_of_mass).cwiseAbs());
+  reach_ = far.norm();
+  if (!model_.surface.vertices.empty()) {  // the surface is tighter than the corners of the box
+    reach_ = 0.0;
+    for (const Vec3& p : model_.surface.vertices) reach_ = std::max(reach_, (p - model_.center_of_mass).norm());
+  }
+  display_.vertices = model_.surface.vertices.size();
+  display_.triangles = model_.surface.triangles;
+}
+
+void RigidBody::initial_state(std::span<double> q, std::span<double> v) const {
+  const Quat r = model_.rotation.normalized();
+  Eigen::Map<Vec3>(q.data()) = model_.position + r * model_.center_of_mass;
+  q[3] = r.w(), q[4] = r.x(), q[5] = r.y(), q[6] = r.z();
+  Eigen::Map<Vec3>(v.data()) = model_.velocity;
+  Eigen::Map<Vec3>(v.data() + 3) = model_.angular_velocity;
+}
+
+void RigidBody::update(double, std::span<const double> q, std::span<const double> v) {
+  center_ = Vec3(q[0], q[1], q[2]);
+  pose_.rotation = Quat(q[3], q[4], q[5], q[6]).toRotationMatrix();
+  pose_.translation = center_ - pose_.rotation * model_.center_of_mass;
+  inertia_ = pose_.rotation * model_.inertia * pose_.rotation.transpose();
+  momentum_rate_ = -model_.linear_damping * model_.mass * Vec3(v[0], v[1], v[2]);
+  spin_rate_ = -model_.angular_damping * (inertia_ * Vec3(v[3], v[4], v[5]));
+}
+
+void RigidBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
+  Eigen::Map<Vec3>(q.data()) += dt * Vec3(v[0], v[1], v[2]);
+  // Midpoint rule on the rotation with the angular momentum held: second order for tumbling bodies.
+  const Quat r(q[3], q[4], q[5], q[6]);
+  const Vec3 w(v[3], v[4], v[5]);
+  const Mat3 R = r.toRotationMatrix();
+  const Vec3 L = R * (model_.inertia * (R.transpose() * w));
+  const Mat3 half = (rotation_from_vector(0.5 * dt * w) * r).toRotationMatrix();
+  const Vec3 mid = half * model_.inertia.llt().solve(half.transpose() * L);
+  const Quat next = (rotation_from_vector(dt * mid) * r).normalized();
+  q[3] = next.w(), q[4] = next.x(), q[5] = next.y(), q[6] = next.z();
+}
+
+void RigidBody::finish_step(double, double, std::span<double> q, std::span<double> v) {
+  const Vec3 L = inertia_ * Vec3(v[3], v[4], v[5]);
+  const Mat3 R = Quat(q[3], q[4], q[5], q[6]).toRotationMatrix();
+  Eigen::Map<Vec3>(v.data() + 3) = R * model_.inertia.llt().solve(R.transpose() * L);
+}
+
+void RigidBody::add_forces(const Environment& env, std::span<double> Q) const {
+  Eigen::Map<Vec3>(Q.data()) += model_.mass * env.gravity + momentum_rate_;
+  Eigen::Map<Vec3>(Q.data() + 3) += spin_rate_;
+}
+
+void RigidBody::apply_mass(std::span<const double> x, std::span<double> y) const {
+  Eigen::Map<Vec3>(y.data()) += model_.mass * Vec3(x[0], x[1], x[2]);
+  Eigen::Map<Vec3>(y.data() + 3) += inertia_ * Vec3(x[3], x[4], x[5]);
+}
+
+void RigidBody::apply_damping(std::span<const double> x, std::span<double> y) const {
+  Eigen::Map<Vec3>(y.data()) -= model_.linear_damping * model_.mass * Vec3(x[0], x[1], x[2]);
+  Eigen::Map<Vec3>(y.data() + 3) -= model_.angular_damping * (inertia_ * Vec3(x[3], x[4], x[5]));
+}
+
+void RigidBody::apply_system(std::span<const double> x, std::span<double> y) const {
+  Eigen::Map<Vec3>(y.data()) += (1.0 + dt_ * model_.linear_damping) * model_.mass * Vec3(x[0], x[1], x[2]);
+  Eigen::Map<Vec3>(y.data() + 3) += (1.0 + dt_ * model_.angular_damping) * (inertia_ * Vec3(x[3], x[4], x[5]));
+}
+
+void RigidBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) const {
+  auto block = D.block(first);
+  block.topLeftCorner<3, 3>() += (1.0 + dt_ * model_.linear_damping) * model_.mass * Mat3::Identity();
+  block.bottomRightCorner<3, 3>() += (1.0 + dt_ * model_.angular_damping) * inertia_;
+}
+
+double RigidBody::relative_speed_bound(int, std::span<const double> v) const {
+  return reach_ * Vec3(v[3], v[4], v[5]).norm();
+}
+
+void RigidBody::presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const {
+  shape_presence(*model_.shape, pose_, h, w, region, out);
+}
+
+void RigidBody::rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {
+  parallel_for(tiles.size(), [&](std::size_t i) { model_.shape->fill(pose_, tiles[i], h, w, out[i]); });
+}
+
+void RigidBody::make_map(int, std::span<const Vec3> points, std::span<const std::int32_t>,
+                         std::unique_ptr<Map>& map) const {
+  if (!map) map = std::make_unique<RigidMap>();
+  static_cast<RigidMap&>(*map).reset(0, center_, points);
+}
+
+double RigidBody::potential_energy(const Environment& env) const { return -model_.mass * env.gravity.dot(center_); }
+
+Vec3 RigidBody::linear_momentum(std::span<const double> v) const { return model_.mass * Vec3(v[0], v[1], v[2]); }
+
+Vec3 RigidBody::angular_momentum(std::span<const double> v) const {
+  return center_.cross(linear_momentum(v)) + inertia_ * Vec3(v[3], v[4], v[5]);
+}
+
+void RigidBody::display_positions(std::span<Vec3f> x) const {
+  for (std::size_t i = 0; i < x.size(); ++i)
+    x[i] = (pose_.rotation * model_.surface.vertices[i] + pose_.translation).cast<float>();
+}
+
+}  // namespace brim

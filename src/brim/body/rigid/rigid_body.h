@@ -1,0 +1,74 @@
+#pragma once
+
+#include "brim/body/body.h"
+#include "brim/raster/shape.h"
+
+namespace brim {
+
+/// What a rigid body is made of. The body's frame has its origin at the centre of mass.
+struct RigidModel {
+  std::shared_ptr<const Shape> shape;    ///< solid, in the shape's own frame
+  Vec3 center_of_mass = Vec3::Zero();    ///< [m] in the shape's frame
+  double mass = 1.0;                     ///< [kg]
+  Mat3 inertia = Mat3::Identity();       ///< [kg m²] about the centre of mass, shape's axes
+  Vec3 position = Vec3::Zero();          ///< [m] initial position of the shape's origin
+  Quat rotation = Quat::Identity();      ///< initial, from the shape's frame to the world
+  Vec3 velocity = Vec3::Zero();          ///< [m/s] initial, of the centre of mass
+  Vec3 angular_velocity = Vec3::Zero();  ///< [rad/s] initial, world frame
+  double linear_damping = 0.0;           ///< [1/s] drag proportional to momentum
+  double angular_damping = 0.0;          ///< [1/s]
+  PartInfo part;
+  TriMesh surface;  ///< for display, shape's frame
+};
+
+/// Rigid body: q = (position of the centre of mass, quaternion w x y z), v = (o', ω), world frame.
+/// Free rotation conserves angular momentum exactly: after each step ω follows from L at the new orientation.
+class RigidBody final : public Body {
+ public:
+  /// @throws InputError when mass or inertia is not positive
+  explicit RigidBody(RigidModel model);
+
+  std::string_view kind() const override { return "rigid"; }
+  std::size_t q_size() const override { return 7; }
+  std::size_t v_size() const override { return 6; }
+  void initial_state(std::span<double> q, std::span<double> v) const override;
+  void update(double time, std::span<const double> q, std::span<const double> v) override;
+  void advance(double dt, std::span<double> q, std::span<const double> v) const override;
+  void finish_step(double time, double dt, std::span<double> q, std::span<double> v) override;
+
+  void add_forces(const Environment& env, std::span<double> Q) const override;
+  void apply_mass(std::span<const double> x, std::span<double> y) const override;
+  void apply_damping(std::span<const double> x, std::span<double> y) const override;
+  std::vector<int> block_sizes() const override { return {6}; }
+  void apply_system(std::span<const double> x, std::span<double> y) const override;
+  void add_system_diagonal(std::size_t first, BlockDiagonal& D) const override;
+
+  PartInfo part(int) const override { return model_.part; }
+  Aabb bounds(int) const override { return model_.shape->placed_bounds(pose_); }
+  Vec3 carrier_velocity(int, std::span<const double> v) const override { return {v[0], v[1], v[2]}; }
+  double relative_speed_bound(int, std::span<const double> v) const override;
+  void presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
+  void rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
+  void make_map(int, std::span<const Vec3> points, std::span<const std::int32_t> sources,
+                std::unique_ptr<Map>& map) const override;
+
+  double mass() const override { return model_.mass; }
+  double potential_energy(const Environment& env) const override;
+  Vec3 linear_momentum(std::span<const double> v) const override;
+  Vec3 angular_momentum(std::span<const double> v) const override;
+
+  const Display& display() const override { return display_; }
+  void display_positions(std::span<Vec3f> x) const override;
+
+ private:
+  RigidModel model_;
+  Display display_;
+  double reach_ = 0.0;  ///< [m] farthest matter from the centre of mass
+  // Of the last update:
+  Vec3 center_ = Vec3::Zero();                                    ///< [m] centre of mass
+  Pose pose_;                                                     ///< of the shape's frame
+  Mat3 inertia_ = Mat3::Identity();                               ///< world axes, [kg m²]
+  Vec3 momentum_rate_ = Vec3::Zero(), spin_rate_ = Vec3::Zero();  ///< damping forces
+};
+
+}  // namespace brim

@@ -1,0 +1,257 @@
+#include "brim/response/penalty.h"
+
+#include "brim/core/parallel.h"
+#include "brim/response/patch_average.h"
+
+namespace brim {
+
+namespace {
+
+/// Weight of a node that does not overlap yet, so that patches before touch have normals too.
+constexpr double kLeastWeight = 1e-9;
+/// Curvature times h below which a surface counts as flat: the stencil reads up to 0.005 on tilted planes.
+constexpr double kCurvatureOfNoise = 0.005;
+
+/// Force and the two curvature tensors (xx, yy, zz, xy, xz, yz) of a neighbourhood.
+using PatchSample = Eigen::Matrix<double, 15, 1>;
+
+void store(const Mat3& m, double weight, PatchSample& s, int at) {
+  s.segment<6>(at) << m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2);
+  s.segment<6>(at) *= weight;
+}
+
+/// Frobenius norm of the tensor stored at `at`, projected across n.
+double curvature(const PatchSample& s, int at, const Vec3& n) {
+  Mat3 m;
+  m << s[at], s[at + 3], s[at + 4], s[at + 3], s[at + 1], s[at + 5], s[at + 4], s[at + 5], s[at + 2];
+  const Mat3 T = Mat3::Identity() - n * n.transpose();
+  return (T * m * T).norm();
+}
+
+}  // namespace
+
+void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs, const PenaltyOptions& options,
+                    std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b) {
+  options_ = options;
+  const std::size_t n = contacts.size();
+  direction_.resize(n), normal_.resize(n), force_.resize(n), relative_.resize(n);
+  lead_.resize(n), load_.resize(n), active_.resize(n), rate_.resize(n), stiffness_.resize(n), scale_.resize(n),
+      drag_.resize(n), mu_.resize(n);
+  bend_.resize(contacts.pairs.size());
+
+  choose_normals(contacts);
+  parallel_for(contacts.pairs.size(), [&](std::size_t p) {
+    const ContactPair& pair = contacts.pairs[p];
+    const double kv = options.stiffness * pair.h * pair.h * pair.h;
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      const double along = direction_[c].dot(normal_[c]);
+      force_[c] = kv * contacts.overlap[c] * direction_[c];
+      relative_[c] = velocity_a[c] - velocity_b[c];
+      scale_[c] = kv * along;
+      stiffness_[c] = kv * along * along;
+      lead_[c] = options.dt + (contacts.overlap[c] > 0.0 ? options.damping : 0.0);
+      mu_[c] = pairs[p].friction;
+    }
+  });
+  advect_rates(contacts, pairs, velocity_a, velocity_b);
+
+  // Friction starts from the loads at the start of the step; a node before overlap acts when it will overlap.
+  parallel_for(contacts.pairs.size(), [&](std::size_t p) {
+    const ContactPair& pair = contacts.pairs[p];
+    const double slack = 1.5 * options.slack / pair.w;
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      const double after = contacts.overlap[c] - lead_[c] * rate_[c];
+      active_[c] = contacts.overlap[c] > 0.0 || after + slack > 0.0;
+      set_friction(c, scale_[c] * after, relative_[c] - normal_[c] * normal_[c].dot(relative_[c]));
+    }
+  });
+
+  energy_ = 0.0;
+  for (const ContactPair& pair : contacts.pairs)
+    for (std::size_t c = pair.begin; c < pair.end; ++c)
+      if (contacts.overlap[c] > 0.0)
+        energy_ += 0.5 * options.stiffness * pair.h * pair.h * pair.h * contacts.overlap[c] * contacts.overlap[c];
+}
+
+void Penalty::choose_normals(const ContactSet& contacts) {
+  parallel_for(contacts.pairs.size(), [&](std::size_t p) {
+    const ContactPair& pair = contacts.pairs[p];
+    if (pair.begin == pair.end) return;
+    PatchAverage<PatchSample> average;
+    average.reset(3.0 * pair.h, pair.end - pair.begin);
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      PatchSample s;
+      const double weight = std::max(contacts.overlap[c], kLeastWeight);
+      s.head<3>() = weight * (contacts.gradient_a[c] - contacts.gradient_b[c]);
+      store(contacts.curvature_a[c], weight, s, 3);
+      store(contacts.curvature_b[c], weight, s, 9);
+      average.add(contacts.point[c], s);
+    }
+    bend_of_patch(contacts, pair, p);
+    // The flatter part gives the direction; the direction so found is smoothed once more for the normal.
+    PatchAverage<Vec3> direction;
+    direction.reset(3.0 * pair.h, pair.end - pair.begin);
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      const PatchSample s = average.at(contacts.point[c]);
+      const Vec3 n = s.head<3>().normalized();
+      const double ka = curvature(s, 3, n), kb = curvature(s, 9, n);
+      const double alpha = ka + kb > 0.0 ? ka / (ka + kb) : 0.5;
+      direction_[c] = (1.0 - alpha) * contacts.gradient_a[c] - alpha * contacts.gradient_b[c];
+      direction.add(contacts.point[c], std::max(contacts.overlap[c], kLeastWeight) * direction_[c]);
+    }
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      const Vec3 n = direction.at(contacts.point[c]);
+      const double length = n.norm();
+      normal_[c] = length > 0.0 ? Vec3(n / length) : direction_[c].normalized();
+      if (!normal_[c].allFinite()) normal_[c] = Vec3::UnitZ();
+    }
+  });
+}
+
+void Penalty::bend_of_patch(const ContactSet& contacts, const ContactPair& pair, std::size_t p) {
+  double sum = 0.0, flat_a = 0.0, flat_b = 0.0;
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    const double weight = std::max(contacts.overlap[c], kLeastWeight);
+    const double slope = 0.5 * (contacts.gradient_a[c] - contacts.gradient_b[c]).norm() / pair.h;
+    if (!(slope > 0.0)) continue;
+    sum += weight;
+    flat_a += weight / (contacts.curvature_a[c].norm() / slope + 1e-6);
+    flat_b += weight / (contacts.curvature_b[c].norm() / slope + 1e-6);
+  }
+  const auto bend = [sum](double flat) {
+    const double curvature = flat > 0.0 ? sum / flat : 0.0;  // times h
+    return curvature / (curvature + kCurvatureOfNoise);
+  };
+  bend_[p] = {bend(flat_a), bend(flat_b)};
+}
+
+void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState> pairs,
+                           std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b) {
+  parallel_for(contacts.pairs.size(), [&](std::size_t p) {
+    const ContactPair& pair = contacts.pairs[p];
+    if (pair.begin == pair.end) return;
+    // The patch may travel along the surface: with part b, with part a, or between.
+    Vec3 n = Vec3::Zero();
+    for (std::size_t c = pair.begin; c < pair.end; ++c) n += std::max(contacts.overlap[c], kLeastWeight) * normal_[c];
+    n.normalize();
+    const Vec3 carrier = pairs[p].carrier_b;
+    Vec3 travel = pairs[p].carrier_a - carrier;
+    travel -= n * n.dot(travel);
+
+    // Rate = ĝ_n·(v_a − v_b) + e_a·(v_a − c) + e_b·(v_b − c): e is what the bent part's own slope has beyond the
+    // common direction, c = carrier + share * travel the velocity of the patch, by least squares of the whole rate.
+    const auto bend = bend_[p];
+    const auto split = [&](std::size_t c, Vec3& g, Vec3& ea, Vec3& eb) {
+      g = direction_[c].dot(normal_[c]) * normal_[c];
+      ea = bend[0] * (contacts.gradient_a[c] - g);
+      eb = bend[1] * (contacts.gradient_b[c] + g);
+    };
+    Vec3 g, ea, eb;
+    double explained = 0.0, possible = 0.0;
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      split(c, g, ea, eb);
+      rate_[c] =
+          g.dot(velocity_a[c] - velocity_b[c]) + ea.dot(velocity_a[c] - carrier) + eb.dot(velocity_b[c] - carrier);
+      const double moved = (ea + eb).dot(travel);
+      explained += rate_[c] * moved;
+      possible += moved * moved;
+    }
+    const double share = possible > 0.0 ? std::clamp(explained / possible, 0.0, 1.0) : 0.0;
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      split(c, g, ea, eb);
+      rate_[c] -= share * (ea + eb).dot(travel);
+    }
+  });
+}
+
+void Penalty::set_friction(std::size_t c, double load, const Vec3& tangential) {
+  drag_[c] = mu_[c] * std::max(0.0, load) / std::max(tangential.norm(), options_.friction_speed);
+}
+
+void Penalty::right_hand_side(std::span<Vec3> force) const {
+  parallel_for(
+      force_.size(),
+      [&](std::size_t c) {
+        if (!active_[c]) {
+          force[c].setZero();
+          return;
+        }
+        const Vec3& n = normal_[c];
+        force[c] =
+            force_[c] - (lead_[c] * scale_[c] * rate_[c]) * n - drag_[c] * (relative_[c] - n * n.dot(relative_[c]));
+      },
+      512);
+}
+
+void Penalty::apply(std::span<const Vec3> delta, std::span<Vec3> force) const {
+  const double dt = options_.dt;
+  parallel_for(
+      force_.size(),
+      [&](std::size_t c) {
+        if (!active_[c]) {
+          force[c].setZero();
+          return;
+        }
+        const Vec3& n = normal_[c];
+        const double along = n.dot(delta[c]);
+        const double drag = dt * drag_[c];
+        force[c] = ((dt * lead_[c] * stiffness_[c] - drag) * along) * n + drag * delta[c];
+      },
+      512);
+}
+
+Mat3 Penalty::block(std::size_t c) const {
+  if (!active_[c]) return Mat3::Zero();
+  const double dt = options_.dt, drag = dt * drag_[c];
+  return (dt * lead_[c] * stiffness_[c] - drag) * normal_[c] * normal_[c].transpose() + drag * Mat3::Identity();
+}
+
+std::size_t Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> delta) {
+  std::vector<std::size_t> idle(contacts.pairs.size(), 0);
+  parallel_for(contacts.pairs.size(), [&](std::size_t p) {
+    const ContactPair& pair = contacts.pairs[p];
+    // Nodes that pull are let go; until the next solve they still carry part of the net load, so friction is scaled
+    // to the net.
+    double net = 0.0, push = 0.0;
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      const Vec3& n = normal_[c];
+      const bool was_active = active_[c];
+      const double separation = std::max(n.dot(relative_[c] + delta[c]), n.dot(relative_[c]));
+      load_[c] = scale_[c] * (contacts.overlap[c] - lead_[c] * rate_[c]) - lead_[c] * stiffness_[c] * n.dot(delta[c]);
+      if (was_active) net += load_[c];
+      if (was_active && load_[c] > 0.0) push += load_[c];
+      if (contacts.overlap[c] <= 0.0)
+        active_[c] = load_[c] > 0.0;
+      else if (load_[c] < 0.0 && separation > options_.release_speed)
+        active_[c] = 0;
+      idle[p] += !active_[c];
+    }
+    const double share = push > 0.0 ? std::max(0.0, net) / push : 1.0;
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      const Vec3 after = relative_[c] + delta[c];
+      set_friction(c, share * load_[c], after - normal_[c] * normal_[c].dot(after));
+    }
+  });
+  std::size_t released = 0;
+  for (std::size_t n : idle) released += n;
+  return released;
+}
+
+void Penalty::forces(std::span<const Vec3> delta, std::span<Vec3> normal, std::span<Vec3> friction) const {
+  parallel_for(
+      force_.size(),
+      [&](std::size_t c) {
+        if (!active_[c]) {
+          normal[c].setZero();
+          friction[c].setZero();
+          return;
+        }
+        const Vec3& n = normal_[c];
+        const Vec3 after = relative_[c] + delta[c];
+        normal[c] = force_[c] - lead_[c] * (scale_[c] * rate_[c] + stiffness_[c] * n.dot(delta[c])) * n;
+        friction[c] = -drag_[c] * (after - n * n.dot(after));
+      },
+      512);
+}
+
+}  // namespace brim

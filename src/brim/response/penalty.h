@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "brim/contact/contact_set.h"
+#include "brim/math/types.h"
+
+namespace brim {
+
+struct PenaltyOptions {
+  double stiffness = 0.0;       ///< [Pa] k
+  double dt = 0.0;              ///< [s]
+  double damping = 0.0;         ///< [s] β, stiffness-proportional damping
+  double friction_speed = 0.0;  ///< [m/s] ε of the regularised Coulomb law
+  double slack = 0.0;           ///< [m] gap that may close in the step although the start velocities do not say so
+  double release_speed = 0.0;   ///< [m/s] separation above which a node in tension lets go
+};
+
+/// What the response needs of a pair besides its contacts.
+struct PairState {
+  double friction = 0.0;          ///< [-] Coulomb coefficient
+  Vec3 carrier_a = Vec3::Zero();  ///< [m/s] velocity with which each part as a whole travels
+  Vec3 carrier_b = Vec3::Zero();
+};
+
+/// Penalty response (paper, section 4.2): contacts become forces at their points, equal and opposite on the two parts,
+/// and a positive semi-definite stiffness and friction for the implicit step.
+///
+///   f_a = k h³ ρ̄ ĝ,   ĝ = (1−α) ∇ρ_a − α ∇ρ_b              (equation 2; α = 1/2 is the paper's symmetric form)
+///   α = κ_a / (κ_a + κ_b): the direction comes from the flatter of the two parts, κ their tangential curvature
+///   K = k h³ (ĝ·n)² n nᵀ                                     (equation 3, definite part; n smoothed over 3h)
+///   friction: −μ N v_t / max(|v_t|, ε), N the predicted normal force
+///
+/// The rate of the overlap in the right-hand side is taken in the frame that travels with the patch (docs/numerics.md):
+/// what merely carries the patch along is no compression and gets no force, so that rolling is not braked.
+class Penalty {
+ public:
+  /// @param velocity_a, velocity_b  [m/s] matter of each part at every contact point, at the start of the step
+  void begin(const ContactSet& contacts, std::span<const PairState> pairs, const PenaltyOptions& options,
+             std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b);
+
+  /// Force on part a of each contact for the right-hand side, [N]: f − (dt + β) K v − friction, at the start
+  /// velocities.
+  void right_hand_side(std::span<Vec3> force) const;
+  /// force = (dt (dt + β) K + dt C) Δ for relative velocity changes Δ = Δv_a − Δv_b.
+  void apply(std::span<const Vec3> delta, std::span<Vec3> force) const;
+  /// The 3x3 matrix of apply at contact c.
+  Mat3 block(std::size_t c) const;
+
+  /// After a solve: lets go of nodes that would pull, and sets the friction to the predicted loads.
+  /// @param delta  relative velocity changes found by the solve  @return number of nodes let go
+  std::size_t update_loads(const ContactSet& contacts, std::span<const Vec3> delta);
+
+  /// Forces on part a over the step, [N], given the final relative velocity changes.
+  void forces(std::span<const Vec3> delta, std::span<Vec3> normal, std::span<Vec3> friction) const;
+
+  /// Σ ½ k h³ ρ̄², [J].
+  double energy() const { return energy_; }
+
+ private:
+  void choose_normals(const ContactSet& contacts);
+  /// Judges a patch by the harmonic mean of its curvature: a patch with any flat middle is flat, whatever its edges.
+  void bend_of_patch(const ContactSet& contacts, const ContactPair& pair, std::size_t p);
+  void advect_rates(const ContactSet& contacts, std::span<const PairState> pairs, std::span<const Vec3> velocity_a,
+                    std::span<const Vec3> velocity_b);
+  void set_friction(std::size_t c, double load, const Vec3& tangential);
+
+  PenaltyOptions options_;
+  double energy_ = 0.0;
+  // Per contact:
+  std::vector<Vec3> direction_;       ///< ĝ, [1/m]
+  std::vector<Vec3> normal_;          ///< n, unit
+  std::vector<Vec3> force_;           ///< f_a at the start, [N]
+  std::vector<Vec3> relative_;        ///< v_a − v_b at the start, [m/s]
+  std::vector<double> rate_;          ///< −dρ̄/dt seen by the travelling patch, [1/s]
+  std::vector<double> stiffness_;     ///< k h³ (ĝ·n)², [N/m]
+  std::vector<double> lead_;          ///< [s] dt + β in overlap, dt before it
+  std::vector<std::uint8_t> active_;  ///< 0: no force in this step
+  std::vector<double> scale_;         ///< k h³ (ĝ·n), [N]
+  std::vector<double> load_;          ///< predicted normal force, [N]
+  std::vector<double> drag_;          ///< C, friction per speed, [N·s/m]
+  std::vector<double> mu_;
+  std::vector<std::array<double, 2>> bend_;  ///< per pair: how bent each part is at the patch, 0 flat to 1
+};
+
+}  // namespace brim

@@ -1,0 +1,85 @@
+#include "brim/solve/conjugate_gradient.h"
+
+#include <cmath>
+
+#include "brim/core/parallel.h"
+
+namespace brim {
+
+namespace {
+
+double dot(std::span<const double> a, std::span<const double> b) {
+  return ordered_sum(a.size(), [&](std::size_t begin, std::size_t end) {
+    double s = 0.0;
+    for (std::size_t i = begin; i < end; ++i) s += a[i] * b[i];
+    return s;
+  });
+}
+
+}  // namespace
+
+SolveReport ConjugateGradient::solve(const LinearSystem& system, std::span<const double> b, double tolerance,
+                                     int max_iterations, std::span<double> x) {
+  const std::size_t n = b.size();
+  r_.resize(n), z_.resize(n), p_.resize(n), y_.resize(n);
+  SolveReport report;
+
+  // Scale of the right-hand side in the preconditioner's norm.
+  std::copy(b.begin(), b.end(), r_.begin());
+  system.filter(r_);
+  system.precondition(r_, z_);
+  const double scale = dot(r_, z_);
+  report.finite = std::isfinite(scale);
+  if (!report.finite) return report;
+  if (scale <= 0.0) {
+    std::fill(x.begin(), x.end(), 0.0);
+    report.converged = true;
+    return report;
+  }
+
+  // r = S (b − A x)
+  system.filter(x);
+  bool warm = false;
+  for (double xi : x) warm = warm || xi != 0.0;
+  if (warm) {
+    system.apply(x, y_);
+    for (std::size_t i = 0; i < n; ++i) r_[i] = b[i] - y_[i];
+    system.filter(r_);
+    system.precondition(r_, z_);
+  }
+  system.filter(z_);
+  std::copy(z_.begin(), z_.end(), p_.begin());
+  double rz = warm ? dot(r_, z_) : scale;
+  const double goal = tolerance * tolerance * scale;
+  while (rz > goal && report.iterations < max_iterations) {
+    system.apply(p_, y_);
+    system.filter(y_);
+    const double curvature = dot(p_, y_);
+    if (!(curvature > 0.0)) break;
+    const double step = rz / curvature;
+    parallel_blocks(n, 16384, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        x[i] += step * p_[i];
+        r_[i] -= step * y_[i];
+      }
+    });
+    system.precondition(r_, z_);
+    system.filter(z_);
+    const double next = dot(r_, z_);
+    const double ratio = next / rz;
+    rz = next;
+    parallel_blocks(n, 16384, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) p_[i] = z_[i] + ratio * p_[i];
+    });
+    ++report.iterations;
+    if (!std::isfinite(rz)) {
+      report.finite = false;
+      return report;
+    }
+  }
+  report.residual = std::sqrt(std::max(0.0, rz) / scale);
+  report.converged = rz <= goal;
+  return report;
+}
+
+}  // namespace brim

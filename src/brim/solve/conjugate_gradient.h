@@ -1,0 +1,36 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace brim {
+
+/// What the solver needs of a linear system; it knows nothing of bodies (paper, section 6).
+struct LinearSystem {
+  std::function<void(std::span<const double> x, std::span<double> y)> apply;         ///< y = A x
+  std::function<void(std::span<const double> r, std::span<double> z)> precondition;  ///< z = P⁻¹ r
+  std::function<void(std::span<double> x)> filter;                                   ///< zero in the imposed directions
+};
+
+struct SolveReport {
+  int iterations = 0;
+  double residual = 0.0;  ///< |S(b − A x)| over |S b| in the preconditioner's norm
+  bool converged = false;
+  bool finite = true;
+};
+
+/// Solves S A S x = S b by preconditioned conjugate gradient, S the filter (Baraff and Witkin 1998, section 5.3; here
+/// the imposed directions of x are zero). Vectors are kept between calls.
+class ConjugateGradient {
+ public:
+  /// @param x  first guess on entry, solution on return; filtered
+  /// Same bits for any number of threads.
+  SolveReport solve(const LinearSystem& system, std::span<const double> b, double tolerance, int max_iterations,
+                    std::span<double> x);
+
+ private:
+  std::vector<double> r_, z_, p_, y_;
+};
+
+}  // namespace brim

@@ -1,0 +1,105 @@
+#include "brim/world/contact_maps.h"
+
+#include "brim/core/parallel.h"
+
+namespace brim {
+
+template <class F>
+void ContactMaps::for_movable(const F& f) const {
+  parallel_for(first_side_.size() - 1, [&](std::size_t b) {
+    for (std::size_t p = first_side_[b]; p < first_side_[b + 1]; ++p)
+      if (side_[p].movable && side_[p].begin < side_[p].end) f(side_[p]);
+  });
+}
+
+void ContactMaps::build(std::span<const WorldPart> parts, const ContactSet& contacts,
+                        std::span<const std::size_t> first_v) {
+  const std::size_t n = contacts.size();
+  side_.resize(parts.size());
+  first_side_.assign(first_v.size(), 0);
+  for (const WorldPart& p : parts) ++first_side_[p.body_index + 1];
+  for (std::size_t b = 1; b < first_side_.size(); ++b) first_side_[b] += first_side_[b - 1];
+  std::vector<std::size_t> count(parts.size() + 1, 0);
+  for (const ContactPair& p : contacts.pairs) {
+    count[p.part_a + 1] += p.end - p.begin;
+    count[p.part_b + 1] += p.end - p.begin;
+  }
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    count[p + 1] += count[p];
+    Side& s = side_[p];
+    s.begin = count[p];
+    s.end = count[p + 1];
+    s.movable = !parts[p].body->immobile();
+    s.body = parts[p].body_index;
+    s.first_v = first_v[s.body];
+    s.v_size = first_v[s.body + 1] - s.first_v;
+  }
+  contact_.resize(2 * n), sign_.resize(2 * n), point_.resize(2 * n), source_.resize(2 * n);
+  row_a_.resize(n), row_b_.resize(n), row_vector_.resize(2 * n), row_matrix_.resize(2 * n);
+  std::vector<std::size_t> next(count.begin(), count.end() - 1);
+  for (const ContactPair& p : contacts.pairs)
+    for (std::size_t c = p.begin; c < p.end; ++c) {
+      row_a_[c] = next[p.part_a]++;
+      row_b_[c] = next[p.part_b]++;
+      contact_[row_a_[c]] = contact_[row_b_[c]] = c;
+      sign_[row_a_[c]] = 1.0;
+      sign_[row_b_[c]] = -1.0;
+      point_[row_a_[c]] = point_[row_b_[c]] = contacts.point[c];
+      source_[row_a_[c]] = contacts.source_a[c];
+      source_[row_b_[c]] = contacts.source_b[c];
+    }
+  parallel_for(parts.size(), [&](std::size_t p) {
+    Side& s = side_[p];
+    if (s.begin == s.end) return;
+    parts[p].body->make_map(parts[p].index, std::span(point_).subspan(s.begin, s.end - s.begin),
+                            std::span(source_).subspan(s.begin, s.end - s.begin), s.map);
+  });
+}
+
+void ContactMaps::velocities(std::span<const double> v, std::span<Vec3> a, std::span<Vec3> b) const {
+  parallel_for(side_.size(), [&](std::size_t p) {
+    const Side& s = side_[p];
+    if (s.begin < s.end)
+      s.map->velocity(v.subspan(s.first_v, s.v_size), std::span(row_vector_).subspan(s.begin, s.end - s.begin));
+  });
+  parallel_for(
+      a.size(),
+      [&](std::size_t c) {
+        a[c] = row_vector_[row_a_[c]];
+        b[c] = row_vector_[row_b_[c]];
+      },
+      1024);
+}
+
+void ContactMaps::relative(std::span<const double> v, std::span<Vec3> out) const {
+  parallel_for(side_.size(), [&](std::size_t p) {
+    const Side& s = side_[p];
+    if (s.begin == s.end) return;
+    const auto rows = std::span(row_vector_).subspan(s.begin, s.end - s.begin);
+    if (s.movable)
+      s.map->velocity(v.subspan(s.first_v, s.v_size), rows);
+    else
+      std::fill(rows.begin(), rows.end(), Vec3::Zero());
+  });
+  parallel_for(
+      out.size(), [&](std::size_t c) { out[c] = row_vector_[row_a_[c]] - row_vector_[row_b_[c]]; }, 1024);
+}
+
+void ContactMaps::add_forces(std::span<const Vec3> force, std::span<double> Q) const {
+  for_movable([&](const Side& s) {
+    for (std::size_t r = s.begin; r < s.end; ++r) row_vector_[r] = sign_[r] * force[contact_[r]];
+    s.map->add_force(std::span<const Vec3>(row_vector_).subspan(s.begin, s.end - s.begin),
+                     Q.subspan(s.first_v, s.v_size));
+  });
+}
+
+void ContactMaps::add_block_diagonal(const std::function<Mat3(std::size_t)>& block,
+                                     std::span<const std::size_t> first_block, BlockDiagonal& D) const {
+  for_movable([&](const Side& s) {
+    for (std::size_t r = s.begin; r < s.end; ++r) row_matrix_[r] = block(contact_[r]);
+    s.map->add_block_diagonal(std::span<const Mat3>(row_matrix_).subspan(s.begin, s.end - s.begin), first_block[s.body],
+                              D);
+  });
+}
+
+}  // namespace brim

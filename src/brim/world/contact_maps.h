@@ -1,0 +1,54 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "brim/contact/contact_set.h"
+#include "brim/map/map.h"
+#include "brim/world/contact_stage.h"
+
+namespace brim {
+
+/// The maps of all parts at their contacts, and the way between bodies and contacts through them.
+class ContactMaps {
+ public:
+  /// @param first_v  first velocity of each body in the world's vectors, shape (bodies + 1)
+  void build(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const std::size_t> first_v);
+
+  /// Velocity of both parts' matter at each contact, [m/s].
+  void velocities(std::span<const double> v, std::span<Vec3> a, std::span<Vec3> b) const;
+  /// Relative velocity a − b at each contact; parts of immobile bodies count as zero.
+  void relative(std::span<const double> v, std::span<Vec3> out) const;
+  /// Q += Jᵀ f for the force on a, and its opposite on b; immobile bodies receive nothing.
+  void add_forces(std::span<const Vec3> force, std::span<double> Q) const;
+  /// Adds the diagonal blocks of Jᵀ K J, K given per contact.
+  void add_block_diagonal(const std::function<Mat3(std::size_t)>& block, std::span<const std::size_t> first_block,
+                          BlockDiagonal& D) const;
+  std::size_t rows() const { return contact_.size(); }
+
+ private:
+  struct Side {
+    bool movable = false;
+    std::size_t begin = 0, end = 0;  ///< rows
+    std::size_t first_v = 0, v_size = 0;
+    std::int32_t body = 0;
+    std::unique_ptr<Map> map;
+  };
+  /// Calls f(side) for every movable side with contacts; sides of one body in order on one thread, as they share Q.
+  template <class F>
+  void for_movable(const F& f) const;
+
+  std::vector<Side> side_;                  ///< per part
+  std::vector<std::size_t> first_side_;     ///< per body, its first part; shape (bodies + 1)
+  std::vector<std::size_t> contact_;        ///< per row: the contact
+  std::vector<double> sign_;                ///< per row: +1 on a, −1 on b
+  std::vector<std::size_t> row_a_, row_b_;  ///< per contact
+  std::vector<Vec3> point_;
+  std::vector<std::int32_t> source_;
+  mutable std::vector<Vec3> row_vector_;
+  mutable std::vector<Mat3> row_matrix_;
+};
+
+}  // namespace brim

@@ -1,0 +1,90 @@
+#include "brim/world/implicit_step.h"
+
+#include <fmt/format.h>
+
+#include "brim/core/parallel.h"
+#include "brim/core/stopwatch.h"
+
+namespace brim {
+
+bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+                         const Environment& env, const ContactMaps& maps, Penalty& response,
+                         const ContactSet& contact_set, std::span<const double> v, const Settings& settings,
+                         std::span<double> delta, StepReport& report) {
+  const double dt = settings.dt;
+  const std::size_t n = v.size(), contacts = contact_set.size();
+  const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Solve)]);
+  double& contact_seconds = report.seconds[static_cast<std::size_t>(Phase::SolveContact)];
+
+  // Inner forces: dt (Q + dt ∂Q/∂q v), and the matrices of the bodies.
+  internal_.assign(n, 0.0), scratch_.assign(n, 0.0), rhs_.resize(n);
+  const auto slice = [&](auto& x, std::size_t b) {
+    return std::span(x).subspan(first_v[b], first_v[b + 1] - first_v[b]);
+  };
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    bodies[b]->begin_solve(dt);
+    bodies[b]->add_forces(env, slice(internal_, b));
+    bodies[b]->apply_stiffness(slice(v, b), slice(scratch_, b));
+  });
+  for (std::size_t i = 0; i < n; ++i) internal_[i] = dt * (internal_[i] + dt * scratch_[i]);
+
+  std::vector<int> sizes;
+  first_block_.assign(1, 0);
+  for (const auto& body : bodies) {
+    const std::vector<int> s = body->block_sizes();
+    sizes.insert(sizes.end(), s.begin(), s.end());
+    first_block_.push_back(sizes.size());
+  }
+  bodies_diagonal_.reset(sizes);
+  parallel_for(bodies.size(),
+               [&](std::size_t b) { bodies[b]->add_system_diagonal(first_block_[b], bodies_diagonal_); });
+
+  LinearSystem system;
+  system.filter = [&](std::span<double> x) {
+    parallel_for(bodies.size(), [&](std::size_t b) { bodies[b]->filter(slice(x, b)); });
+  };
+  system.apply = [&](std::span<const double> x, std::span<double> y) {
+    parallel_for(bodies.size(), [&](std::size_t b) {
+      const auto yb = slice(y, b);
+      std::fill(yb.begin(), yb.end(), 0.0);
+      bodies[b]->apply_system(slice(x, b), yb);
+    });
+    if (contacts == 0) return;
+    const ScopedSeconds contact_timer(contact_seconds);
+    maps.relative(x, contact_delta_);
+    response.apply(contact_delta_, contact_force_);
+    maps.add_forces(contact_force_, y);
+  };
+  system.precondition = [&](std::span<const double> r, std::span<double> z) { diagonal_.solve(r, z); };
+
+  contact_delta_.resize(contacts), contact_force_.resize(contacts);
+  std::fill(delta.begin(), delta.end(), 0.0);
+  const int passes = contacts > 0 ? settings.passes : 1;
+  for (int pass = 0; pass < passes; ++pass) {
+    diagonal_ = bodies_diagonal_;
+    rhs_ = internal_;
+    if (contacts > 0) {
+      const ScopedSeconds contact_timer(contact_seconds);
+      response.right_hand_side(contact_force_);
+      for (Vec3& f : contact_force_) f *= dt;
+      maps.add_forces(contact_force_, rhs_);
+      maps.add_block_diagonal([&](std::size_t c) { return response.block(c); }, first_block_, diagonal_);
+    }
+    diagonal_.factor();
+    const SolveReport s = cg_.solve(system, rhs_, settings.tolerance, settings.max_iterations, delta);
+    report.cg_iterations += s.iterations;
+    ++report.solves;
+    report.cg_residual = std::max(report.cg_residual, s.residual);
+    if (!s.finite) return false;
+    if (!s.converged)
+      report.warnings.push_back(
+          {report.time, "no_convergence",
+           fmt::format("the solve stopped after {} iterations at relative residual {:.1e}", s.iterations, s.residual)});
+    if (contacts == 0) break;
+    maps.relative(delta, contact_delta_);
+    if (pass + 1 < passes) response.update_loads(contact_set, contact_delta_);
+  }
+  return true;
+}
+
+}  // namespace brim

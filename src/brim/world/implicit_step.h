@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "brim/body/body.h"
+#include "brim/response/penalty.h"
+#include "brim/solve/conjugate_gradient.h"
+#include "brim/world/contact_maps.h"
+#include "brim/world/step_report.h"
+
+namespace brim {
+
+/// One linearly implicit step over all bodies at once (Baraff and Witkin 1998; paper, section 6):
+///   A Δv = dt (Q + dt ∂Q/∂q v) + dt Jᵀ f,   A = M − dt ∂Q/∂v − dt² ∂Q/∂q + Jᵀ (dt (dt + β) K + dt C) J
+/// solved by filtered conjugate gradient; then nodes that pull let go, friction takes its new loads, and the system is
+/// solved once more.
+class ImplicitStep {
+ public:
+  struct Settings {
+    double dt = 0.0;
+    double tolerance = 1e-4;
+    int max_iterations = 2000;
+    int passes = 2;  ///< solves: after each, nodes that pull let go and friction takes its new loads
+  };
+
+  /// @param v   velocities at the start; Δv is written to `delta`
+  /// @return false when the result is not finite
+  bool solve(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+             const Environment& env, const ContactMaps& maps, Penalty& response, const ContactSet& contact_set,
+             std::span<const double> v, const Settings& settings, std::span<double> delta, StepReport& report);
+
+  /// Relative velocity changes at the contacts, of the last solve.
+  std::span<const Vec3> contact_delta() const { return contact_delta_; }
+
+ private:
+  std::vector<double> internal_, rhs_, scratch_;
+  std::vector<Vec3> contact_delta_, contact_force_;
+  std::vector<std::size_t> first_block_;
+  BlockDiagonal bodies_diagonal_, diagonal_;
+  ConjugateGradient cg_;
+};
+
+}  // namespace brim

@@ -1,0 +1,82 @@
+#include "brim/world/loads.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace brim {
+
+namespace {
+
+/// Extent of the finite matter of the scene along one direction, for the height that things can fall.
+double drop_height(std::span<const WorldPart> parts, const Vec3& down, const Aabb& box) {
+  double lowest = -std::numeric_limits<double>::infinity();
+  for (const WorldPart& p : parts)
+    if (p.body->immobile()) {
+      const Aabb b = p.body->bounds(p.index);
+      double far = 0.0;  // farthest point of the obstacle's top along gravity
+      for (int a = 0; a < 3; ++a)
+        if (down[a] != 0.0) far += down[a] * (down[a] > 0 ? b.lo[a] : b.hi[a]);
+      if (!std::isfinite(far)) {
+        far = 0.0;
+        for (int a = 0; a < 3; ++a)
+          if (down[a] != 0.0) far += down[a] * (down[a] > 0 ? b.hi[a] : b.lo[a]);
+      }
+      if (std::isfinite(far)) lowest = std::max(lowest, far);
+    }
+  if (!std::isfinite(lowest)) return 0.0;
+  double highest = std::numeric_limits<double>::infinity();
+  for (int c = 0; c < 8; ++c) {
+    const Vec3 corner(c & 1 ? box.hi.x() : box.lo.x(), c & 2 ? box.hi.y() : box.lo.y(),
+                      c & 4 ? box.hi.z() : box.lo.z());
+    highest = std::min(highest, down.dot(corner));
+  }
+  return std::max(0.0, lowest - highest);
+}
+
+}  // namespace
+
+Loads estimate_loads(std::span<const WorldPart> parts, std::span<const double> part_speed, const Environment& env) {
+  Loads loads;
+  const double g = env.gravity.norm();
+  const Vec3 down = g > 0.0 ? Vec3(env.gravity / g) : Vec3(0, 0, -1);
+  int axis = 0;
+  down.cwiseAbs().maxCoeff(&axis);
+  const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+
+  Aabb all;
+  for (const WorldPart& p : parts)
+    if (!p.body->immobile()) all.extend(p.body->bounds(p.index));
+  if (all.empty() || !all.lo.allFinite() || !all.hi.allFinite()) return loads;
+
+  constexpr int kColumns = 48;
+  std::vector<double> column(kColumns * kColumns, 0.0);
+  const auto cell = [&](double x, int a) {
+    const double extent = std::max(all.hi[a] - all.lo[a], 1e-12);
+    return std::clamp(static_cast<int>(kColumns * (x - all.lo[a]) / extent), 0, kColumns - 1);
+  };
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const WorldPart& p = parts[i];
+    if (p.body->immobile()) continue;
+    const Aabb b = p.body->bounds(p.index);
+    double areal = p.info.areal_mass;
+    if (!(areal > 0.0)) {
+      const double area = std::max(b.extent()[u], p.h) * std::max(b.extent()[v], p.h);
+      areal = p.body->mass() / p.body->part_count() / area;
+    }
+    loads.areal_mass = std::max(loads.areal_mass, areal);
+    const double fall = drop_height(parts, down, b);
+    const double speed2 = part_speed[i] * part_speed[i] + 2.0 * g * fall;
+    loads.impact_energy = std::max(loads.impact_energy, areal * speed2);
+    for (int y = cell(b.lo[v], v); y <= cell(b.hi[v], v); ++y)
+      for (int x = cell(b.lo[u], u); x <= cell(b.hi[u], u); ++x) column[y * kColumns + x] += g * areal;
+  }
+  loads.pressure = *std::max_element(column.begin(), column.end());
+  return loads;
+}
+
+double choose_stiffness(const Loads& loads, double w, double dt) {
+  return std::max(
+      {2000.0 * loads.pressure, 8.0 * loads.impact_energy / w, 4.0 * loads.areal_mass * w / (1.2 * dt * dt)});
+}
+
+}  // namespace brim

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <span>
+
+#include "brim/world/contact_stage.h"
+
+namespace brim {
+
+/// The loads that a scene puts on its contacts, estimated from its initial state.
+struct Loads {
+  double pressure = 0.0;       ///< [Pa] largest weight per area of a column along gravity
+  double areal_mass = 0.0;     ///< [kg/m²] largest mass of one part over its footprint
+  double impact_energy = 0.0;  ///< [J/m²] largest areal mass times squared speed at impact
+};
+
+Loads estimate_loads(std::span<const WorldPart> parts, std::span<const double> part_speed, const Environment& env);
+
+/// One contact stiffness for the whole scene, [Pa]: the largest of
+///   2000 p_max                  static loads: penetration of 3.3 p/k voxels, stacks that stand
+///   8 ρL v² / w                 impacts stop within about a voxel
+///   4 ρL w / (1.2 dt²)          the implicit step resolves no softer contact than this
+double choose_stiffness(const Loads& loads, double w, double dt);
+
+}  // namespace brim

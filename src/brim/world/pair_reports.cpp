@@ -1,0 +1,56 @@
+#include "brim/world/pair_reports.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "brim/core/parallel.h"
+
+namespace brim {
+
+void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, const ContactMaps& maps,
+                  std::span<const std::size_t> first_v, double stiffness, std::span<const Vec3> normal,
+                  std::span<const Vec3> friction, double time, StepReport& report,
+                  std::vector<ContactSample>& samples) {
+  (void)maps, (void)first_v, (void)stiffness;
+  samples.resize(contacts.size());
+  report.pairs.clear();
+  for (const ContactPair& pair : contacts.pairs) {
+    if (pair.begin == pair.end) continue;
+    PairReport r;
+    r.part_a = pair.part_a;
+    r.part_b = pair.part_b;
+    r.contacts = static_cast<std::int32_t>(pair.end - pair.begin);
+    double load = 0.0;
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      const double depth = contacts.depth[c] / pair.h;
+      r.worst_overlap = std::max(r.worst_overlap, depth);
+      r.worst_pressure = std::max(r.worst_pressure, contacts.overlap[c]);
+      r.force_on_a += normal[c] + friction[c];
+      r.friction_on_a += friction[c];
+      const double weight = normal[c].norm();
+      r.center += weight * contacts.point[c];
+      load += weight;
+      samples[c] = {contacts.point[c].cast<float>(),
+                    normal[c].cast<float>(),
+                    friction[c].cast<float>(),
+                    static_cast<float>(depth),
+                    pair.part_a,
+                    pair.part_b};
+    }
+    r.center = load > 0.0 ? Vec3(r.center / load) : contacts.point[pair.begin];
+    report.worst_overlap = std::max(report.worst_overlap, r.worst_overlap);
+    if (r.worst_pressure > 0.6 && report.warnings.size() < 16)
+      report.warnings.push_back(
+          {time, "saturation",
+           fmt::format("'{}' and '{}' overlap by {:.2f} of full density: contact pressure is near its limit of k/2; "
+                       "raise the stiffness or lower the time step",
+                       parts[pair.part_a].body->name(), parts[pair.part_b].body->name(), r.worst_pressure)});
+    report.pairs.push_back(r);
+  }
+  if (contacts.engulfed > 0 && report.warnings.size() < 16)
+    report.warnings.push_back(
+        {time, "engulfed", fmt::format("{} nodes lie deep inside two parts and push neither way", contacts.engulfed)});
+}
+
+}  // namespace brim

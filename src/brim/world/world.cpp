@@ -1,0 +1,277 @@
+#include "brim/world/world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "brim/core/error.h"
+#include "brim/core/parallel.h"
+#include "brim/core/stopwatch.h"
+#include "brim/response/penalty.h"
+#include "brim/world/contact_maps.h"
+#include "brim/world/contact_stage.h"
+#include "brim/world/implicit_step.h"
+#include "brim/world/loads.h"
+#include "brim/world/pair_reports.h"
+#include "brim/world/substeps.h"
+
+namespace brim {
+
+struct World::Impl {
+  WorldOptions options;
+  std::vector<std::unique_ptr<Body>> bodies;
+  std::vector<WorldPart> parts;
+  std::vector<std::size_t> first_q{0}, first_v{0};
+  State state;
+  bool started = false;
+  double stiffness = 0.0;
+
+  ContactStage stage;
+  ContactMaps maps;
+  Penalty response;
+  ImplicitStep implicit;
+  std::vector<PairState> pair_states;
+  std::vector<Vec3> velocity_a, velocity_b, normal_force, friction_force;
+  std::vector<double> delta, before_q, before_v;
+  std::vector<ContactSample> samples;
+
+  std::span<double> q(std::size_t b) { return std::span(state.q).subspan(first_q[b], first_q[b + 1] - first_q[b]); }
+  std::span<double> v(std::size_t b) { return std::span(state.v).subspan(first_v[b], first_v[b + 1] - first_v[b]); }
+
+  void start();
+  void update_bodies();
+  double substep(double dt, StepReport& report);
+  void choose_pair_states();
+  double friction_of(const PartInfo& a, const PartInfo& b) const;
+  void measure(StepReport& report);
+};
+
+World::World(WorldOptions options) : impl_(std::make_unique<Impl>()) {
+  const auto need = [](const char* what, double value, bool good) {
+    if (!good) throw InputError(fmt::format("world: {} = {} is out of range", what, value));
+  };
+  need("time_step [s]", options.time_step, options.time_step > 0.0 && std::isfinite(options.time_step));
+  need("voxel_size [m]", options.voxel_size, options.voxel_size >= 0.0 && std::isfinite(options.voxel_size));
+  need("ramp_voxels", options.ramp_voxels, options.ramp_voxels >= 2.0 && options.ramp_voxels <= 4.0);
+  need("stiffness [Pa]", options.stiffness, options.stiffness >= 0.0 && std::isfinite(options.stiffness));
+  need("damping_steps", options.damping_steps, options.damping_steps >= 0.0 && std::isfinite(options.damping_steps));
+  need("max_motion_voxels", options.max_motion_voxels,
+       options.max_motion_voxels > 0.0 && options.max_motion_voxels <= 2.0);
+  need("max_substeps", options.max_substeps, options.max_substeps >= 1);
+  need("cg_tolerance", options.cg_tolerance, options.cg_tolerance > 0.0 && options.cg_tolerance < 1.0);
+  impl_->options = std::move(options);
+}
+
+World::~World() = default;
+World::World(World&&) noexcept = default;
+
+int World::add(std::unique_ptr<Body> body) {
+  Impl& w = *impl_;
+  for (const auto& other : w.bodies)
+    if (other->name() == body->name())
+      throw InputError(fmt::format("world: two bodies are named '{}'; names must be unique", body->name()));
+  const std::size_t q0 = w.state.q.size(), v0 = w.state.v.size();
+  w.state.q.resize(q0 + body->q_size());
+  w.state.v.resize(v0 + body->v_size());
+  body->initial_state(std::span(w.state.q).subspan(q0), std::span(w.state.v).subspan(v0));
+  body->update(w.state.time, std::span(w.state.q).subspan(q0), std::span(w.state.v).subspan(v0));
+  w.first_q.push_back(w.state.q.size());
+  w.first_v.push_back(w.state.v.size());
+  for (int p = 0; p < body->part_count(); ++p)
+    w.parts.push_back({body.get(), static_cast<int>(w.bodies.size()), p, 0.0, body->part(p)});
+  w.bodies.push_back(std::move(body));
+  w.started = false;
+  return static_cast<int>(w.bodies.size()) - 1;
+}
+
+int World::body_count() const { return static_cast<int>(impl_->bodies.size()); }
+const Body& World::body(int b) const { return *impl_->bodies.at(b); }
+int World::part_count() const { return static_cast<int>(impl_->parts.size()); }
+PartRef World::part(int p) const { return {impl_->parts.at(p).body_index, impl_->parts.at(p).index}; }
+std::span<const double> World::q(int b) const { return impl_->q(b); }
+std::span<const double> World::v(int b) const { return impl_->v(b); }
+const WorldOptions& World::options() const { return impl_->options; }
+const State& World::state() const { return impl_->state; }
+std::span<const ContactSample> World::contacts() const { return impl_->samples; }
+std::span<const std::pair<TileKey, double>> World::active_tiles() const { return impl_->stage.active_tiles(); }
+
+double World::stiffness() const {
+  if (!impl_->started) impl_->start();
+  return impl_->stiffness;
+}
+
+void World::set_state(State state) {
+  Impl& w = *impl_;
+  if (state.q.size() != w.state.q.size() || state.v.size() != w.state.v.size())
+    throw InputError(fmt::format("state: {} coordinates and {} velocities, but this world has {} and {}",
+                                 state.q.size(), state.v.size(), w.state.q.size(), w.state.v.size()));
+  w.start();  // what is chosen from the initial state stays as it was chosen there
+  w.state = std::move(state);
+  w.update_bodies();
+}
+
+void World::density(int part, double h, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {
+  const WorldPart& p = impl_->parts.at(part);
+  p.body->rasterize(p.index, h, impl_->options.ramp_voxels * h, tiles, out);
+}
+
+std::uint64_t World::hash() const {
+  std::uint64_t hash = 0xcbf29ce484222325ull;  // FNV-1a
+  const auto mix = [&](const void* data, std::size_t bytes) {
+    const auto* c = static_cast<const unsigned char*>(data);
+    for (std::size_t i = 0; i < bytes; ++i) hash = (hash ^ c[i]) * 0x100000001b3ull;
+  };
+  const State& s = impl_->state;
+  mix(&s.time, sizeof s.time);
+  mix(s.q.data(), s.q.size() * sizeof(double));
+  mix(s.v.data(), s.v.size() * sizeof(double));
+  mix(s.memory.data(), s.memory.size() * sizeof(double));
+  return hash;
+}
+
+void World::Impl::start() {
+  if (started) return;
+  started = true;
+  double h0 = options.voxel_size;
+  if (h0 == 0.0) {
+    for (const WorldPart& p : parts)
+      if (p.info.voxel_size > 0.0 && (h0 == 0.0 || p.info.voxel_size < h0)) h0 = p.info.voxel_size;
+    if (h0 == 0.0) h0 = 0.05;
+  }
+  for (WorldPart& p : parts) {
+    const double wanted = p.info.voxel_size > 0.0 ? p.info.voxel_size : h0;
+    const int level = std::max(0, static_cast<int>(std::floor(std::log2(wanted / h0) + 1e-9)));
+    p.h = std::ldexp(h0, level);
+  }
+  stiffness = options.stiffness;
+  if (stiffness == 0.0) {
+    std::vector<double> speed(parts.size());
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      const auto vb = v(parts[p].body_index);
+      speed[p] = parts[p].body->carrier_velocity(parts[p].index, vb).norm() +
+                 parts[p].body->relative_speed_bound(parts[p].index, vb);
+    }
+    stiffness = choose_stiffness(estimate_loads(parts, speed, options.environment), options.ramp_voxels * h0,
+                                 options.time_step);
+  }
+  if (!(stiffness > 0.0)) stiffness = 1e6;  // nothing has weight: any contact may be this stiff
+}
+
+void World::Impl::update_bodies() {
+  parallel_for(bodies.size(), [&](std::size_t b) { bodies[b]->update(state.time, q(b), v(b)); });
+}
+
+double World::Impl::friction_of(const PartInfo& a, const PartInfo& b) const {
+  auto key = std::minmax(a.material.name, b.material.name);
+  const auto it = options.pair_friction.find({key.first, key.second});
+  return it != options.pair_friction.end() ? it->second : std::sqrt(a.material.friction * b.material.friction);
+}
+
+void World::Impl::choose_pair_states() {
+  const ContactSet& contacts = stage.contacts();
+  pair_states.resize(contacts.pairs.size());
+  for (std::size_t i = 0; i < contacts.pairs.size(); ++i) {
+    const WorldPart &a = parts[contacts.pairs[i].part_a], &b = parts[contacts.pairs[i].part_b];
+    pair_states[i] = {friction_of(a.info, b.info), a.body->carrier_velocity(a.index, v(a.body_index)),
+                      b.body->carrier_velocity(b.index, v(b.body_index))};
+  }
+}
+
+StepReport World::step() {
+  Impl& w = *impl_;
+  StepReport report;
+  report.dt = w.options.time_step;
+  report.time = w.state.time;
+  {
+    const ScopedSeconds timer(report.wall);
+    w.start();
+    report.stiffness = w.stiffness;
+    double left = w.options.time_step;
+    const double end = w.state.time + left;
+    while (report.ok && left > 1e-9 * w.options.time_step) left -= w.substep(left, report);
+    w.state.time = end;
+    ++w.state.step;
+    w.measure(report);
+  }
+  report.time = w.state.time;
+  return report;
+}
+
+double World::Impl::substep(double left, StepReport& report) {
+  const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
+  const double dt = choose_substep(parts, bodies, state.v, first_v, options, left, report);
+  ++report.substeps;
+  before_q = state.q;
+  before_v = state.v;
+  for (std::size_t b = 0; b < bodies.size(); ++b) bodies[b]->prescribe(state.time, dt, q(b), v(b));
+  update_bodies();
+
+  stage.find(parts, state.v, first_v, dt, options, report);
+  const ContactSet& contacts = stage.contacts();
+  report.contacts = static_cast<std::int64_t>(contacts.size());
+  velocity_a.resize(contacts.size()), velocity_b.resize(contacts.size());
+  {
+    const ScopedSeconds timer(seconds(Phase::Respond));
+    maps.build(parts, contacts, first_v);
+    maps.velocities(state.v, velocity_a, velocity_b);
+    choose_pair_states();
+    const double g = options.environment.gravity.norm();
+    PenaltyOptions p;
+    p.stiffness = stiffness;
+    p.dt = dt;
+    p.damping = options.damping_steps * options.time_step;
+    p.friction_speed =
+        options.friction_speed > 0.0 ? options.friction_speed : std::max(1e-3 * g * options.time_step, 1e-9);
+    p.release_speed = 0.2 * g * dt;
+    p.slack = g * dt * dt;
+    response.begin(contacts, pair_states, p, velocity_a, velocity_b);
+  }
+
+  ImplicitStep::Settings settings;
+  settings.dt = dt;
+  settings.tolerance = options.cg_tolerance;
+  settings.max_iterations = options.cg_max_iterations;
+  settings.passes = options.release_pass ? 2 : 1;
+  delta.resize(state.v.size());
+  const bool finite =
+      implicit.solve(bodies, first_v, options.environment, maps, response, contacts, state.v, settings, delta, report);
+  if (!finite) {
+    state.q = before_q;
+    state.v = before_v;
+    report.ok = false;
+    report.warnings.push_back(
+        {state.time, "not_finite", "the solve gave values that are not finite; the state before it is kept"});
+    return left;
+  }
+
+  {
+    const ScopedSeconds timer(seconds(Phase::Respond));
+    normal_force.resize(contacts.size()), friction_force.resize(contacts.size());
+    response.forces(implicit.contact_delta(), normal_force, friction_force);
+    report_pairs(parts, contacts, maps, first_v, stiffness, normal_force, friction_force, state.time, report, samples);
+    report.contact_energy = response.energy();
+  }
+  const ScopedSeconds timer(seconds(Phase::Advance));
+  for (std::size_t i = 0; i < state.v.size(); ++i) state.v[i] += delta[i];
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    bodies[b]->advance(dt, q(b), v(b));
+    bodies[b]->finish_step(state.time, dt, q(b), v(b));
+  });
+  state.time += dt;
+  return dt;
+}
+
+void World::Impl::measure(StepReport& report) {
+  const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Advance)]);
+  update_bodies();
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    report.kinetic_energy += bodies[b]->kinetic_energy(v(b));
+    report.potential_energy += bodies[b]->potential_energy(options.environment);
+  }
+  for (const WorldPart& p : parts)
+    if (!p.body->immobile())
+      report.max_speed = std::max(report.max_speed, p.body->carrier_velocity(p.index, v(p.body_index)).norm() +
+                                                        p.body->relative_speed_bound(p.index, v(p.body_index)));
+}
+
+}  // namespace brim
