@@ -1,0 +1,40 @@
+#include "brim/raster/grid_shape.h"
+
+namespace brim {
+
+namespace {
+
+class GridShape final : public Shape {
+ public:
+  GridShape(std::shared_ptr<const DistanceGrid> grid, double thickness)
+      : grid_(std::move(grid)), box_(grid_->solid_box()), thickness_(thickness) {}
+
+  double distance(const Vec3& p) const override { return grid_->value(p); }
+  Aabb bounds() const override { return box_; }
+  double thickness() const override { return thickness_; }
+
+  void fill(const Pose& pose, const TileKey& tile, double h, double w, DensityBlock& out) const override {
+    // A trilinear value tells which nodes lie near the surface; only those pay for the smooth one. Trilinear errs by
+    // less than a spacing there.
+    const double band = 0.5 * w + grid_->spacing();
+    fill_block(
+        [&](const Vec3& p) {
+          const double rough = grid_->value(p, Interpolation::Trilinear);
+          return std::abs(rough) > band ? rough : grid_->value(p);
+        },
+        pose, tile, h, w, out);
+  }
+
+ private:
+  std::shared_ptr<const DistanceGrid> grid_;
+  Aabb box_;
+  double thickness_;
+};
+
+}  // namespace
+
+std::shared_ptr<const Shape> make_grid_shape(std::shared_ptr<const DistanceGrid> grid, double thickness) {
+  return std::make_shared<GridShape>(std::move(grid), thickness);
+}
+
+}  // namespace brim
