@@ -198,7 +198,7 @@ TEST(FemBody, TurnedInsideOutRecovers) {
   }
 }
 
-TEST(FemBody, FallingFreelyKeepsMomentumAndSpin) {
+TEST(FemBody, FlyingFreelyKeepsLinearMomentum) {
   FemOptions o = options(ElasticLaw::StableNeoHookean);
   o.initial_velocity = Vec3(1, 2, 0);
   o.initial_spin = Vec3(0, 0, 3);

@@ -35,17 +35,44 @@ class TriangleDistance {
       ev_ = up / cy_;
     }
     n_ = eu_.cross(ev_);
+    low_ = std::min(cx_, 0.0);
+    high_ = std::max(cx_, bx_);
     ab2_ = inverse(bx_ * bx_);
     ac2_ = inverse(cx_ * cx_ + cy_ * cy_);
     bc2_ = inverse((cx_ - bx_) * (cx_ - bx_) + cy_ * cy_);
   }
 
+  /// Coordinates in the triangle's frame: along its longest edge, across it, and off the plane.
+  Vec3 local(const Vec3& r) const { return direction(r - a_); }
+  Vec3 direction(const Vec3& d) const { return {eu_.dot(d), ev_.dot(d), n_.dot(d)}; }
+
+  /// Narrows lo..hi to the i for which start + i step (local coordinates) may be within reach of the triangle.
+  /// @param inverse_step  1 / step, or 0 where the step is too small to matter
+  void clip_row(const Vec3& start, const Vec3& inverse_step, double reach, int& lo, int& hi) const {
+    const double low[3] = {low_ - reach, -reach, -reach}, high[3] = {high_ + reach, cy_ + reach, reach};
+    double first = lo, last = hi;
+    for (int a = 0; a < 3; ++a) {
+      if (inverse_step[a] == 0.0) {
+        if (start[a] < low[a] - 1e-6 * reach || start[a] > high[a] + 1e-6 * reach) last = -1.0;
+        continue;
+      }
+      const double p = (low[a] - start[a]) * inverse_step[a], q = (high[a] - start[a]) * inverse_step[a];
+      first = std::max(first, std::min(p, q));
+      last = std::min(last, std::max(p, q));
+    }
+    // Half a node of tolerance costs little and forgives rounding.
+    lo = static_cast<int>(std::min(first + 0.5, double{kBlockSize}));
+    hi = last < 0.0 ? (last < -0.5 ? -1 : 0) : static_cast<int>(last + 0.5);
+  }
+
   /// Squared distance if it is less than `bound`, otherwise any number not less than `bound`.
-  double squared_distance(const Vec3& r, double bound) const {
-    const Vec3 d = r - a_;
-    const double z = n_.dot(d), z2 = z * z;
+  /// @param p  local coordinates
+  double squared_distance(const Vec3& p, double bound) const {
+    const double u = p[0], v = p[1], z2 = p[2] * p[2];
     if (!(z2 < bound)) return bound;
-    const double u = eu_.dot(d), v = ev_.dot(d);
+    // The box around the triangle in its plane turns most nodes away before the edges are looked at.
+    const double du = std::max({low_ - u, u - high_, 0.0}), dv = std::max({-v, v - cy_, 0.0});
+    if (!(z2 + du * du + dv * dv < bound)) return bound;
     const double fab = v, fbc = cy_ * (bx_ - u) + (cx_ - bx_) * v, fca = cy_ * u - cx_ * v;
     if (!flat_ && fab >= 0.0 && fbc >= 0.0 && fca >= 0.0) return z2;
     const double tab = std::clamp(u * bx_ * ab2_, 0.0, 1.0), xab = u - tab * bx_;
@@ -59,7 +86,7 @@ class TriangleDistance {
   static double inverse(double x) { return x > 0.0 ? 1.0 / x : 0.0; }
 
   Vec3 a_, eu_, ev_, n_;
-  double bx_, cx_, cy_, ab2_, ac2_, bc2_;
+  double bx_, cx_, cy_, low_, high_, ab2_, ac2_, bc2_;
   bool flat_;
 };
 
@@ -72,11 +99,19 @@ inline void splat_triangle(const Vec3& a, const Vec3& b, const Vec3& c, std::int
   const NodeRange n = nodes_in_box(box, origin, h);
   if (n.empty()) return;
   const TriangleDistance triangle(a, b, c);
+  const Vec3 corner = triangle.local(origin), dx = triangle.direction(h * Vec3::UnitX());
+  const Vec3 dy = triangle.direction(h * Vec3::UnitY()), dz = triangle.direction(h * Vec3::UnitZ());
+  Vec3 inverse_dx = Vec3::Zero();
+  for (int axis = 0; axis < 3; ++axis)
+    if (std::abs(dx[axis]) * kBlockSize > 1e-6 * reach) inverse_dx[axis] = 1.0 / dx[axis];
   for (int k = n.lo[2]; k <= n.hi[2]; ++k)
     for (int j = n.lo[1]; j <= n.hi[1]; ++j) {
+      const Vec3 start = corner + double(j) * dy + double(k) * dz;
+      int lo = n.lo[0], hi = n.hi[0];
+      triangle.clip_row(start, inverse_dx, reach, lo, hi);
       const int row = block_index(0, j, k);
-      for (int i = n.lo[0]; i <= n.hi[0]; ++i) {
-        const double d2 = triangle.squared_distance(origin + h * Vec3(i, j, k), distance2[row + i]);
+      for (int i = lo; i <= hi; ++i) {
+        const double d2 = triangle.squared_distance(start + double(i) * dx, distance2[row + i]);
         if (d2 < distance2[row + i]) {
           distance2[row + i] = d2;
           nearest[row + i] = id;
