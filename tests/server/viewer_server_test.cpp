@@ -1,0 +1,146 @@
+#include "server/viewer_server.h"
+
+#include <gtest/gtest.h>
+#include <httplib.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "brim/core/error.h"
+
+namespace brim::viewer {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A run that a test can let grow or break.
+class MadeUpRun : public RunSource {
+ public:
+  std::atomic<std::int64_t> frames = 3;
+  std::atomic<bool> complete = false;
+
+  Progress progress() override { return {frames, complete}; }
+  nlohmann::json info() override { return {{"name", "made up \xff"}, {"frames", frames.load()}}; }
+  std::string topology(int body) override {
+    if (body > 0) throw InputError(fmt::format("no body {}", body));
+    return "topology";
+  }
+  std::string frame(std::int64_t f) override {
+    if (f >= frames) throw InputError(fmt::format("no frame {}", f));
+    if (f == 2) throw std::runtime_error("the disk failed");
+    return std::string("frame\0", 6) + std::to_string(f);
+  }
+  std::string series(std::int64_t from) override { return "series from " + std::to_string(from); }
+};
+
+class ViewerServerTest : public testing::Test {
+ protected:
+  ViewerServerTest() {
+    root_ = fs::temp_directory_path() / fmt::format("brim_viewer_test_{}", getpid());
+    fs::create_directories(root_ / "page/assets");
+    std::ofstream(root_ / "page/index.html") << "<html>the page</html>";
+    std::ofstream(root_ / "page/assets/a.js") << "let a;";
+    std::ofstream(root_ / "secret.txt") << "not for the web";
+    server_ = std::make_unique<ViewerServer>(run_, root_ / "page");
+    port_ = server_->bind("127.0.0.1", 0);
+    thread_ = std::thread([this] { server_->listen(); });
+    client_ = std::make_unique<httplib::Client>("127.0.0.1", port_);
+    client_->set_connection_timeout(10);
+    for (int i = 0; i < 500 && !client_->Get("/api/run"); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  ~ViewerServerTest() override {
+    server_->stop();
+    thread_.join();
+    fs::remove_all(root_);
+  }
+
+  int status(const std::string& path, const httplib::Headers& headers = {}) {
+    const auto answer = client_->Get(path.c_str(), headers);
+    return answer ? answer->status : -1;
+  }
+
+  MadeUpRun run_;
+  fs::path root_;
+  std::unique_ptr<ViewerServer> server_;
+  std::unique_ptr<httplib::Client> client_;
+  std::thread thread_;
+  int port_ = 0;
+};
+
+TEST_F(ViewerServerTest, ServesThePageAndTheRun) {
+  EXPECT_EQ(client_->Get("/")->body, "<html>the page</html>");
+  EXPECT_EQ(client_->Get("/assets/a.js")->get_header_value("Content-Type").substr(0, 15), "text/javascript");
+  EXPECT_EQ(client_->Get("/api/topology/0")->body, "topology");
+  EXPECT_EQ(client_->Get("/api/frame/1")->body, std::string("frame\0", 6) + "1");
+  EXPECT_EQ(client_->Get("/api/series?from=7")->body, "series from 7");
+  EXPECT_EQ(client_->Get("/api/series")->body, "series from 0");
+  EXPECT_EQ(nlohmann::json::parse(client_->Get("/api/run")->body)["frames"], 3);
+}
+
+TEST_F(ViewerServerTest, ErrorsSayWhatIsWrongAndTheServerGoesOn) {
+  const auto missing = client_->Get("/api/frame/99");
+  EXPECT_EQ(missing->status, 404);
+  EXPECT_EQ(nlohmann::json::parse(missing->body)["error"], "no frame 99");
+  const auto failed = client_->Get("/api/frame/2");
+  EXPECT_EQ(failed->status, 500);
+  EXPECT_EQ(nlohmann::json::parse(failed->body)["error"], "the disk failed");
+  EXPECT_EQ(status("/api/frame/99999999999999999999999"), 404);
+  EXPECT_EQ(status("/api/series?from=abc"), 404);
+  EXPECT_EQ(status("/api/frame/-1"), 404);
+  EXPECT_EQ(status("/api/slice?z=0"), 501);
+  EXPECT_EQ(status("/api/nothing"), 404);
+  EXPECT_EQ(status("/api/frame/1"), 200);
+}
+
+TEST_F(ViewerServerTest, PathsOutsideThePageAreRefused) {
+  for (const char* path : {"/../secret.txt", "/assets/../../secret.txt", "/%2e%2e/secret.txt", "/..%2fsecret.txt",
+                           "//etc/passwd", "/assets/..\\..\\secret.txt", "/etc/passwd"}) {
+    const auto answer = client_->Get(path);
+    ASSERT_TRUE(answer) << path;
+    EXPECT_NE(answer->status, 200) << path;
+    EXPECT_EQ(answer->body.find("not for the web"), std::string::npos) << path;
+  }
+}
+
+TEST_F(ViewerServerTest, RequestsUnderAnotherNameAreRefused) {
+  EXPECT_EQ(status("/api/run", {{"Host", "evil.example"}}), 403);
+  EXPECT_EQ(status("/", {{"Host", "127.0.0.1.evil.example:80"}}), 403);
+  EXPECT_EQ(status("/api/run", {{"Host", "localhost:1234"}}), 200);
+}
+
+TEST_F(ViewerServerTest, NothingCanBeWritten) {
+  EXPECT_NE(client_->Put("/index.html", "x", "text/plain")->status, 200);
+  EXPECT_NE(client_->Delete("/index.html")->status, 200);
+  EXPECT_EQ(client_->Get("/")->body, "<html>the page</html>");
+}
+
+TEST_F(ViewerServerTest, EventsTellOfNewFrames) {
+  std::string heard;
+  client_->set_read_timeout(20);
+  client_->Get("/api/events", [&](const char* data, std::size_t size) {
+    heard.append(data, size);
+    if (run_.frames == 3)
+      run_.frames = 5;
+    else if (run_.frames == 5 && heard.find("\"frames\":5") != std::string::npos)
+      run_.complete = true;
+    return heard.find("true") == std::string::npos;
+  });
+  EXPECT_EQ(heard,
+            "event: frames\ndata: {\"frames\":3,\"complete\":false}\n\n"
+            "event: frames\ndata: {\"frames\":5,\"complete\":false}\n\n"
+            "event: frames\ndata: {\"frames\":5,\"complete\":true}\n\n");
+}
+
+TEST_F(ViewerServerTest, APortInUseIsAnInputError) {
+  ViewerServer second(run_, root_ / "page");
+  EXPECT_THROW(second.bind("127.0.0.1", port_), InputError);
+}
+
+}  // namespace
+}  // namespace brim::viewer
