@@ -50,7 +50,7 @@ std::map<std::string, Array> decode(const std::string& m) {
                          : a.type == 2 ? number_at<std::int32_t>(m, offset + 4 * k)
                                        : number_at<double>(m, offset + 8 * k));
     const auto body = number_at<std::int32_t>(m, at + 36);
-    arrays[(m.c_str() + at) + (body < 0 ? std::string() : ":" + std::to_string(body))] = a;
+    arrays[(m.c_str() + at) + (body < 0 ? std::string() : fmt::format(":{}", body))] = a;
   }
   return arrays;
 }
