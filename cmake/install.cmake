@@ -22,3 +22,7 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/brimConfigVersion.cmake C
 install(FILES ${PROJECT_BINARY_DIR}/brimConfig.cmake ${PROJECT_BINARY_DIR}/brimConfigVersion.cmake
   DESTINATION ${BRIM_CONFIG_DIR})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} OPTIONAL)
+
+# The viewer's page, when it has been built, and the script that makes pictures with it.
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/viewer/dist/ DESTINATION ${CMAKE_INSTALL_DATADIR}/brim/viewer OPTIONAL)
+install(FILES ${PROJECT_SOURCE_DIR}/viewer/render.mjs DESTINATION ${CMAKE_INSTALL_DATADIR}/brim/viewer)

@@ -1,0 +1,175 @@
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "brim/core/error.h"
+#include "commands.h"
+#include "server/page_folder.h"
+#include "server/recorded_run.h"
+#include "server/viewer_server.h"
+
+namespace brim::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+struct RenderOptions {
+  std::string run, out, size = "1280x720", camera = "fit", contacts;
+  long long frame = 0;
+  double fps = 0.0;  ///< 0: the run's own
+  bool tiles = false;
+};
+
+/// The first of some programs that is on the PATH or, with a slash, where it says; empty when none is.
+std::string find_program(const std::vector<std::string>& names) {
+  const char* path = std::getenv("PATH");
+  for (const std::string& name : names) {
+    if (name.find('/') != std::string::npos) {
+      if (access(name.c_str(), X_OK) == 0) return name;
+      continue;
+    }
+    std::string_view rest = path ? path : "";
+    while (!rest.empty()) {
+      const std::size_t end = std::min(rest.find(':'), rest.size());
+      const std::string file = std::string(rest.substr(0, end)) + "/" + name;
+      if (end > 0 && access(file.c_str(), X_OK) == 0) return file;
+      rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+  }
+  return {};
+}
+
+/// Numbers between separators. @throws InputError  with the given text when there is anything else
+std::vector<double> numbers(const std::string& text, char separator, const std::string& usage) {
+  std::vector<double> list;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  for (;;) {
+    double x = 0.0;
+    const auto [next, error] = std::from_chars(at, end, x);
+    if (error != std::errc() || !std::isfinite(x)) throw InputError(usage);
+    list.push_back(x);
+    if (next == end) return list;
+    if (*next != separator) throw InputError(usage);
+    at = next + 1;
+  }
+}
+
+Json camera_pose(const std::string& text) {
+  if (text == "fit") return {{"azimuth", -62}, {"elevation", 20}};
+  const std::string usage = fmt::format(
+      "--camera {}: must be \"fit\", or azimuth,elevation in degrees, or azimuth,elevation,distance in metres", text);
+  const std::vector<double> x = numbers(text, ',', usage);
+  if (x.size() < 2 || x.size() > 3 || (x.size() == 3 && x[2] <= 0)) throw InputError(usage);
+  Json pose = {{"azimuth", x[0]}, {"elevation", x[1]}};
+  if (x.size() == 3) pose["distance"] = x[2];
+  return pose;
+}
+
+/// Runs a program to its end and returns its exit code. No shell sees the arguments.
+int run_program(const std::string& program, const std::vector<std::string>& arguments) {
+  std::vector<char*> argv = {const_cast<char*>(program.c_str())};
+  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+  argv.push_back(nullptr);
+  pid_t child = 0;
+  if (const int error = posix_spawn(&child, program.c_str(), nullptr, nullptr, argv.data(), environ))
+    throw InputError(fmt::format("{} cannot be started: {}", program, std::strerror(error)));
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : static_cast<int>(kInterrupted);
+}
+
+struct Tools {
+  std::string node, chromium, ffmpeg;
+};
+
+/// The programs that draw; ffmpeg may be missing.
+Tools find_tools() {
+  Tools tools;
+  tools.node = find_program({"node", "nodejs"});
+  if (tools.node.empty())
+    throw InputError("brim render needs Node (Debian: apt install nodejs); there is no node on the PATH");
+  std::vector<std::string> browsers = {"chromium", "chromium-browser", "google-chrome", "google-chrome-stable"};
+  if (const char* set = std::getenv("BRIM_CHROMIUM"); set && *set) browsers = {set};
+  tools.chromium = find_program(browsers);
+  if (tools.chromium.empty())
+    throw InputError(
+        "brim render draws with Chromium (Debian: apt install chromium); none is on the PATH, or the one that "
+        "BRIM_CHROMIUM names cannot be run");
+  tools.ffmpeg = find_program({"ffmpeg"});
+  return tools;
+}
+
+int render(const RenderOptions& options) {
+  const std::string usage =
+      fmt::format("--size {}: must be WIDTHxHEIGHT in pixels, from 16x16 to 8192x8192", options.size);
+  const std::vector<double> size = numbers(options.size, 'x', usage);
+  if (size.size() != 2) throw InputError(usage);
+  for (const double s : size)
+    if (s < 16 || s > 8192 || s != std::floor(s)) throw InputError(usage);
+  const Json pose = camera_pose(options.camera);
+  const fs::path out = fs::absolute(options.out);
+  if (out.extension() != ".png" && out.extension() != ".mp4")
+    throw InputError(fmt::format("-o {}: must end in .png or .mp4", options.out));
+
+  viewer::RecordedRun run(options.run);
+  const Tools tools = find_tools();
+  const std::string script = viewer::find_render_script().string();
+  viewer::ViewerServer server(run, viewer::find_page_folder());
+  const int port = server.bind("127.0.0.1", 0);
+  const Json job = {{"url", fmt::format("http://127.0.0.1:{}/", port)},
+                    {"out", out.string()},
+                    {"chromium", tools.chromium},
+                    {"ffmpeg", tools.ffmpeg},
+                    {"frame", options.frame},
+                    {"width", static_cast<int>(size[0])},
+                    {"height", static_cast<int>(size[1])},
+                    {"camera", pose},
+                    {"contacts", options.contacts},
+                    {"tiles", options.tiles},
+                    {"fps", options.fps > 0 ? options.fps : run.frame_rate()}};
+  const std::jthread serving([&server] { server.listen(); });
+  const int code = run_program(tools.node, {script, job.dump()});
+  server.stop();
+  return code;
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, int& code) {
+  CLI::App* command = app.add_subcommand("render", "make a picture or a film of a run, as the viewer shows it");
+  auto options = std::make_shared<RenderOptions>();
+  command->add_option("run", options->run, "run folder, or its run.h5")->required();
+  command->add_option("-o,--output", options->out, "picture (.png) or film (.mp4) to write")->required();
+  command->add_option("--frame", options->frame, "frame of a picture, from 0; negative counts from the end")
+      ->capture_default_str();
+  command->add_option("--size", options->size, "width and height in pixels")->capture_default_str();
+  command
+      ->add_option("--camera", options->camera,
+                   "azimuth,elevation[,distance] in degrees and metres around the middle of the scene, or fit")
+      ->capture_default_str();
+  command->add_option("--contacts", options->contacts, "show contacts: points, forces or all")
+      ->check(CLI::IsMember({"points", "forces", "all"}));
+  command->add_flag("--tiles", options->tiles, "show active tiles");
+  command->add_option("--fps", options->fps, "frames per second of a film; without it, the run plays in its own time")
+      ->check(CLI::PositiveNumber);
+  command->callback([options, &code] { code = render(*options); });
+}
+
+}  // namespace brim::cli
