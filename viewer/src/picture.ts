@@ -65,7 +65,10 @@ export class Picture {
   frameScene(samples: Frame[]): void {
     const boxes = samples.map((s) => {
       const box = new THREE.Box3();
-      for (const p of s.positions.values()) box.union(boxOf(p));
+      for (const [body, p] of s.positions) {
+        const own = boxOf(p);
+        if (!own.isEmpty()) box.union(own.expandByScalar(this.bodies[body]?.radius ?? 0));
+      }
       return box;
     });
     const box = framing(boxes, this.fixedBoxes);
