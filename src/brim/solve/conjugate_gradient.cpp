@@ -55,6 +55,10 @@ SolveReport ConjugateGradient::solve(const LinearSystem& system, std::span<const
     system.apply(p_, y_);
     system.filter(y_);
     const double curvature = dot(p_, y_);
+    if (!std::isfinite(curvature)) {
+      report.finite = false;
+      return report;
+    }
     if (!(curvature > 0.0)) break;
     const double step = rz / curvature;
     parallel_blocks(n, 16384, [&](std::size_t begin, std::size_t end) {

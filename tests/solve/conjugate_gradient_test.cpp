@@ -1,0 +1,166 @@
+#include "brim/solve/conjugate_gradient.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <limits>
+#include <random>
+
+#include "brim/core/parallel.h"
+
+namespace brim {
+namespace {
+
+constexpr unsigned kSeed = 51;
+
+/// Random symmetric positive definite system with a diagonal preconditioner and some imposed directions.
+struct Problem {
+  Eigen::MatrixXd A;
+  Eigen::VectorXd b;
+  std::vector<std::size_t> imposed;
+  LinearSystem system;
+
+  explicit Problem(int n) : A(n, n), b(n) {
+    std::mt19937 rng(kSeed);
+    std::normal_distribution<double> normal;
+    Eigen::MatrixXd m(n, n);
+    for (double& x : m.reshaped()) x = normal(rng);
+    for (double& x : b) x = normal(rng);
+    Eigen::VectorXd scale(n);
+    for (double& x : scale) x = std::exp(normal(rng));
+    A = scale.asDiagonal() * (m * m.transpose() / n + Eigen::MatrixXd::Identity(n, n)) * scale.asDiagonal();
+    system.apply = [this](std::span<const double> x, std::span<double> y) {
+      Eigen::Map<Eigen::VectorXd>(y.data(), y.size()) = A * Eigen::Map<const Eigen::VectorXd>(x.data(), x.size());
+    };
+    system.precondition = [this](std::span<const double> r, std::span<double> z) {
+      for (std::size_t i = 0; i < r.size(); ++i) z[i] = r[i] / A(i, i);
+    };
+    system.filter = [this](std::span<double> x) {
+      for (const std::size_t i : imposed) x[i] = 0.0;
+    };
+  }
+};
+
+std::span<double> view(Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
+
+TEST(ConjugateGradient, TwoUnknownsByHandInTwoIterations) {
+  Problem p(2);
+  p.A << 4, 1, 1, 3;
+  p.b << 1, 2;
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(2);
+  const SolveReport r = ConjugateGradient().solve(p.system, view(p.b), 1e-12, 10, view(x));
+  EXPECT_LE(r.iterations, 2);
+  EXPECT_TRUE(r.converged);
+  EXPECT_NEAR(x[0], 1.0 / 11.0, 1e-14);
+  EXPECT_NEAR(x[1], 7.0 / 11.0, 1e-14);
+}
+
+TEST(ConjugateGradient, EqualsAFactorisationOnARandomSystem) {
+  SCOPED_TRACE(kSeed);
+  Problem p(120);
+  const Eigen::VectorXd expected = p.A.llt().solve(p.b);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(120);
+  const SolveReport r = ConjugateGradient().solve(p.system, view(p.b), 1e-12, 1000, view(x));
+  EXPECT_TRUE(r.converged);
+  EXPECT_TRUE(r.finite);
+  EXPECT_LT((x - expected).norm(), 1e-10 * expected.norm());
+  // The reported residual is that of the preconditioner's norm.
+  const Eigen::VectorXd residual = p.b - p.A * x, d = p.A.diagonal();
+  const double true_residual = std::sqrt(residual.cwiseQuotient(d).dot(residual) / p.b.cwiseQuotient(d).dot(p.b));
+  EXPECT_NEAR(r.residual, true_residual, 1e-13);
+}
+
+TEST(ConjugateGradient, StopsAtTheAskedResidualAndAtTheIterationLimit) {
+  Problem p(120);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(120);
+  const SolveReport loose = ConjugateGradient().solve(p.system, view(p.b), 1e-3, 1000, view(x));
+  EXPECT_TRUE(loose.converged);
+  EXPECT_LE(loose.residual, 1e-3);
+  EXPECT_GT(loose.residual, 1e-6);
+  x.setZero();
+  const SolveReport cut = ConjugateGradient().solve(p.system, view(p.b), 1e-12, 3, view(x));
+  EXPECT_EQ(cut.iterations, 3);
+  EXPECT_FALSE(cut.converged);
+  EXPECT_TRUE(cut.finite);
+}
+
+TEST(ConjugateGradient, ImposedDirectionsStayZeroAndTheRestSolvesTheReducedSystem) {
+  SCOPED_TRACE(kSeed);
+  Problem p(40);
+  p.imposed = {0, 7, 8, 39};
+  std::vector<int> free;
+  for (int i = 0; i < 40; ++i)
+    if (std::find(p.imposed.begin(), p.imposed.end(), static_cast<std::size_t>(i)) == p.imposed.end())
+      free.push_back(i);
+  const Eigen::MatrixXd reduced = p.A(free, free);
+  const Eigen::VectorXd expected = reduced.llt().solve(Eigen::VectorXd(p.b(free)));
+  for (const bool warm : {false, true}) {
+    Eigen::VectorXd x = warm ? Eigen::VectorXd::Ones(40) : Eigen::VectorXd::Zero(40);
+    const SolveReport r = ConjugateGradient().solve(p.system, view(p.b), 1e-12, 1000, view(x));
+    EXPECT_TRUE(r.converged);
+    for (const std::size_t i : p.imposed) EXPECT_EQ(x[i], 0.0);
+    EXPECT_LT((Eigen::VectorXd(x(free)) - expected).norm(), 1e-10 * expected.norm());
+  }
+}
+
+TEST(ConjugateGradient, StartingFromTheSolutionTakesNoIteration) {
+  Problem p(60);
+  Eigen::VectorXd x = p.A.llt().solve(p.b);
+  const SolveReport r = ConjugateGradient().solve(p.system, view(p.b), 1e-10, 1000, view(x));
+  EXPECT_EQ(r.iterations, 0);
+  EXPECT_TRUE(r.converged);
+}
+
+TEST(ConjugateGradient, ZeroRightHandSideGivesZero) {
+  Problem p(10);
+  p.b.setZero();
+  Eigen::VectorXd x = Eigen::VectorXd::Ones(10);
+  const SolveReport r = ConjugateGradient().solve(p.system, view(p.b), 1e-8, 100, view(x));
+  EXPECT_TRUE(r.converged);
+  EXPECT_EQ(r.iterations, 0);
+  EXPECT_EQ(x.norm(), 0.0);
+}
+
+TEST(ConjugateGradient, ReportsValuesThatAreNotFinite) {
+  Problem p(10);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(10);
+  p.b[4] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(ConjugateGradient().solve(p.system, view(p.b), 1e-8, 100, view(x)).finite);
+  Problem broken(10);
+  broken.A(3, 2) = std::numeric_limits<double>::quiet_NaN();
+  x.setZero();
+  const SolveReport r = ConjugateGradient().solve(broken.system, view(broken.b), 1e-8, 100, view(x));
+  EXPECT_FALSE(r.finite && r.converged);
+  EXPECT_FALSE(r.finite) << "a matrix that is not finite is not a mere failure to converge";
+}
+
+TEST(ConjugateGradient, AnyNumberOfThreadsGivesTheSameBits) {
+  constexpr std::size_t kRows = 100000;  // several blocks of every parallel loop
+  LinearSystem chain;
+  chain.apply = [](std::span<const double> x, std::span<double> y) {
+    parallel_for(
+        x.size(),
+        [&](std::size_t i) {
+          y[i] = (2.01 + 1e-5 * static_cast<double>(i)) * x[i] - (i > 0 ? x[i - 1] : 0.0) -
+                 (i + 1 < x.size() ? x[i + 1] : 0.0);
+        },
+        512);
+  };
+  chain.precondition = [](std::span<const double> r, std::span<double> z) { std::copy(r.begin(), r.end(), z.begin()); };
+  chain.filter = [](std::span<double>) {};
+  std::vector<double> b(kRows), one;
+  std::mt19937 rng(kSeed);
+  std::normal_distribution<double> normal;
+  for (double& e : b) e = normal(rng);
+  for (const int threads : {1, 2, 4}) {
+    const ThreadLimit limit(threads);
+    std::vector<double> x(kRows, 0.0);
+    const SolveReport r = ConjugateGradient().solve(chain, b, 1e-6, 500, x);
+    EXPECT_GT(r.iterations, 5);
+    if (threads == 1) one = x;
+    EXPECT_EQ(x, one) << threads << " threads";
+  }
+}
+
+}  // namespace
+}  // namespace brim
