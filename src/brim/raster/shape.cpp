@@ -144,7 +144,7 @@ void shape_presence(const Shape& shape, const Pose& pose, double h, double w, co
   const Aabb box = shape.placed_bounds(pose).inflated(margin).intersection(region);
   if (box.empty()) return;
   const TileRange r = tiles_meeting(box, h);
-  const double half = 0.5 * (kTileSize - 1) * h;
+  const double half = 0.5 * (kBlockSize - 1) * h;  // the block, halo included
   const double reach = std::sqrt(3.0) * half + 0.5 * w;
   for (std::int32_t z = r.lo.z; z <= r.hi.z; ++z)
     for (std::int32_t y = r.lo.y; y <= r.hi.y; ++y)

@@ -14,7 +14,7 @@ struct PenaltyOptions {
   double stiffness = 0.0;       ///< [Pa] k
   double dt = 0.0;              ///< [s]
   double damping = 0.0;         ///< [s] β, stiffness-proportional damping
-  double friction_speed = 0.0;  ///< [m/s] ε of the regularised Coulomb law
+  double friction_speed = 0.0;  ///< [m/s] ε of the regularised Coulomb law, > 0
   double slack = 0.0;           ///< [m] gap that may close in the step although the start velocities do not say so
   double release_speed = 0.0;   ///< [m/s] separation above which a node in tension lets go
 };
