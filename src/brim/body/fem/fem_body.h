@@ -28,7 +28,7 @@ class FemBody final : public ParticleBody {
   /// @throws InputError  when a number is out of range or the mesh cannot be used
   FemBody(TetMesh mesh, FemOptions options);
 
-  std::string_view kind() const override { return "fem"; }
+  std::string_view kind() const override { return "finite_elements"; }
   double elastic_energy() const override { return elements_.energy(x_); }
 
   PartInfo part(int p) const override;

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <span>
+
+#include "brim/body/particles/particle_body.h"
+#include "brim/scene/node.h"
+
+namespace brim {
+
+/// Things the schema cannot say about a list of constraints; reads no files.
+/// @param has_corners  whether the body is a cloth grid
+/// @throws InputError
+void check_constraints(const Node& list, bool has_corners);
+
+/// Adds what a scene fixes and moves to a body's options. A node that two entries select belongs to the first.
+/// @param rest     [m] positions of the nodes as the body starts, world frame
+/// @param corners  node numbers of a cloth grid's corners, or empty
+/// @throws InputError  for an entry that selects no node
+void read_constraints(const Node& list, std::span<const Vec3> rest, std::span<const std::int32_t> corners,
+                      ParticleOptions& options);
+
+}  // namespace brim

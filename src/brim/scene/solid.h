@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "brim/mesh/distance_grid.h"
+#include "brim/mesh/tri_mesh.h"
+#include "brim/raster/shape.h"
+#include "brim/scene/node.h"
+
+namespace brim {
+
+/// The surface of a scene's shape and how it becomes a solid.
+struct SolidSurface {
+  TriMesh mesh;  ///< [m], the shape's own frame, scaled
+  SurfaceTreatment treatment = SurfaceTreatment::Closed;
+  double thickness = 0.0;  ///< [m], for SurfaceTreatment::Thickness
+  bool round = false;      ///< smooth: the display mesh is an approximation
+};
+
+/// A rigid solid as bodies want it.
+struct Solid {
+  std::shared_ptr<const Shape> shape;
+  TriMesh surface;          ///< for display, shape's frame
+  MassProperties unit;      ///< of density 1 kg/m³; zero for the half space
+  double area = 0.0;        ///< [m²] of the surface
+  double voxel_size = 0.0;  ///< [m] that fits it
+};
+
+/// Things the schema cannot say about a shape; reads no files. @throws InputError
+void check_shape(const Node& shape);
+
+/// Path as a scene gives it: ${NAME} replaced by the environment variable, relative to the scene's folder.
+/// @throws InputError  for an unset variable or a file that is not there
+std::string scene_path(const Node& path);
+
+/// Makes or reads the surface. @param scale  [-] of all lengths
+/// @throws InputError  for sizes that make no shape, files that cannot be read, meshes that do not fit the treatment
+SolidSurface read_surface_of(const Node& shape, double scale);
+
+/// The rigid solid of a body's "shape", "transform" scale and "voxel_size": exact distance for primitives, a sampled
+/// distance field for all others. Without a voxel_size it is an eighth of the shape's smallest extent.
+/// @param memory_limit  [bytes] of the scene
+/// @throws InputError
+Solid read_solid(const Node& body, double memory_limit);
+
+}  // namespace brim
