@@ -1,0 +1,119 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <numbers>
+
+#include "brim/core/error.h"
+#include "brim/io/surface_reader.h"
+#include "brim/io/tet_reader.h"
+#include "brim/mesh/tet_lattice.h"
+#include "brim/mesh/topology.h"
+#include "brim/record/run_reader.h"
+#include "brim/scene/scene.h"
+#include "commands.h"
+#include "nifti_header.h"
+
+namespace brim::cli {
+
+namespace {
+
+std::string vec_text(const Vec3& v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x(), v.y(), v.z()); }
+
+void about_scene(const std::string& path) {
+  const Scene scene = load_scene(path);
+  const World world = build_world(scene);
+  fmt::print("{}: scene \"{}\"\n", path, scene.name);
+  if (!scene.description.empty()) fmt::print("  {}\n", scene.description);
+  std::map<std::string, int> kinds;
+  for (int b = 0; b < world.body_count(); ++b) ++kinds[std::string(world.body(b).kind())];
+  fmt::print("  {} bodies:", world.body_count());
+  for (const auto& [kind, count] : kinds) fmt::print(" {} {}", count, kind);
+  fmt::print("\n  {} coordinates, {} velocities\n", world.state().q.size(), world.state().v.size());
+  fmt::print("  {} frames of {:.6g} s, {} steps of {:.6g} s each\n", scene.frames, scene.frame_time(),
+             scene.steps_per_frame, scene.world.time_step);
+  fmt::print("  {} expectations\n", scene.expect.size());
+}
+
+void about_surface(const std::string& path) {
+  const TriMesh mesh = read_surface(path);
+  const MeshReport report = inspect(mesh);
+  const Aabb box = bounds(mesh.vertices);
+  fmt::print("{}: surface\n  {}\n  box {} to {} m\n", path, report.summary(), vec_text(box.lo), vec_text(box.hi));
+  if (report.closed() && report.oriented()) fmt::print("  encloses {:.6g} m³\n", report.volume);
+  if (!report.closed()) fmt::print("  as a solid it needs treatment \"winding_number\" or \"thickness\"\n");
+}
+
+void about_tets(const std::string& path) {
+  const TetMesh mesh = read_tets(path);
+  const TetQuality q = tet_quality(mesh);
+  const Aabb box = bounds(mesh.vertices);
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  fmt::print("{}: tetrahedra\n  {} tetrahedra, {} vertices\n  box {} to {} m, {:.6g} m³\n", path, mesh.tets.size(),
+             mesh.vertices.size(), vec_text(box.lo), vec_text(box.hi), q.total_volume);
+  fmt::print("  dihedral angles {:.1f} to {:.1f} degrees, quality {:.3f} least, {:.3f} mean\n",
+             q.min_dihedral * kDegrees, q.max_dihedral * kDegrees, q.min_ratio, q.mean_ratio);
+}
+
+void about_run(const std::string& path) {
+  const RunReader run(path);
+  fmt::print("{}: run of scene \"{}\" by brim {}\n", path, run.scene_name(), run.brim_version());
+  fmt::print("  {} frames of {:.6g} s", run.frames(), run.frame_time());
+  if (run.frames() > 0) fmt::print(", to {:.6g} s", run.time(run.frames() - 1));
+  std::map<std::string, int> kinds;
+  for (const RecordedBody& b : run.bodies()) ++kinds[b.kind];
+  fmt::print("\n  {} bodies:", run.bodies().size());
+  for (const auto& [kind, count] : kinds) fmt::print(" {} {}", count, kind);
+  const auto largest = [&](const char* name) {
+    const std::vector<double> x = run.series(name);
+    return x.empty() ? 0.0 : *std::max_element(x.begin(), x.end());
+  };
+  const auto total = [&](const char* name) {
+    double sum = 0.0;
+    for (const double x : run.series(name)) sum += x;
+    return sum;
+  };
+  fmt::print("\n  {:.0f} steps in {:.1f} s, at most {:.0f} contacts, worst overlap {:.3g} voxels, {:.0f} warnings\n",
+             total("steps"), total("wall"), largest("contacts"), largest("worst_overlap"), total("warnings"));
+}
+
+void about(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (!fs::exists(path, error)) throw InputError(path + ": no such file or folder");
+  if (fs::is_directory(path, error)) return about_run(path);
+  std::string name = fs::path(path).filename().string();
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (name.ends_with(".json")) return about_scene(path);
+  if (name.ends_with(".h5")) return about_run(path);
+  if (name.ends_with(".msh") || name.ends_with(".vtk")) return about_tets(path);
+  if (name.ends_with(".nii")) {
+    std::fputs(nifti_text(path).c_str(), stdout);
+    return;
+  }
+  if (name.ends_with(".nii.gz"))
+    throw InputError(path + ": compressed volumes are not read yet; unpack it to a .nii file");
+  for (const char* end : {".obj", ".stl", ".ply", ".off", ".gltf", ".glb"})
+    if (name.ends_with(end)) return about_surface(path);
+  throw InputError(path +
+                   ": not a kind of file that brim knows; it must be a scene (.json), a surface (.obj, .stl, .ply, "
+                   ".off, .gltf, .glb), tetrahedra (.msh, .vtk), a volume (.nii), or a run (folder, .h5)");
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, int& code) {
+  CLI::App* command = app.add_subcommand("info", "say what is in a scene, mesh, volume or run");
+  auto path = std::make_shared<std::string>();
+  command->add_option("file", *path, "scene, surface, tetrahedra, volume or run")->required();
+  command->callback([path, &code] {
+    about(*path);
+    code = kGood;
+  });
+}
+
+}  // namespace brim::cli

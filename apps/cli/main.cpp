@@ -1,0 +1,35 @@
+#include <cstdio>
+#include <exception>
+
+#include "brim/core/error.h"
+#include "commands.h"
+
+int main(int argc, char** argv) {
+  CLI::App app("brim: bodies of any kind in contact through a grid of densities", "brim");
+  app.set_version_flag("--version", BRIM_VERSION);
+  app.require_subcommand(1);
+  int code = brim::cli::kGood;
+  brim::cli::add_run(app, code);
+  brim::cli::add_validate(app, code);
+  brim::cli::add_info(app, code);
+  brim::cli::add_schema(app, code);
+  brim::cli::add_view(app, code);
+  brim::cli::add_render(app, code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);
+    std::fprintf(stderr, "brim: error: %s; brim --help lists what is allowed\n", e.what());
+    return brim::cli::kBadInput;
+  } catch (const brim::InputError& e) {
+    std::fprintf(stderr, "brim: error: %s\n", e.what());
+    return brim::cli::kBadInput;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "brim: error: out of memory; a coarser voxel_size or lattice_spacing needs less\n");
+    return brim::cli::kFailed;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "brim: error: %s (a defect of brim; please report it)\n", e.what());
+    return brim::cli::kFailed;
+  }
+  return code;
+}

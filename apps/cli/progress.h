@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "brim/record/runner.h"
+
+namespace brim::cli {
+
+/// Shows a run as it goes: a bar on a terminal, JSON lines for programs, nothing otherwise.
+class Progress {
+ public:
+  enum class Style { Bar, Json, Quiet };
+  explicit Progress(Style style) : style_(style) {}
+  void start(const std::string& scene, const std::string& folder, const RunPlan& plan, const World& world);
+  void frame(const RunProgress& progress);
+  void end(const RunResult& result, const std::string& folder);
+
+ private:
+  Style style_;
+  double last_shown_ = -1.0;
+};
+
+/// Each expectation, its value and its bounds, one a line.
+std::string findings_table(const std::vector<Finding>& findings);
+
+}  // namespace brim::cli

@@ -1,0 +1,103 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+
+#include "brim/core/error.h"
+#include "brim/core/parallel.h"
+#include "brim/record/runner.h"
+#include "brim/scene/scene.h"
+#include "commands.h"
+#include "progress.h"
+
+#if defined(__unix__) || defined(__APPLE__)
+#include <unistd.h>
+#endif
+
+namespace brim::cli {
+
+namespace {
+
+struct Options {
+  std::string scene, folder, resume;
+  std::int64_t frames = 0;
+  int threads = 0;
+  bool check = false, json = false, force = false, quiet = false;
+};
+
+bool on_terminal() {
+#if defined(__unix__) || defined(__APPLE__)
+  return isatty(fileno(stderr)) != 0;
+#else
+  return false;
+#endif
+}
+
+int run(const Options& o) {
+  const auto start = std::chrono::steady_clock::now();
+  const ThreadLimit limit(o.threads);
+  const Scene scene = load_scene(o.scene);
+  RunPlan plan;
+  plan.resume = !o.resume.empty();
+  plan.folder = plan.resume         ? o.resume
+                : !o.folder.empty() ? o.folder
+                                    : (std::filesystem::path("out") / scene.name).string();
+  plan.info = {scene.name, scene.text, scene.frame_time(), scene.steps_per_frame};
+  plan.scene_file = o.scene;
+  plan.scene_frames = scene.frames;
+  plan.frames = o.frames > 0 ? o.frames : scene.frames;
+  plan.expect = scene.expect;
+  plan.force = o.force;
+  // Before the work of building, which may take a while.
+  if (!plan.resume) check_run_folder(plan.folder, plan.force);
+  World world = build_world(scene);
+  plan.build_wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  Progress progress(o.json                      ? Progress::Style::Json
+                    : on_terminal() && !o.quiet ? Progress::Style::Bar
+                                                : Progress::Style::Quiet);
+  watch_interrupts();
+  progress.start(scene.name, plan.folder, plan, world);
+  const RunResult result = record_run(world, plan, [&](const RunProgress& p) {
+    progress.frame(p);
+    return !interrupted();
+  });
+  progress.end(result, plan.folder);
+  if (!o.json && (o.check || !result.findings.empty())) std::fputs(findings_table(result.findings).c_str(), stdout);
+  switch (result.end) {
+    case RunEnd::Interrupted:
+      return kInterrupted;
+    case RunEnd::Failed:
+      fmt::print(stderr, "brim: error: a step failed at {:.6g} s; the frames before it and its report are in {}\n",
+                 world.state().time, plan.folder);
+      return kFailed;
+    case RunEnd::Completed:
+      break;
+  }
+  return o.check && !result.ok() ? kFailed : kGood;
+}
+
+}  // namespace
+
+void add_run(CLI::App& app, int& code) {
+  CLI::App* command = app.add_subcommand("run", "simulate a scene and record the run");
+  auto o = std::make_shared<Options>();
+  command->add_option("scene", o->scene, "scene file (JSON)")->required();
+  CLI::Option* folder =
+      command->add_option("-o,--output", o->folder, "folder of the run; default out/<name of the scene>");
+  command->add_option("--frames", o->frames, "record this many frames after the first, whatever the scene says")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10000000}));
+  command->add_option("--threads", o->threads, "use at most this many threads; default all cores")
+      ->check(CLI::Range(1, 4096));
+  command->add_flag("--check", o->check, "exit with 1 when an expectation of the scene is not met");
+  command->add_flag("--json", o->json, "report progress as lines of JSON on standard output");
+  command->add_flag("--quiet", o->quiet, "no progress bar");
+  CLI::Option* force = command->add_flag("--force", o->force, "replace an old run in the folder");
+  CLI::Option* resume =
+      command->add_option("--resume", o->resume, "go on with the run in this folder after its last frame");
+  resume->excludes(folder)->excludes(force);
+  command->callback([o, &code] { code = run(*o); });
+}
+
+}  // namespace brim::cli

@@ -1,0 +1,191 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "brim/record/run_reader.h"
+
+namespace brim {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Runs the real program, as a user would.
+class Program : public ::testing::Test {
+ protected:
+  struct Outcome {
+    int code = -1;
+    std::string out, err;
+  };
+
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("brim_cli_" + std::to_string(::getpid()) + "_" +
+                                           ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    write("good.json", good(0.2));
+    write("bad.json", R"({"brim": 1, "name": "bad", "frames": 3, "bodys": []})");
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  /// A ball that falls on a floor; the expectation holds when `highest` is above 0.
+  static std::string good(double bound) {
+    return R"({"brim": 1, "name": "good", "frames": 5, "world": {"time_step": 0.01}, "bodies": [
+      {"kind": "obstacle", "name": "floor", "shape": {"kind": "plane"}},
+      {"kind": "rigid", "name": "ball", "shape": {"kind": "sphere", "radius": 0.5}, "transform": {"position": [0, 0, 0.6]}}],
+      "expect": [{"metric": "position_z", "body": "ball", "min": )" +
+           std::to_string(bound) + "}]}";
+  }
+  void write(const char* name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+  std::string read(const fs::path& path) const {
+    std::ostringstream out;
+    out << std::ifstream(path).rdbuf();
+    return out.str();
+  }
+  Outcome run(const std::string& arguments) const {
+    const std::string command = "cd '" + folder_.string() + "' && '" + std::string(BRIM_BINARY_DIR) + "/brim' " +
+                                arguments + " > out.txt 2> err.txt";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(folder_ / "out.txt"), read(folder_ / "err.txt")};
+  }
+
+  /// Begins a run without end in a process of its own.
+  pid_t start_long_run() const {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      if (::chdir(folder_.c_str()) != 0 || !std::freopen("out.txt", "w", stdout)) ::_exit(98);
+      ::execl((std::string(BRIM_BINARY_DIR) + "/brim").c_str(), "brim", "run", "good.json", "-o", "made", "--frames",
+              "1000000", "--json", nullptr);
+      ::_exit(99);
+    }
+    return child;
+  }
+  /// Waits at most half a minute for a frame to be reported.
+  bool wait_for_frame(int frame) const {
+    const std::string word = "\"frame\":" + std::to_string(frame) + ",";
+    for (int i = 0; i < 600; ++i) {
+      if (read(folder_ / "out.txt").find(word) != std::string::npos) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    return false;
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(Program, BadSceneEndsWithTwoOneLineAndNoFiles) {
+  const Outcome o = run("run bad.json -o made");
+  EXPECT_EQ(o.code, 2);
+  EXPECT_TRUE(o.err.starts_with("brim: error: bad.json:1: /bodys: unknown key")) << o.err;
+  EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+  EXPECT_FALSE(fs::exists(folder_ / "made"));
+}
+
+TEST_F(Program, BadArgumentsEndWithTwo) {
+  for (const char* arguments : {"", "rum good.json", "run", "run none.json", "run good.json --frames 0",
+                                "run good.json --threads -1", "run good.json --frames many", "run good.json --wat",
+                                "info none.obj", "info out.txt", "validate none.json", "run good.json --resume none"}) {
+    const Outcome o = run(arguments);
+    EXPECT_EQ(o.code, 2) << arguments;
+    EXPECT_TRUE(o.err.starts_with("brim: error: ")) << arguments << ": " << o.err;
+  }
+}
+
+TEST_F(Program, GoodSceneIsRecordedAndChecked) {
+  const Outcome o = run("run good.json -o made --check --threads 1");
+  EXPECT_EQ(o.code, 0) << o.err;
+  EXPECT_NE(o.out.find("position_z of ball"), std::string::npos) << o.out;
+  for (const char* name : {"run.h5", "run.xdmf", "summary.json", "scene.json"})
+    EXPECT_TRUE(fs::exists(folder_ / "made" / name)) << name;
+  EXPECT_EQ(run("info made").code, 0);
+  EXPECT_EQ(run("run good.json -o made").code, 2) << "an old run is not replaced without --force";
+  EXPECT_EQ(run("run good.json -o made --force --frames 2").code, 0);
+  EXPECT_EQ(RunReader((folder_ / "made").string()).frames(), 3);
+  EXPECT_EQ(run("run good.json --resume made").code, 0);
+  EXPECT_EQ(RunReader((folder_ / "made").string()).frames(), 6);
+}
+
+TEST_F(Program, CheckEndsWithOneWhenAnExpectationIsNotMet) {
+  write("high.json", good(99.0));
+  const Outcome o = run("run high.json -o made --check");
+  EXPECT_EQ(o.code, 1);
+  EXPECT_NE(o.out.find("FAIL"), std::string::npos) << o.out;
+  EXPECT_EQ(run("run high.json -o other").code, 0) << "without --check a bound is only reported";
+}
+
+TEST_F(Program, JsonLinesAreOnePerFrame) {
+  const Outcome o = run("run good.json -o made --json");
+  ASSERT_EQ(o.code, 0) << o.err;
+  std::istringstream lines(o.out);
+  std::vector<nlohmann::json> events;
+  for (std::string line; std::getline(lines, line);) events.push_back(nlohmann::json::parse(line));
+  ASSERT_EQ(events.size(), 7u);
+  EXPECT_EQ(events.front()["event"], "start");
+  EXPECT_EQ(events[3]["frame"], 3);
+  EXPECT_EQ(events.back()["end"], "completed");
+}
+
+TEST_F(Program, InterruptKeepsAllFramesAndEndsWith130) {
+  const pid_t child = start_long_run();
+  ASSERT_TRUE(wait_for_frame(3));
+  ::kill(child, SIGINT);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  const auto summary = nlohmann::json::parse(read(folder_ / "made/summary.json"));
+  EXPECT_EQ(summary["end"], "interrupted");
+  const RunReader reader((folder_ / "made").string());
+  EXPECT_GE(reader.frames(), 4);
+  EXPECT_EQ(summary["frames"], reader.frames());
+}
+
+TEST_F(Program, KilledRunKeepsTheFramesFlushedBeforeAndCanBeGoneOnWith) {
+  const pid_t child = start_long_run();
+  ASSERT_TRUE(wait_for_frame(3));
+  // Frames are flushed every second.
+  std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+  const auto look = [&] {
+    const RunReader run((folder_ / "made").string());
+    EXPECT_GE(run.frames(), 4);
+    const std::int64_t last = run.frames() - 1;
+    for (const std::int64_t f : {std::int64_t{0}, last / 2, last}) {
+      EXPECT_NEAR(run.state(f).time, 0.01 * static_cast<double>(f), 1e-6);
+      EXPECT_EQ(run.positions(1, f).size(), run.bodies()[1].display.vertices);
+      run.contacts(f);
+    }
+    return run.frames();
+  };
+  {
+    SCOPED_TRACE("while the writer lives");
+    look();
+  }
+  ::kill(child, SIGKILL);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  const std::int64_t frames = look();
+  EXPECT_EQ(run("run good.json --resume made --frames " + std::to_string(frames + 2)).code, 0);
+  EXPECT_EQ(RunReader((folder_ / "made").string()).frames(), frames + 3);
+}
+
+TEST_F(Program, SchemaIsPrintedAndAccepted) {
+  const Outcome o = run("schema");
+  EXPECT_EQ(o.code, 0);
+  EXPECT_EQ(nlohmann::json::parse(o.out)["title"], "brim scene");
+  EXPECT_EQ(run("validate good.json").code, 0);
+  EXPECT_EQ(run("validate bad.json").code, 2);
+  EXPECT_EQ(run("info good.json").code, 0);
+}
+
+}  // namespace
+}  // namespace brim

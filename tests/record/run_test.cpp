@@ -1,0 +1,249 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "brim/core/error.h"
+#include "brim/record/runner.h"
+#include "brim/scene/scene.h"
+#include "brim/world/report_fields.h"
+
+namespace brim {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A ball falls on a floor while a bar above it begins to move after 0.05 s.
+const char* const kScene = R"({
+  "brim": 1, "name": "fall", "frames": 12, "world": {"time_step": 0.01},
+  "bodies": [
+    {"kind": "obstacle", "name": "floor", "shape": {"kind": "plane"}},
+    {"kind": "obstacle", "name": "bar", "shape": {"kind": "box", "size": [1, 0.1, 0.1]}, "transform": {"position": [0, 0, 3]},
+     "keyframes": [{"time": 0.05}, {"time": 0.1, "offset": [0, 1, 0]}]},
+    {"kind": "rigid", "name": "ball", "shape": {"kind": "sphere", "radius": 0.5}, "transform": {"position": [0, 0, 0.51]},
+     "velocity": [0.5, 0, -1]}
+  ],
+  "expect": [{"metric": "lowest", "body": "ball", "min": -0.2}, {"metric": "position_x", "body": "ball", "min": 100}]
+})";
+
+class Run : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / fmt::format("brim_run_{}_{}", ::getpid(),
+                                                      ::testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string at(const char* name) const { return (folder_ / name).string(); }
+
+  static RunPlan plan(const Scene& scene, const std::string& folder) {
+    RunPlan p;
+    p.folder = folder;
+    p.info = {scene.name, scene.text, scene.frame_time(), scene.steps_per_frame};
+    p.scene_file = scene.file;
+    p.frames = p.scene_frames = scene.frames;
+    p.expect = scene.expect;
+    return p;
+  }
+
+  fs::path folder_;
+};
+
+bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
+  return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0);
+}
+
+std::string text_of(const fs::path& path) {
+  std::ostringstream out;
+  out << std::ifstream(path).rdbuf();
+  return out.str();
+}
+
+TEST_F(Run, EveryFrameIsReadBackBitForBit) {
+  const Scene scene = parse_scene(kScene);
+  World world = build_world(scene);
+  std::vector<State> states = {world.state()};
+  std::vector<std::vector<ContactSample>> contacts = {{}};
+  std::vector<StepReport> reports = {{}};
+  std::vector<std::vector<Vec3f>> bar(1), ball(1);
+  const auto look = [&] {
+    bar.back().resize(world.body(1).display().vertices);
+    ball.back().resize(world.body(2).display().vertices);
+    world.body(1).display_positions(bar.back());
+    world.body(2).display_positions(ball.back());
+  };
+  look();
+  const RunResult result = record_run(world, plan(scene, at("run")), [&](const RunProgress& p) {
+    states.push_back(world.state());
+    contacts.emplace_back(world.contacts().begin(), world.contacts().end());
+    reports.push_back(*p.report);
+    bar.emplace_back();
+    ball.emplace_back();
+    look();
+    return true;
+  });
+  EXPECT_EQ(result.end, RunEnd::Completed);
+  const RunReader run(at("run"));
+  ASSERT_EQ(run.frames(), 13);
+  EXPECT_EQ(run.scene_name(), "fall");
+  EXPECT_EQ(run.bodies().size(), 3u);
+  EXPECT_EQ(run.bodies()[2].kind, "rigid");
+  EXPECT_EQ(run.bodies()[2].display.triangles, world.body(2).display().triangles);
+  std::size_t contact_count = 0;
+  for (std::int64_t f = 0; f < 13; ++f) {
+    SCOPED_TRACE(f);
+    const auto i = static_cast<std::size_t>(f);
+    const State s = run.state(f);
+    EXPECT_EQ(s.time, states[i].time);
+    EXPECT_EQ(s.step, states[i].step);
+    EXPECT_TRUE(same_bits(s.q, states[i].q) && same_bits(s.v, states[i].v) && same_bits(s.memory, states[i].memory));
+    EXPECT_EQ(run.positions(1, f), bar[i]);
+    EXPECT_EQ(run.positions(2, f), ball[i]);
+    const std::vector<ContactSample> c = run.contacts(f);
+    ASSERT_EQ(c.size(), contacts[i].size());
+    contact_count += c.size();
+    for (std::size_t k = 0; k < c.size(); ++k) {
+      EXPECT_EQ(c[k].position, contacts[i][k].position);
+      EXPECT_EQ(c[k].force, contacts[i][k].force);
+      EXPECT_EQ(c[k].part_b, contacts[i][k].part_b);
+    }
+    const std::vector<PairReport> pairs = run.pairs(f);
+    ASSERT_EQ(pairs.size(), reports[i].pairs.size());
+    for (std::size_t k = 0; k < pairs.size(); ++k) EXPECT_EQ(pairs[k].force_on_a, reports[i].pairs[k].force_on_a);
+    for (const ReportField& field : report_fields())
+      EXPECT_EQ(run.series(field.name)[i], field.get(reports[i])) << field.name;
+  }
+  EXPECT_GT(contact_count, 0u) << "the ball must touch the floor, or the test is blind";
+  // The bar rests for five frames and then moves: its early frames must have been filled in.
+  EXPECT_EQ(run.positions(1, 3), run.positions(1, 0));
+  EXPECT_NE(run.positions(1, 9), run.positions(1, 0));
+}
+
+TEST_F(Run, ResumedRunEqualsTheStraightOneBitForBit) {
+  const Scene scene = parse_scene(kScene);
+  World straight = build_world(scene);
+  record_run(straight, plan(scene, at("straight")), {});
+  {
+    World first = build_world(scene);
+    const RunResult r = record_run(first, plan(scene, at("parts")), [](const RunProgress& p) { return p.frame < 7; });
+    EXPECT_EQ(r.end, RunEnd::Interrupted);
+  }
+  World second = build_world(scene);
+  RunPlan p = plan(scene, at("parts"));
+  p.resume = true;
+  const RunResult resumed = record_run(second, p, {});
+  EXPECT_EQ(resumed.end, RunEnd::Completed);
+  const RunReader a(at("straight")), b(at("parts"));
+  ASSERT_EQ(a.frames(), b.frames());
+  for (std::int64_t f = 0; f < a.frames(); ++f) {
+    SCOPED_TRACE(f);
+    const State x = a.state(f), y = b.state(f);
+    EXPECT_TRUE(same_bits(x.q, y.q) && same_bits(x.v, y.v) && same_bits(x.memory, y.memory));
+    EXPECT_EQ(x.time, y.time);
+    EXPECT_EQ(a.positions(1, f), b.positions(1, f));
+    EXPECT_EQ(a.contacts(f).size(), b.contacts(f).size());
+  }
+  EXPECT_EQ(straight.hash(), second.hash());
+  // The summary speaks of the whole run.
+  const auto sa = nlohmann::json::parse(text_of(folder_ / "straight/summary.json"));
+  const auto sb = nlohmann::json::parse(text_of(folder_ / "parts/summary.json"));
+  for (const char* key : {"frames", "steps", "substeps", "hash", "worst_overlap", "expect"})
+    EXPECT_EQ(sa[key], sb[key]) << key;
+}
+
+TEST_F(Run, ResumingAnotherSceneIsRefusedAndLeavesTheRunAsItWas) {
+  const Scene scene = parse_scene(kScene);
+  World world = build_world(scene);
+  record_run(world, plan(scene, at("run")), {});
+  std::string other = kScene;
+  other.replace(other.find("\"ball\""), 6, "\"bell\"");
+  other.replace(other.find("\"body\": \"ball\""), 14, "\"body\": \"bell\"");
+  other.replace(other.find("\"body\": \"ball\""), 14, "\"body\": \"bell\"");
+  const Scene wrong = parse_scene(other);
+  World wrong_world = build_world(wrong);
+  RunPlan p = plan(wrong, at("run"));
+  p.resume = true;
+  EXPECT_THROW(record_run(wrong_world, p, {}), InputError);
+  EXPECT_EQ(RunReader(at("run")).frames(), 13);
+}
+
+TEST_F(Run, SummarySaysWhatHappenedAndWhichExpectationsHold) {
+  const Scene scene = parse_scene(kScene);
+  World world = build_world(scene);
+  const RunResult result = record_run(world, plan(scene, at("run")), {});
+  ASSERT_EQ(result.findings.size(), 2u);
+  EXPECT_TRUE(result.findings[0].ok);
+  EXPECT_FALSE(result.findings[1].ok);
+  EXPECT_FALSE(result.ok());
+  const auto s = nlohmann::json::parse(text_of(folder_ / "run/summary.json"));
+  for (const char* key : {"brim_version", "scene", "threads", "steps", "substeps", "simulated_seconds", "wall_seconds",
+                          "seconds", "contact_share", "counts", "worst_overlap", "momentum_error", "energy", "warnings",
+                          "peak_memory_bytes", "expect"})
+    EXPECT_TRUE(s.contains(key)) << key;
+  for (const char* phase : kPhaseNames) EXPECT_TRUE(s["seconds"].contains(phase)) << phase;
+  for (const char* count : {"bodies", "coordinates", "particles", "contacts", "tiles", "voxels", "cg_iterations"})
+    EXPECT_TRUE(s["counts"].contains(count)) << count;
+  EXPECT_EQ(s["steps"], 12);
+  EXPECT_NEAR(s["simulated_seconds"].get<double>(), 0.12, 1e-12);
+  EXPECT_EQ(s["expect"][1]["ok"], false);
+  EXPECT_EQ(text_of(folder_ / "run/scene.json"), kScene) << "the scene as run";
+}
+
+TEST_F(Run, FoldersWithOtherFilesAreNeverTouched) {
+  const Scene scene = parse_scene(kScene);
+  World world = build_world(scene);
+  fs::create_directories(folder_ / "mine");
+  std::ofstream(folder_ / "mine/letter.txt") << "dear";
+  EXPECT_THROW(record_run(world, plan(scene, at("mine")), {}), InputError);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "mine"), fs::directory_iterator()), 1);
+
+  record_run(world, plan(scene, at("run")), {});
+  EXPECT_THROW(record_run(world, plan(scene, at("run")), {}), InputError) << "an old run needs force";
+  std::ofstream(folder_ / "run/letter.txt") << "dear";
+  RunPlan again = plan(scene, at("run"));
+  again.force = true;
+  World fresh = build_world(scene);
+  EXPECT_NO_THROW(record_run(fresh, again, {}));
+  EXPECT_TRUE(fs::exists(folder_ / "run/letter.txt"));
+}
+
+TEST_F(Run, OtherFilesAreNotTakenForRuns) {
+  fs::create_directories(folder_);
+  std::ofstream(folder_ / "a.h5") << "not HDF5 at all";
+  EXPECT_THROW(RunReader{at("a.h5")}, InputError);
+  EXPECT_THROW(RunReader{at("none")}, InputError);
+  EXPECT_THROW(RunReader{folder_.string()}, InputError);
+}
+
+TEST_F(Run, XdmfIsWellFormedAndNamesWhatTheFileHolds) {
+  const Scene scene = parse_scene(kScene);
+  World world = build_world(scene);
+  record_run(world, plan(scene, at("run")), {});
+  const std::string script =
+      "import sys,xml.etree.ElementTree as e\n"
+      "r=e.parse(sys.argv[1]).getroot()\n"
+      "t=r.find('Domain/Grid')\n"
+      "assert t.get('CollectionType')=='Temporal'\n"
+      "fs=t.findall('Grid')\n"
+      "assert len(fs)==13, len(fs)\n"
+      "assert abs(float(fs[12].find('Time').get('Value'))-0.12)<1e-9\n"
+      "assert [g.get('Name') for g in fs[5].findall('Grid')]==['floor','bar','ball']\n"
+      "for g in fs[12].findall('Grid'):\n"
+      "  s=g.find('Geometry/DataItem')\n"
+      "  a,h=s.findall('DataItem')\n"
+      "  start,stride,count=[list(map(int,a.text.split()[i:i+3])) for i in (0,3,6)]\n"
+      "  size=list(map(int,h.get('Dimensions').split()))\n"
+      "  assert all(b+c<=n for b,c,n in zip(start,count,size))\n";
+  std::ofstream(folder_ / "check.py") << script;
+  if (std::system("python3 -c 'import xml.etree.ElementTree' 2>/dev/null") != 0) GTEST_SKIP() << "no Python here";
+  EXPECT_EQ(std::system(fmt::format("python3 '{}' '{}'", at("check.py"), at("run/run.xdmf")).c_str()), 0);
+}
+
+}  // namespace
+}  // namespace brim
