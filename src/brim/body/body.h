@@ -39,10 +39,10 @@ struct Display {
   enum class Kind { Triangles, Lines, Points };
   Kind kind = Kind::Triangles;
   std::size_t vertices = 0;
-  std::vector<Triangle> triangles;                  ///< when kind is Triangles
-  std::vector<std::array<std::int32_t, 2>> lines;   ///< when kind is Lines
-  bool two_sided = false;                           ///< an open sheet
-  double radius = 0.0;                              ///< [m] of lines and points
+  std::vector<Triangle> triangles;                 ///< when kind is Triangles
+  std::vector<std::array<std::int32_t, 2>> lines;  ///< when kind is Lines
+  bool two_sided = false;                          ///< an open sheet
+  double radius = 0.0;                             ///< [m] of lines and points
 };
 
 /// A simulated thing with generalised coordinates q and velocities v (paper, section 5). Everything that the world,
@@ -127,6 +127,12 @@ class Body {
   virtual Vec3 linear_momentum(std::span<const double> v) const = 0;
   /// About the world's origin, [kg m²/s].
   virtual Vec3 angular_momentum(std::span<const double> v) const = 0;
+  /// The generalised velocities of the rigid motion u(x) = t + w × x of all matter, for measuring resultants:
+  /// v·Q is then the power of the forces Q in that motion. @return false when the body has no such motion
+  virtual bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const {
+    (void)t, (void)w, (void)v;
+    return false;
+  }
 
   // ---- display ---------------------------------------------------------------------------------------------------
   virtual const Display& display() const = 0;

@@ -31,7 +31,9 @@ struct Aabb {
   }
   Aabb inflated(double r) const { return {lo - Vec3::Constant(r), hi + Vec3::Constant(r)}; }
   Aabb intersection(const Aabb& b) const { return {lo.cwiseMax(b.lo), hi.cwiseMin(b.hi)}; }
-  bool overlaps(const Aabb& b) const { return (lo.array() <= b.hi.array()).all() && (b.lo.array() <= hi.array()).all(); }
+  bool overlaps(const Aabb& b) const {
+    return (lo.array() <= b.hi.array()).all() && (b.lo.array() <= hi.array()).all();
+  }
   Vec3 extent() const { return hi - lo; }
   Vec3 center() const { return 0.5 * (lo + hi); }
 };

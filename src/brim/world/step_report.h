@@ -18,29 +18,27 @@ inline constexpr std::array<const char*, static_cast<std::size_t>(Phase::Count)>
 /// Totals of one touching pair of parts. Index i of a part is a global part number (World::part).
 struct PairReport {
   std::int32_t part_a = 0, part_b = 0;
-  std::int32_t contacts = 0;            ///< nodes
-  double worst_overlap = 0.0;           ///< [voxels of the pair]
-  double worst_pressure = 0.0;          ///< [-] fraction of k, saturates near 0.5
-  Vec3 force_on_a = Vec3::Zero();       ///< [N] normal and friction
-  Vec3 friction_on_a = Vec3::Zero();    ///< [N] friction alone
-  Vec3 center = Vec3::Zero();           ///< [m] centre of pressure
-  double momentum_error = 0.0;          ///< [-] |Q_a + Q_b| over |Q_a|, mapped generalised forces, linear
-  double angular_error = 0.0;           ///< [-] likewise for the torque about the world's origin
+  std::int32_t contacts = 0;          ///< nodes
+  double worst_overlap = 0.0;         ///< [voxels of the pair]
+  double worst_pressure = 0.0;        ///< [-] fraction of k, saturates near 0.5
+  Vec3 force_on_a = Vec3::Zero();     ///< [N] normal and friction
+  Vec3 friction_on_a = Vec3::Zero();  ///< [N] friction alone
+  Vec3 center = Vec3::Zero();         ///< [m] centre of pressure
 };
 
 /// Something that went wrong or nearly so, in words, with the pair or body it concerns.
 struct Warning {
-  double time = 0.0;     ///< [s]
-  std::string code;      ///< "saturation", "no_convergence", "not_finite", "substeps_capped", ...
+  double time = 0.0;  ///< [s]
+  std::string code;   ///< "saturation", "no_convergence", "not_finite", "substeps_capped", ...
   std::string message;
 };
 
 /// One contact node, for records and viewers.
 struct ContactSample {
-  Vec3f position;   ///< [m]
-  Vec3f force;      ///< [N] on a, normal
-  Vec3f friction;   ///< [N] on a
-  float overlap;    ///< [voxels]
+  Vec3f position;  ///< [m]
+  Vec3f force;     ///< [N] on a, normal
+  Vec3f friction;  ///< [N] on a
+  float overlap;   ///< [voxels]
   std::int32_t part_a, part_b;
 };
 
@@ -49,22 +47,23 @@ struct StepReport {
   double time = 0.0;  ///< [s] at the end of the step
   double dt = 0.0;    ///< [s]
   int substeps = 0;
-  bool ok = true;     ///< false: the solve failed; the state is that before the failed sub-step
+  bool ok = true;  ///< false: the solve failed; the state is that before the failed sub-step
   std::array<double, static_cast<std::size_t>(Phase::Count)> seconds{};  ///< wall time per phase
-  double wall = 0.0;               ///< [s] whole step
+  double wall = 0.0;                                                     ///< [s] whole step
   std::int64_t tiles_present = 0;  ///< coarse: tiles marked by some part, summed over sub-steps as are all counts
   std::int64_t tiles = 0;          ///< tiles rasterized, counted per part
   std::int64_t voxels = 0;         ///< nodes rasterized (own nodes of those tiles)
   std::int64_t contacts = 0;       ///< of the last sub-step
   int cg_iterations = 0;           ///< summed over the solves
   int solves = 0;
-  double cg_residual = 0.0;        ///< relative, worst
-  double worst_overlap = 0.0;      ///< [voxels], worst over sub-steps
+  double cg_residual = 0.0;                                                   ///< relative, worst
+  double worst_overlap = 0.0;                                                 ///< [voxels], worst over sub-steps
   double kinetic_energy = 0.0, potential_energy = 0.0, contact_energy = 0.0;  ///< [J]
-  double momentum_error = 0.0, angular_error = 0.0;                          ///< [-] worst pair
-  double max_speed = 0.0;          ///< [m/s] upper bound over movable parts
-  double stiffness = 0.0;          ///< [Pa] contact stiffness k in use
-  std::vector<PairReport> pairs;   ///< of the last sub-step, ordered by part numbers
+  double momentum_error = 0.0;    ///< [-] worst body: mapped contact force against the sum of its nodal forces
+  double angular_error = 0.0;     ///< [-] likewise for the torque about the body's centre of contact
+  double max_speed = 0.0;         ///< [m/s] upper bound over movable parts
+  double stiffness = 0.0;         ///< [Pa] contact stiffness k in use
+  std::vector<PairReport> pairs;  ///< of the last sub-step, ordered by part numbers
   std::vector<Warning> warnings;
 };
 

@@ -12,6 +12,7 @@
 #include "brim/world/contact_stage.h"
 #include "brim/world/implicit_step.h"
 #include "brim/world/loads.h"
+#include "brim/world/momentum_check.h"
 #include "brim/world/pair_reports.h"
 #include "brim/world/substeps.h"
 
@@ -201,6 +202,7 @@ double World::Impl::substep(double left, StepReport& report) {
   const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
   const double dt = choose_substep(parts, bodies, state.v, first_v, options, left, report);
   ++report.substeps;
+  const bool last = left - dt <= 1e-9 * options.time_step;
   before_q = state.q;
   before_v = state.v;
   for (std::size_t b = 0; b < bodies.size(); ++b) bodies[b]->prescribe(state.time, dt, q(b), v(b));
@@ -249,6 +251,10 @@ double World::Impl::substep(double left, StepReport& report) {
     normal_force.resize(contacts.size()), friction_force.resize(contacts.size());
     response.forces(implicit.contact_delta(), normal_force, friction_force);
     report_pairs(parts, contacts, maps, first_v, stiffness, normal_force, friction_force, state.time, report, samples);
+    if (last) {
+      for (std::size_t c = 0; c < contacts.size(); ++c) normal_force[c] += friction_force[c];
+      check_momentum(bodies, first_v, parts, contacts, maps, normal_force, report);
+    }
     report.contact_energy = response.energy();
   }
   const ScopedSeconds timer(seconds(Phase::Advance));

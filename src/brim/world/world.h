@@ -17,15 +17,15 @@ namespace brim {
 /// How the world steps. Every default is explained in docs/numerics.md.
 struct WorldOptions {
   Environment environment;
-  double time_step = 1.0 / 60.0;     ///< [s] of one call of step()
-  double voxel_size = 0.0;           ///< [m] h0, the finest step; 0: the finest that a part asks for
-  double ramp_voxels = 3.0;          ///< ramp width over h, 2 to 4
-  double stiffness = 0.0;            ///< [Pa] k; 0: chosen from the loads
-  double damping_steps = 2.0;        ///< β over dt, stiffness-proportional damping of contact
-  double max_motion_voxels = 1.0;    ///< relative motion allowed in one sub-step, (0, 2]
+  double time_step = 1.0 / 60.0;   ///< [s] of one call of step()
+  double voxel_size = 0.0;         ///< [m] h0, the finest step; 0: the finest that a part asks for
+  double ramp_voxels = 3.0;        ///< ramp width over h, 2 to 4
+  double stiffness = 0.0;          ///< [Pa] k; 0: chosen from the loads
+  double damping_steps = 2.0;      ///< β over dt, stiffness-proportional damping of contact
+  double max_motion_voxels = 1.0;  ///< relative motion allowed in one sub-step, (0, 2]
   int max_substeps = 64;
   int min_substeps = 1;
-  double cg_tolerance = 1e-4;        ///< relative residual
+  double cg_tolerance = 1e-4;  ///< relative residual
   int cg_max_iterations = 2000;
   int newton_iterations = 1;
   bool release_pass = true;
@@ -38,10 +38,10 @@ struct WorldOptions {
 
 /// The mutable truth of a world: flat arrays in body order.
 struct State {
-  double time = 0.0;        ///< [s]
-  std::int64_t step = 0;    ///< number of steps taken
-  std::vector<double> q;    ///< generalised coordinates, shape (nq)
-  std::vector<double> v;    ///< generalised velocities, shape (nv)
+  double time = 0.0;           ///< [s]
+  std::int64_t step = 0;       ///< number of steps taken
+  std::vector<double> q;       ///< generalised coordinates, shape (nq)
+  std::vector<double> v;       ///< generalised velocities, shape (nv)
   std::vector<double> memory;  ///< what the response carries from step to step (sleep counters, ...)
 };
 

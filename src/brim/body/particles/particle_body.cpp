@@ -163,6 +163,11 @@ Vec3 ParticleBody::linear_momentum(std::span<const double> v) const {
   return p;
 }
 
+bool ParticleBody::rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const {
+  for (std::size_t i = 0; i < x_.size(); ++i) Eigen::Map<Vec3>(v.data() + 3 * i) = t + w.cross(x_[i]);
+  return true;
+}
+
 Vec3 ParticleBody::angular_momentum(std::span<const double> v) const {
   Vec3 l = Vec3::Zero();
   for (std::size_t i = 0; i < rest_.size(); ++i) l += mass_[i] * x_[i].cross(at(v, i));

@@ -63,6 +63,7 @@ class ParticleBody : public Body {
   double potential_energy(const Environment& env) const override;
   Vec3 linear_momentum(std::span<const double> v) const override;
   Vec3 angular_momentum(std::span<const double> v) const override;
+  bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
 
   // ---- for tests, tools and derived kinds ------------------------------------------------------------------------
   std::size_t particle_count() const { return rest_.size(); }

@@ -115,6 +115,12 @@ Vec3 RigidBody::angular_momentum(std::span<const double> v) const {
   return center_.cross(linear_momentum(v)) + inertia_ * Vec3(v[3], v[4], v[5]);
 }
 
+bool RigidBody::rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const {
+  Eigen::Map<Vec3>(v.data()) = t + w.cross(center_);
+  Eigen::Map<Vec3>(v.data() + 3) = w;
+  return true;
+}
+
 void RigidBody::display_positions(std::span<Vec3f> x) const {
   for (std::size_t i = 0; i < x.size(); ++i)
     x[i] = (pose_.rotation * model_.surface.vertices[i] + pose_.translation).cast<float>();

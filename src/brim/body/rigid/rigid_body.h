@@ -57,6 +57,8 @@ class RigidBody final : public Body {
   Vec3 linear_momentum(std::span<const double> v) const override;
   Vec3 angular_momentum(std::span<const double> v) const override;
 
+  bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
+
   const Display& display() const override { return display_; }
   void display_positions(std::span<Vec3f> x) const override;
 
