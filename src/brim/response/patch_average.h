@@ -13,9 +13,11 @@ namespace brim {
 template <class Value>
 class PatchAverage {
  public:
-  /// @param cell  [m] lattice step (3h smooths over a patch without hiding its shape)
-  void reset(double cell, std::size_t samples) {
+  /// @param cell    [m] lattice step (3h smooths over a patch without hiding its shape)
+  /// @param origin  [m] of the lattice; taken from the samples, it makes the average independent of where they are
+  void reset(double cell, std::size_t samples, const Vec3& origin = Vec3::Zero()) {
     inverse_cell_ = 1.0 / cell;
+    origin_ = origin;
     std::size_t capacity = 64;
     while (capacity < 2 * samples) capacity *= 2;  // few lattice points per sample; grows if that is wrong
     slot_.assign(capacity, -1);
@@ -50,7 +52,7 @@ class PatchAverage {
  private:
   template <class F>
   void visit(const Vec3& x, const F& f) const {
-    const Vec3 p = x * inverse_cell_;
+    const Vec3 p = (x - origin_) * inverse_cell_;
     const Vec3 base = p.array().floor();
     const Vec3 t = p - base;
     for (int c = 0; c < 8; ++c) {
@@ -77,6 +79,7 @@ class PatchAverage {
   }
 
   double inverse_cell_ = 1.0;
+  Vec3 origin_ = Vec3::Zero();
   std::vector<std::int32_t> slot_;
   std::vector<std::uint64_t> key_;
   std::vector<Value> value_;

@@ -77,8 +77,11 @@ void Penalty::choose_normals(const ContactSet& contacts) {
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
     if (pair.begin == pair.end) return;
+    // The lattice hangs on the patch's own nodes: moving a scene by whole voxels changes nothing.
+    Vec3 corner = contacts.node[pair.begin];
+    for (std::size_t c = pair.begin; c < pair.end; ++c) corner = corner.cwiseMin(contacts.node[c]);
     PatchAverage<PatchSample> average;
-    average.reset(3.0 * pair.h, pair.end - pair.begin);
+    average.reset(3.0 * pair.h, pair.end - pair.begin, corner);
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       PatchSample s;
       const double weight = std::max(contacts.overlap[c], kLeastWeight);
@@ -90,7 +93,7 @@ void Penalty::choose_normals(const ContactSet& contacts) {
     bend_of_patch(contacts, pair, p);
     // The flatter part gives the direction; the direction so found is smoothed once more for the normal.
     PatchAverage<Vec3> direction;
-    direction.reset(3.0 * pair.h, pair.end - pair.begin);
+    direction.reset(3.0 * pair.h, pair.end - pair.begin, corner);
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const PatchSample s = average.at(contacts.point[c]);
       const Vec3 n = s.head<3>().normalized();
