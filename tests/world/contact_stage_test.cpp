@@ -1,0 +1,86 @@
+#include "brim/world/contact_stage.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <random>
+
+#include "support/worlds.h"
+
+namespace brim {
+namespace {
+
+constexpr unsigned kSeed = 102;
+
+/// Random boxes, balls and a plane: some apart, some overlapping.
+World crowd(unsigned seed, int count) {
+  std::mt19937 rng(seed);
+  std::uniform_real_distribution<double> u(-1, 1);
+  WorldOptions o = testing::options_at(0.125);
+  World w(o);
+  w.add(testing::ground(0.5, Vec3(0.1, -0.2, 1).normalized()));
+  for (int i = 0; i < count; ++i) {
+    const double x = u(rng), y = u(rng), z = u(rng), a = u(rng), b = u(rng), c = u(rng);
+    const testing::Start s{Vec3(2 * x, 2 * y, 1.2 + 1.5 * z), rotation_from_vector(2 * Vec3(a, b, c))};
+    if (i % 2)
+      w.add(testing::ball("ball" + std::to_string(i), s, 0.5, 0.3 + 0.2 * std::abs(x)));
+    else
+      w.add(testing::box("box" + std::to_string(i), s, 0.5, 0.6 + 0.3 * std::abs(y)));
+  }
+  return w;
+}
+
+TEST(ContactStage, FindsEveryOverlapThatASearchOfAllTilesFinds) {
+  for (unsigned seed = kSeed; seed < kSeed + 4; ++seed) {
+    SCOPED_TRACE(seed);
+    World w = crowd(seed, 24);
+    const double h = 0.125;
+    // All nodes of a box around everything, every pair of parts.
+    std::vector<TileKey> tiles;
+    const TileRange range = tiles_meeting({Vec3(-4, -4, -3), Vec3(4, 4, 5)}, h);
+    for (int z = range.lo.z; z <= range.hi.z; ++z)
+      for (int y = range.lo.y; y <= range.hi.y; ++y)
+        for (int x = range.lo.x; x <= range.hi.x; ++x) tiles.push_back({x, y, z});
+    const int parts = w.part_count();
+    std::vector<std::vector<DensityBlock>> density(parts, std::vector<DensityBlock>(tiles.size()));
+    for (int p = 0; p < parts; ++p) w.density(p, h, tiles, density[p]);
+    std::map<std::pair<int, int>, std::int64_t> expected;
+    for (int a = 0; a < parts; ++a)
+      for (int b = a + 1; b < parts; ++b)
+        for (std::size_t t = 0; t < tiles.size(); ++t)
+          for (int k = 1; k <= kTileSize; ++k)
+            for (int j = 1; j <= kTileSize; ++j)
+              for (int i = 1; i <= kTileSize; ++i) {
+                const int node = block_index(i, j, k);
+                const auto full = [&](int p) {
+                  const double* r = density[p][t].rho + node;
+                  return r[0] >= 1 && r[1] >= 1 && r[-1] >= 1 && r[10] >= 1 && r[-10] >= 1 && r[100] >= 1 &&
+                         r[-100] >= 1;
+                };
+                if (density[a][t].rho[node] + density[b][t].rho[node] > 1.0 && !(full(a) && full(b)))
+                  ++expected[{a, b}];
+              }
+    // One sub-step: its contacts are those of the state before it.
+    const StepReport r = w.step();
+    ASSERT_EQ(r.substeps, 1);
+    std::map<std::pair<int, int>, std::int64_t> found;
+    for (const ContactSample& c : w.contacts())
+      if (c.overlap > 0.0f) ++found[{c.part_a, c.part_b}];
+    EXPECT_EQ(found, expected);
+    EXPECT_GT(expected.size(), 4u);
+  }
+}
+
+TEST(ContactStage, ABodyInAnEmptyPlaceIsNotRasterized) {
+  // Two touch, a third stands alone: only tiles of the two.
+  World w(testing::options_at(0.125));
+  w.add(testing::ball("a", {Vec3(0, 0, 0)}));
+  w.add(testing::ball("b", {Vec3(0.95, 0, 0)}));
+  w.add(testing::ball("alone", {Vec3(0, 9, 0)}));
+  const StepReport r = w.step();
+  EXPECT_EQ(r.tiles, 2 * static_cast<std::int64_t>(w.active_tiles().size()));
+  for (const auto& [tile, h] : w.active_tiles()) EXPECT_LT(tile_box(tile, h).lo.y(), 2.0);
+}
+
+}  // namespace
+}  // namespace brim

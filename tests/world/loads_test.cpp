@@ -1,0 +1,91 @@
+#include "brim/world/loads.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "support/worlds.h"
+
+namespace brim {
+namespace {
+
+using testing::box;
+using testing::ground;
+
+constexpr double kGravity = 9.81;
+
+/// Bodies as a world numbers them.
+struct Scene {
+  std::vector<std::unique_ptr<Body>> bodies;
+  std::vector<WorldPart> parts;
+  std::vector<double> speed;
+
+  void add(std::unique_ptr<Body> b, double v = 0.0) {
+    std::vector<double> q(b->q_size()), qd(b->v_size());
+    b->initial_state(q, qd);
+    b->update(0.0, q, qd);
+    parts.push_back({b.get(), static_cast<int>(bodies.size()), 0, 0.125, b->part(0)});
+    speed.push_back(v);
+    bodies.push_back(std::move(b));
+  }
+  Loads loads(const Vec3& gravity = Vec3(0, 0, -kGravity)) const { return estimate_loads(parts, speed, {gravity}); }
+};
+
+TEST(Loads, OneBoxByHand) {
+  Scene s;
+  s.add(ground(0.5));
+  s.add(box("box", {Vec3(0, 0, 1.5)}));
+  const Loads l = s.loads();
+  EXPECT_NEAR(l.areal_mass, 1000.0, 1e-9);
+  EXPECT_NEAR(l.pressure, 1000.0 * kGravity, 1e-6);
+  EXPECT_NEAR(l.impact_energy, 1000.0 * 2 * kGravity * 2.0, 1e-6);  // from its top, 2 m: it may topple
+}
+
+TEST(Loads, AColumnWeighsWhatItsBoxesWeigh) {
+  Scene s;
+  s.add(ground(0.5));
+  for (int i = 0; i < 10; ++i) s.add(box("box" + std::to_string(i), {Vec3(0, 0, 0.5 + i)}));
+  s.add(box("apart", {Vec3(20, 0, 0.5)}));
+  EXPECT_NEAR(s.loads().pressure, 10 * 1000.0 * kGravity, 1e-6);
+}
+
+TEST(Loads, DependOnGravitysDirectionOnlyThroughTheScene) {
+  // The same scene turned: down is x.
+  Scene upright, turned;
+  upright.add(ground(0.5));
+  turned.add(ground(0.5, Vec3(-1, 0, 0)));
+  for (int i = 0; i < 3; ++i) {
+    upright.add(box("box" + std::to_string(i), {Vec3(0.1 * i, 0.2, 0.7 + i)}));
+    turned.add(box("box" + std::to_string(i), {Vec3(-0.7 - i, 0.2, 0.1 * i)}));
+  }
+  const Loads a = upright.loads(), b = turned.loads(Vec3(kGravity, 0, 0));
+  EXPECT_NEAR(a.pressure, b.pressure, 1e-6);
+  EXPECT_NEAR(a.areal_mass, b.areal_mass, 1e-9);
+  EXPECT_NEAR(a.impact_energy, b.impact_energy, 1e-6);
+}
+
+TEST(Loads, SpeedCountsAsImpact) {
+  Scene s;
+  s.add(box("box", {}), 30.0);
+  EXPECT_NEAR(s.loads(Vec3::Zero()).impact_energy, 1000.0 * 900.0, 1e-6);
+  EXPECT_EQ(s.loads(Vec3::Zero()).pressure, 0.0);
+}
+
+TEST(Loads, ASceneOfObstaclesHasNone) {
+  Scene s;
+  s.add(ground(0.5));
+  const Loads l = s.loads();
+  EXPECT_EQ(l.pressure + l.areal_mass + l.impact_energy, 0.0);
+  EXPECT_EQ(choose_stiffness(l, 0.3, 0.01), 0.0);
+}
+
+TEST(Loads, StiffnessIsTheLargestOfItsThreeNeeds) {
+  const double w = 0.375, dt = 1.0 / 60;
+  EXPECT_DOUBLE_EQ(choose_stiffness({100.0, 0.0, 0.0}, w, dt), 2e5);
+  EXPECT_DOUBLE_EQ(choose_stiffness({0.0, 0.0, 300.0}, w, dt), 8 * 300.0 / w);
+  EXPECT_DOUBLE_EQ(choose_stiffness({0.0, 10.0, 0.0}, w, dt), 4 * 10.0 * w / (1.2 * dt * dt));
+  EXPECT_DOUBLE_EQ(choose_stiffness({100.0, 10.0, 300.0}, w, dt), 2e5);
+}
+
+}  // namespace
+}  // namespace brim

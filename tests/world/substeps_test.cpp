@@ -1,0 +1,87 @@
+#include "brim/world/substeps.h"
+
+#include <gtest/gtest.h>
+
+#include "support/worlds.h"
+
+namespace brim {
+namespace {
+
+using testing::ball;
+using testing::box;
+using testing::obstacle;
+using testing::options_at;
+
+/// Steps a weightless world once. @return its report
+StepReport first_step(WorldOptions o, const testing::Start& a, const testing::Start& b) {
+  o.environment.gravity = Vec3::Zero();
+  World w(o);
+  w.add(ball("a", a));
+  w.add(ball("b", b));
+  return w.step();
+}
+
+TEST(Substeps, RelativeMotionOfAVoxelNeedsOneEachByHand) {
+  WorldOptions o = options_at(0.125);
+  o.time_step = 0.1;
+  // 5 m/s together for 0.1 s are 0.5 m = 4 voxels.
+  EXPECT_EQ(first_step(o, {Vec3(0, 0, 0), Quat::Identity(), Vec3(2, 0, 0)},
+                       {Vec3(1.5, 0, 0), Quat::Identity(), Vec3(-3, 0, 0)})
+                .substeps,
+            4);
+  o.max_motion_voxels = 2.0;
+  EXPECT_EQ(first_step(o, {Vec3(0, 0, 0), Quat::Identity(), Vec3(2, 0, 0)},
+                       {Vec3(1.5, 0, 0), Quat::Identity(), Vec3(-3, 0, 0)})
+                .substeps,
+            2);
+}
+
+TEST(Substeps, CommonMotionAndDistantBodiesNeedNone) {
+  WorldOptions o = options_at(0.125);
+  const Vec3 fast(50, 0, 0);
+  EXPECT_EQ(first_step(o, {Vec3::Zero(), Quat::Identity(), fast}, {Vec3(0, 1.05, 0), Quat::Identity(), fast}).substeps,
+            1);
+  EXPECT_EQ(first_step(o, {Vec3::Zero(), Quat::Identity(), fast}, {Vec3(0, 9, 0), Quat::Identity(), -fast}).substeps,
+            1);
+}
+
+TEST(Substeps, SpinCountsWithTheReachOfTheBody) {
+  WorldOptions o = options_at(0.125);
+  o.time_step = 0.1;
+  o.environment.gravity = Vec3::Zero();
+  World w(o);
+  w.add(box("a", {Vec3::Zero(), Quat::Identity(), Vec3::Zero(), Vec3(0, 0, 5)}));
+  w.add(box("b", {Vec3(0, 0, 1.05)}));
+  // Corners move at 5 * sqrt(3)/2 = 4.33 m/s: 3.5 voxels in the step.
+  EXPECT_EQ(w.step().substeps, 4);
+}
+
+TEST(Substeps, TheLimitIsKeptAndTold) {
+  WorldOptions o = options_at(0.125);
+  o.max_substeps = 5;
+  const StepReport r = first_step(o, {Vec3::Zero(), Quat::Identity(), Vec3(100, 0, 0)}, {Vec3(1.1, 0, 0)});
+  EXPECT_LE(r.substeps, 5);
+  const bool told =
+      std::any_of(r.warnings.begin(), r.warnings.end(), [](const Warning& w) { return w.code == "substeps_capped"; });
+  EXPECT_TRUE(told);
+}
+
+TEST(Substeps, PiecesMakeUpTheStepExactly) {
+  WorldOptions o = options_at(0.125);
+  o.environment.gravity = Vec3::Zero();
+  World w(o);
+  w.add(ball("a", {Vec3::Zero(), Quat::Identity(), Vec3(40, 0, 0)}));
+  w.add(obstacle("wall", make_box(Vec3(0.2, 8, 8)), 0.5, Vec3(30, 0, 0)));
+  w.add(ball("near", {Vec3(0, 1.2, 0), Quat::Identity(), Vec3(20, 0, 0)}));
+  double moved = 0.0;
+  for (int s = 0; s < 10; ++s) {
+    w.step();
+    moved += o.time_step * testing::velocity(w, 0).x();
+  }
+  EXPECT_NEAR(w.state().time, 10 * o.time_step, 1e-14);
+  EXPECT_NEAR(testing::position(w, 0).x(), 40 * 10 * o.time_step, 1e-9);
+  EXPECT_NEAR(moved, testing::position(w, 0).x(), 1e-9);
+}
+
+}  // namespace
+}  // namespace brim
