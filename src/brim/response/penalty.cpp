@@ -44,8 +44,9 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
     const ContactPair& pair = contacts.pairs[p];
     const double kv = options.stiffness * pair.h * pair.h * pair.h;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
-      const double along = direction_[c].dot(normal_[c]);
-      force_[c] = kv * contacts.overlap[c] * direction_[c];
+      const double along = std::max(0.0, direction_[c].dot(normal_[c]));
+      // Along the normal only: whatever force the stiffness below cannot answer would throw light bodies about.
+      force_[c] = (kv * contacts.overlap[c] * along) * normal_[c];
       relative_[c] = velocity_a[c] - velocity_b[c];
       scale_[c] = kv * along;
       stiffness_[c] = kv * along * along;
@@ -61,7 +62,7 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
     const double slack = 1.5 * options.slack / pair.w;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const double after = contacts.overlap[c] - lead_[c] * rate_[c];
-      active_[c] = contacts.overlap[c] > 0.0 || after + slack > 0.0;
+      active_[c] = scale_[c] > 0.0 && (contacts.overlap[c] > 0.0 || after + slack > 0.0);
       set_friction(c, scale_[c] * after, relative_[c] - normal_[c] * normal_[c].dot(relative_[c]));
     }
   });
@@ -145,7 +146,7 @@ void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState
     // common direction, c = carrier + share * travel the velocity of the patch, by least squares of the whole rate.
     const auto bend = bend_[p];
     const auto split = [&](std::size_t c, Vec3& g, Vec3& ea, Vec3& eb) {
-      g = direction_[c].dot(normal_[c]) * normal_[c];
+      g = std::max(0.0, direction_[c].dot(normal_[c])) * normal_[c];
       ea = bend[0] * (contacts.gradient_a[c] - g);
       eb = bend[1] * (contacts.gradient_b[c] + g);
     };
@@ -224,7 +225,7 @@ std::size_t Penalty::update_loads(const ContactSet& contacts, std::span<const Ve
       if (was_active) net += load_[c];
       if (was_active && load_[c] > 0.0) push += load_[c];
       if (contacts.overlap[c] <= 0.0)
-        active_[c] = load_[c] > 0.0;
+        active_[c] = load_[c] > 0.0;  // scale 0: no load
       else if (load_[c] < 0.0 && separation > options_.release_speed)
         active_[c] = 0;
       idle[p] += !active_[c];
