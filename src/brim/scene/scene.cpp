@@ -25,12 +25,9 @@ WorldOptions read_world(const Node& n) {
   o.min_substeps = static_cast<int>(n.integer("min_substeps"));
   o.cg_tolerance = n.number("cg_tolerance");
   o.cg_max_iterations = static_cast<int>(n.integer("cg_max_iterations"));
-  o.newton_iterations = static_cast<int>(n.integer("newton_iterations"));
   o.release_pass = n.boolean("release_pass");
-  o.curvature_stiffness = n.boolean("curvature_stiffness");
   o.friction_speed = n.number("friction_speed");
   o.memory_limit = n.number("memory_limit");
-  o.sleeping = n.boolean("sleeping");
   if (o.min_substeps > o.max_substeps)
     throw n.at("min_substeps")
         .error(fmt::format("{} is not allowed; must be at most max_substeps, {}", o.min_substeps, o.max_substeps));

@@ -27,12 +27,9 @@ struct WorldOptions {
   int min_substeps = 1;
   double cg_tolerance = 1e-4;  ///< relative residual
   int cg_max_iterations = 2000;
-  int newton_iterations = 1;
   bool release_pass = true;
-  bool curvature_stiffness = false;  ///< add the projected second term of equation 3
-  double friction_speed = 0.0;       ///< [m/s] ε of the regularised friction; 0: 0.01 g dt
+  double friction_speed = 0.0;       ///< [m/s] ε of the regularised friction; 0: 0.001 g dt
   double memory_limit = 8e9;         ///< [bytes] of density blocks; more is refused before it is allocated
-  bool sleeping = true;
   std::map<std::pair<std::string, std::string>, double> pair_friction;  ///< by material names, in sorted order
 };
 
