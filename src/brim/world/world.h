@@ -28,8 +28,8 @@ struct WorldOptions {
   double cg_tolerance = 1e-4;  ///< relative residual
   int cg_max_iterations = 2000;
   bool release_pass = true;
-  double friction_speed = 0.0;       ///< [m/s] ε of the regularised friction; 0: 0.001 g dt
-  double memory_limit = 8e9;         ///< [bytes] of density blocks; more is refused before it is allocated
+  double friction_speed = 0.0;  ///< [m/s] ε of the regularised friction; 0: 0.001 g dt
+  double memory_limit = 8e9;    ///< [bytes] of density blocks; more is refused before it is allocated
   std::map<std::pair<std::string, std::string>, double> pair_friction;  ///< by material names, in sorted order
 };
 
