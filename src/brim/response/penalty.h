@@ -29,7 +29,7 @@ struct PairState {
 /// Penalty response (paper, section 4.2): contacts become forces at their points, equal and opposite on the two parts,
 /// and a positive semi-definite stiffness and friction for the implicit step.
 ///
-///   f_a = k h³ ρ̄ ĝ,   ĝ = (1−α) ∇ρ_a − α ∇ρ_b              (equation 2; α = 1/2 is the paper's symmetric form)
+///   f_a = k h³ ρ̄ (ĝ·n) n,   ĝ = (1−α) ∇ρ_a − α ∇ρ_b              (equation 2; α = 1/2 is the paper's symmetric form)
 ///   α = κ_a / (κ_a + κ_b): the direction comes from the flatter of the two parts, κ their tangential curvature
 ///   K = k h³ (ĝ·n)² n nᵀ                                     (equation 3, definite part; n smoothed over 3h)
 ///   friction: −μ N v_t / max(|v_t|, ε), N the predicted normal force
@@ -73,7 +73,7 @@ class Penalty {
   // Per contact:
   std::vector<Vec3> direction_;       ///< ĝ, [1/m]
   std::vector<Vec3> normal_;          ///< n, unit
-  std::vector<Vec3> force_;           ///< f_a at the start, [N]
+  std::vector<Vec3> force_;           ///< f_a at the start, along n, [N]
   std::vector<Vec3> relative_;        ///< v_a − v_b at the start, [m/s]
   std::vector<double> rate_;          ///< −dρ̄/dt seen by the travelling patch, [1/s]
   std::vector<double> stiffness_;     ///< k h³ (ĝ·n)², [N/m]

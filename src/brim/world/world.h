@@ -14,7 +14,7 @@
 
 namespace brim {
 
-/// How the world steps. Every default is explained in docs/numerics.md.
+/// How the world steps. docs/numerics.md says what the choices rest on.
 struct WorldOptions {
   Environment environment;
   double time_step = 1.0 / 60.0;   ///< [s] of one call of step()
@@ -39,7 +39,7 @@ struct State {
   std::int64_t step = 0;       ///< number of steps taken
   std::vector<double> q;       ///< generalised coordinates, shape (nq)
   std::vector<double> v;       ///< generalised velocities, shape (nv)
-  std::vector<double> memory;  ///< what the response carries from step to step (sleep counters, ...)
+  std::vector<double> memory;  ///< for what a response will carry from step to step; empty so far
 };
 
 /// A global part: part `index` of body `body`.
