@@ -45,13 +45,12 @@ struct Boxes {
       : pose_a{rotation_from_vector(dice.vector(0.3)).toRotationMatrix(), Vec3(0.02, 0.01, 0.83)},
         pose_b{rotation_from_vector(dice.vector(0.3)).toRotationMatrix(), Vec3(0.0, 0.05, 0.0)},
         touching(*a, pose_a, *b, pose_b, kStep, kWidth, 0.2) {
-    options.stiffness = 1e5;
     options.dt = 0.01;
     options.damping = 0.02;
     options.friction_speed = 1e-3;
     options.slack = 1e-3;
     options.release_speed = 0.02;
-    pairs = {{0.5, Vec3(0.3, 0, -approach), Vec3::Zero()}};
+    pairs = {{1e5, 0.5, Vec3(0.3, 0, -approach), Vec3::Zero()}};
     const Vec3 spin = dice.vector(0.2);
     for (const Vec3& x : touching.contacts.point) {
       velocity_a.push_back(Vec3(0.3, 0, -approach) + spin.cross(x - pose_a.translation));
@@ -84,12 +83,12 @@ TEST(Penalty, OneNodeByHand) {
   set.gradient_b[0] = Vec3(0, 0, -0.8);
   set.curvature_a[0] = set.curvature_b[0] = Mat3::Zero();
   PenaltyOptions o;
-  o.stiffness = 1000.0;
   o.dt = 0.01;
   o.friction_speed = 1e-3;
   o.friction_speed = 1e-3;
   Penalty p;
-  p.begin(set, std::vector<PairState>(1), o, std::vector<Vec3>(1, Vec3::Zero()), std::vector<Vec3>(1, Vec3::Zero()));
+  p.begin(set, std::vector<PairState>{{1000.0, 0.0, Vec3::Zero(), Vec3::Zero()}}, o, std::vector<Vec3>(1, Vec3::Zero()),
+          std::vector<Vec3>(1, Vec3::Zero()));
   std::vector<Vec3> rhs(1), f(1);
   p.right_hand_side(rhs);
   EXPECT_LT((rhs[0] - Vec3(0, 0, 1000 * 0.125 * 0.25 * 0.8)).norm(), 1e-12) << "towards a's own interior";
@@ -159,11 +158,10 @@ TEST(Penalty, NoForceWithoutOverlap) {
   const Touching t(*sphere, {}, *sphere, b, kStep, kWidth, 0.4);
   ASSERT_GT(t.contacts.size(), 0u) << "nodes that wait";
   PenaltyOptions o;
-  o.stiffness = 1e6;
   o.dt = 0.01;
   o.damping = 0.05;
   o.friction_speed = 1e-3;
-  const std::vector<PairState> pairs = {{0.5, Vec3::Zero(), Vec3::Zero()}};
+  const std::vector<PairState> pairs = {{1e6, 0.5, Vec3::Zero(), Vec3::Zero()}};
   const std::vector<Vec3> still(t.contacts.size(), Vec3::Zero()), apart(t.contacts.size(), Vec3(0, 0, -1.0));
   std::vector<Vec3> normal(still.size()), friction(still.size()), rhs(still.size());
   for (const auto& va : {still, apart}) {  // a at rest; a moving away from b above it
@@ -227,10 +225,9 @@ TEST(Penalty, FrictionOpposesSlidingAndStaysInCoulombsCone) {
   above.translation = Vec3(0.01, 0.02, 0.5 - 0.02);
   const Touching t(*block, above, *plane, {}, kStep, kWidth);
   PenaltyOptions o;
-  o.stiffness = 1e6;
   o.dt = 0.01;
   o.friction_speed = 1e-3;
-  const std::vector<PairState> pairs = {{0.4, Vec3(1, 0, 0), Vec3::Zero()}};
+  const std::vector<PairState> pairs = {{1e6, 0.4, Vec3(1, 0, 0), Vec3::Zero()}};
   const std::vector<Vec3> still(t.contacts.size(), Vec3::Zero()), sliding(t.contacts.size(), Vec3(2, 1, 0));
   Penalty p;
   p.begin(t.contacts, pairs, o, sliding, still);

@@ -30,10 +30,10 @@ inline ContactQuality contact_quality(const Vec3& n_any, unsigned seed, int posi
   const auto sphere = make_sphere(radius);
   const auto plane = make_half_space();
   PenaltyOptions options;
-  options.stiffness = 1.0;
   options.dt = 1.0;
   options.friction_speed = 1.0;
-  const std::vector<PairState> pairs(1);
+  std::vector<PairState> pairs(1);
+  pairs[0].stiffness = 1.0;
   ContactQuality q;
   double sum = 0.0, squares = 0.0;
   std::vector<double> ratios;

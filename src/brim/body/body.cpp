@@ -12,6 +12,11 @@ void Body::apply_system(std::span<const double> x, std::span<double> y) const {
   for (std::size_t i = 0; i < t.size(); ++i) y[i] -= dt_ * dt_ * t[i];
 }
 
+void Body::precondition(std::size_t first, const BlockDiagonal& D, std::span<const double> r,
+                        std::span<double> z) const {
+  D.solve_from(first, r, z);
+}
+
 double Body::kinetic_energy(std::span<const double> v) const {
   std::vector<double> p(v.size(), 0.0);
   apply_mass(v, p);

@@ -26,6 +26,8 @@ struct PartInfo {
   double voxel_size = 0.0;  ///< [m] grid step that fits the part's detail; the world rounds it to h0 2^l
   double areal_mass = 0.0;  ///< [kg/m²] mass behind a unit of contact surface, for the choice of stiffness; 0 if fixed
   double thickness = std::numeric_limits<double>::infinity();  ///< [m] smallest extent, for warnings on thin parts
+  /// [Pa] Young's modulus of the matter behind the surface: contact need not be much stiffer than what it presses.
+  double modulus = std::numeric_limits<double>::infinity();
   Material material;
 };
 
@@ -93,6 +95,14 @@ class Body {
   virtual std::vector<int> block_sizes() const = 0;
   /// Adds the diagonal blocks of A. @param first  index of the body's first block in D
   virtual void add_system_diagonal(std::size_t first, BlockDiagonal& D) const = 0;
+  /// An approximate inverse of the body's part of the step, A with its contacts, for the solver: symmetric, positive
+  /// definite, the same linear map until the next prepare. The default is the inverse of the diagonal blocks.
+  /// @param D      diagonal blocks of all bodies, contact included; inverted in precondition, not yet in prepare
+  /// @param first  index of the body's first block in D
+  /// @param r, z   slices of this body; z is overwritten
+  virtual void prepare_preconditioner(std::size_t first, const BlockDiagonal& D) { (void)first, (void)D; }
+  virtual void precondition(std::size_t first, const BlockDiagonal& D, std::span<const double> r,
+                            std::span<double> z) const;
   /// Sets to zero the directions of x in which the velocity is imposed (filtered CG, Baraff and Witkin 1998).
   virtual void filter(std::span<double> x) const { (void)x; }
 

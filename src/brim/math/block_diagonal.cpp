@@ -1,6 +1,7 @@
 #include "brim/math/block_diagonal.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 
 #include "brim/core/parallel.h"
 
@@ -63,12 +64,17 @@ void BlockDiagonal::factor() {
   });
 }
 
-void BlockDiagonal::solve(std::span<const double> r, std::span<double> z) const {
-  parallel_blocks(block_count(), 1024, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b) {
+void BlockDiagonal::solve(std::span<const double> r, std::span<double> z) const { solve_from(0, r, z); }
+
+void BlockDiagonal::solve_from(std::size_t first, std::span<const double> r, std::span<double> z) const {
+  if (r.empty()) return;
+  const std::size_t row = row_[first];
+  const std::size_t end = std::lower_bound(row_.begin() + first, row_.end(), row + r.size()) - row_.begin();
+  parallel_blocks(end - first, 1024, [&](std::size_t begin, std::size_t stop) {
+    for (std::size_t b = first + begin; b < first + stop; ++b) {
       const double* a = value_.data() + offset_[b];
-      const double* x = r.data() + row_[b];
-      double* y = z.data() + row_[b];
+      const double* x = r.data() + (row_[b] - row);
+      double* y = z.data() + (row_[b] - row);
       const int n = size_[b];
       for (int i = 0; i < n; ++i) {
         double sum = 0.0;

@@ -31,6 +31,8 @@ class BlockDiagonal {
   void factor();
   /// z = D⁻¹ r, after factor().
   void solve(std::span<const double> r, std::span<double> z) const;
+  /// The same for the blocks from `first` on that r covers. @param r, z  shape (sum of their sizes)
+  void solve_from(std::size_t first, std::span<const double> r, std::span<double> z) const;
 
  private:
   std::vector<int> size_;

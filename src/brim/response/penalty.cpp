@@ -42,7 +42,7 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
   choose_normals(contacts);
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
-    const double kv = options.stiffness * pair.h * pair.h * pair.h;
+    const double kv = pairs[p].stiffness * pair.h * pair.h * pair.h;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const double along = std::max(0.0, direction_[c].dot(normal_[c]));
       // Along the normal only: whatever force the stiffness below cannot answer would throw light bodies about.
@@ -68,10 +68,12 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
   });
 
   energy_ = 0.0;
-  for (const ContactPair& pair : contacts.pairs)
+  for (std::size_t p = 0; p < contacts.pairs.size(); ++p) {
+    const ContactPair& pair = contacts.pairs[p];
+    const double kv = pairs[p].stiffness * pair.h * pair.h * pair.h;
     for (std::size_t c = pair.begin; c < pair.end; ++c)
-      if (contacts.overlap[c] > 0.0)
-        energy_ += 0.5 * options.stiffness * pair.h * pair.h * pair.h * contacts.overlap[c] * contacts.overlap[c];
+      if (contacts.overlap[c] > 0.0) energy_ += 0.5 * kv * contacts.overlap[c] * contacts.overlap[c];
+  }
 }
 
 void Penalty::choose_normals(const ContactSet& contacts) {

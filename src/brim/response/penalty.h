@@ -11,7 +11,6 @@
 namespace brim {
 
 struct PenaltyOptions {
-  double stiffness = 0.0;       ///< [Pa] k
   double dt = 0.0;              ///< [s]
   double damping = 0.0;         ///< [s] β, stiffness-proportional damping
   double friction_speed = 0.0;  ///< [m/s] ε of the regularised Coulomb law, > 0
@@ -21,6 +20,7 @@ struct PenaltyOptions {
 
 /// What the response needs of a pair besides its contacts.
 struct PairState {
+  double stiffness = 0.0;         ///< [Pa] k
   double friction = 0.0;          ///< [-] Coulomb coefficient
   Vec3 carrier_a = Vec3::Zero();  ///< [m/s] velocity with which each part as a whole travels
   Vec3 carrier_b = Vec3::Zero();

@@ -79,7 +79,12 @@ void read_pairs(const Node& list, const std::map<std::string, Material>& materia
     need_material(names.at(std::size_t{0}), a, materials);
     need_material(names.at(std::size_t{1}), b, materials);
     if (a > b) std::swap(a, b);
-    if (!world.pair_friction.emplace(std::make_pair(a, b), pair.number("friction")).second)
+    if (!pair.has("friction") && !pair.has("stiffness"))
+      throw pair.error("the pair says nothing; give \"friction\", \"stiffness\" or both");
+    PairMaterial m;
+    if (pair.has("friction")) m.friction = pair.number("friction");
+    if (pair.has("stiffness")) m.stiffness = pair.number("stiffness");
+    if (!world.pair_materials.emplace(std::make_pair(a, b), m).second)
       throw pair.error(fmt::format("the pair \"{}\" and \"{}\" is given twice; once is allowed", a, b));
   }
 }

@@ -55,7 +55,10 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     response.apply(contact_delta_, contact_force_);
     maps.add_forces(contact_force_, y);
   };
-  system.precondition = [&](std::span<const double> r, std::span<double> z) { diagonal_.solve(r, z); };
+  system.precondition = [&](std::span<const double> r, std::span<double> z) {
+    parallel_for(bodies.size(),
+                 [&](std::size_t b) { bodies[b]->precondition(first_block_[b], diagonal_, slice(r, b), slice(z, b)); });
+  };
 
   contact_delta_.resize(contacts), contact_force_.resize(contacts);
   std::fill(delta.begin(), delta.end(), 0.0);
@@ -70,6 +73,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
       maps.add_forces(contact_force_, rhs_);
       maps.add_block_diagonal([&](std::size_t c) { return response.block(c); }, first_block_, diagonal_);
     }
+    parallel_for(bodies.size(), [&](std::size_t b) { bodies[b]->prepare_preconditioner(first_block_[b], diagonal_); });
     diagonal_.factor();
     const SolveReport s = cg_.solve(system, rhs_, settings.tolerance, settings.max_iterations, delta);
     report.cg_iterations += s.iterations;

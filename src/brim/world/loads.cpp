@@ -74,6 +74,10 @@ Loads estimate_loads(std::span<const WorldPart> parts, std::span<const double> p
   return loads;
 }
 
+double soften_stiffness(double k, double E, const Loads& loads) {
+  return std::min(k, std::max(20.0 * E, 100.0 * loads.pressure));
+}
+
 double choose_stiffness(const Loads& loads, double w, double dt) {
   return std::max(
       {2000.0 * loads.pressure, 8.0 * loads.impact_energy / w, 4.0 * loads.areal_mass * w / (1.2 * dt * dt)});

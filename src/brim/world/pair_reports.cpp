@@ -8,11 +8,9 @@
 
 namespace brim {
 
-void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, const ContactMaps& maps,
-                  std::span<const std::size_t> first_v, double stiffness, std::span<const Vec3> normal,
+void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const Vec3> normal,
                   std::span<const Vec3> friction, double time, StepReport& report,
                   std::vector<ContactSample>& samples) {
-  (void)maps, (void)first_v, (void)stiffness;
   samples.resize(contacts.size());
   report.pairs.clear();
   for (const ContactPair& pair : contacts.pairs) {

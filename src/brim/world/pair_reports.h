@@ -3,14 +3,13 @@
 #include <span>
 #include <vector>
 
-#include "brim/world/contact_maps.h"
+#include "brim/contact/contact_set.h"
 #include "brim/world/contact_stage.h"
 
 namespace brim {
 
 /// Writes the totals of every touching pair, the contact samples, and the warnings of contacts near saturation.
-void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, const ContactMaps& maps,
-                  std::span<const std::size_t> first_v, double stiffness, std::span<const Vec3> normal,
+void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const Vec3> normal,
                   std::span<const Vec3> friction, double time, StepReport& report, std::vector<ContactSample>& samples);
 
 }  // namespace brim

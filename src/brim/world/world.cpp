@@ -25,7 +25,8 @@ struct World::Impl {
   std::vector<std::size_t> first_q{0}, first_v{0};
   State state;
   bool started = false;
-  double stiffness = 0.0;
+  double stiffness = 0.0;  ///< [Pa] largest of any pair
+  Loads loads;
 
   ContactStage stage;
   ContactMaps maps;
@@ -43,7 +44,7 @@ struct World::Impl {
   void update_bodies();
   double substep(double dt, StepReport& report);
   void choose_pair_states();
-  double friction_of(const PartInfo& a, const PartInfo& b) const;
+  PairMaterial material_of(const PartInfo& a, const PartInfo& b) const;
   void measure(StepReport& report);
 };
 
@@ -152,8 +153,8 @@ void World::Impl::start() {
       speed[p] = parts[p].body->carrier_velocity(parts[p].index, vb).norm() +
                  parts[p].body->relative_speed_bound(parts[p].index, vb);
     }
-    stiffness = choose_stiffness(estimate_loads(parts, speed, options.environment), options.ramp_voxels * h0,
-                                 options.time_step);
+    loads = estimate_loads(parts, speed, options.environment);
+    stiffness = choose_stiffness(loads, options.ramp_voxels * h0, options.time_step);
   }
   if (!(stiffness > 0.0)) stiffness = 1e6;  // nothing has weight: any contact may be this stiff
 }
@@ -162,10 +163,15 @@ void World::Impl::update_bodies() {
   parallel_for(bodies.size(), [&](std::size_t b) { bodies[b]->update(state.time, q(b), v(b)); });
 }
 
-double World::Impl::friction_of(const PartInfo& a, const PartInfo& b) const {
+PairMaterial World::Impl::material_of(const PartInfo& a, const PartInfo& b) const {
   auto key = std::minmax(a.material.name, b.material.name);
-  const auto it = options.pair_friction.find({key.first, key.second});
-  return it != options.pair_friction.end() ? it->second : std::sqrt(a.material.friction * b.material.friction);
+  const auto it = options.pair_materials.find({key.first, key.second});
+  PairMaterial m = it != options.pair_materials.end() ? it->second : PairMaterial{};
+  if (m.friction < 0.0) m.friction = std::sqrt(a.material.friction * b.material.friction);
+  if (m.stiffness == 0.0)
+    m.stiffness = options.stiffness > 0.0 ? options.stiffness
+                                          : soften_stiffness(stiffness, std::min(a.modulus, b.modulus), loads);
+  return m;
 }
 
 void World::Impl::choose_pair_states() {
@@ -173,7 +179,8 @@ void World::Impl::choose_pair_states() {
   pair_states.resize(contacts.pairs.size());
   for (std::size_t i = 0; i < contacts.pairs.size(); ++i) {
     const WorldPart &a = parts[contacts.pairs[i].part_a], &b = parts[contacts.pairs[i].part_b];
-    pair_states[i] = {friction_of(a.info, b.info), a.body->carrier_velocity(a.index, v(a.body_index)),
+    const PairMaterial m = material_of(a.info, b.info);
+    pair_states[i] = {m.stiffness, m.friction, a.body->carrier_velocity(a.index, v(a.body_index)),
                       b.body->carrier_velocity(b.index, v(b.body_index))};
   }
 }
@@ -219,7 +226,6 @@ double World::Impl::substep(double left, StepReport& report) {
     choose_pair_states();
     const double g = options.environment.gravity.norm();
     PenaltyOptions p;
-    p.stiffness = stiffness;
     p.dt = dt;
     p.damping = options.damping_steps * options.time_step;
     p.friction_speed =
@@ -250,7 +256,7 @@ double World::Impl::substep(double left, StepReport& report) {
     const ScopedSeconds timer(seconds(Phase::Respond));
     normal_force.resize(contacts.size()), friction_force.resize(contacts.size());
     response.forces(implicit.contact_delta(), normal_force, friction_force);
-    report_pairs(parts, contacts, maps, first_v, stiffness, normal_force, friction_force, state.time, report, samples);
+    report_pairs(parts, contacts, normal_force, friction_force, state.time, report, samples);
     if (last) {
       for (std::size_t c = 0; c < contacts.size(); ++c) normal_force[c] += friction_force[c];
       check_momentum(bodies, first_v, parts, contacts, maps, normal_force, report);

@@ -14,6 +14,12 @@
 
 namespace brim {
 
+/// What a pair of materials has instead of what follows from the two.
+struct PairMaterial {
+  double friction = -1.0;  ///< [-] Coulomb coefficient; negative: the geometric mean of the two
+  double stiffness = 0.0;  ///< [Pa] k; 0: chosen from the loads and the softer of the two
+};
+
 /// How the world steps. docs/numerics.md says what the choices rest on.
 struct WorldOptions {
   Environment environment;
@@ -30,7 +36,7 @@ struct WorldOptions {
   bool release_pass = true;
   double friction_speed = 0.0;  ///< [m/s] ε of the regularised friction; 0: 0.001 g dt
   double memory_limit = 8e9;    ///< [bytes] of density blocks; more is refused before it is allocated
-  std::map<std::pair<std::string, std::string>, double> pair_friction;  ///< by material names, in sorted order
+  std::map<std::pair<std::string, std::string>, PairMaterial> pair_materials;  ///< by material names, sorted
 };
 
 /// The mutable truth of a world: flat arrays in body order.

@@ -57,6 +57,7 @@ FemBody::FemBody(TetMesh mesh, FemOptions options, TetElements elements)
   part_.voxel_size = options_.voxel_size > 0.0 ? options_.voxel_size : 0.5 * edge;
   part_.areal_mass = options.density * volume * extent.maxCoeff() / extent.prod();
   part_.thickness = std::min(extent.minCoeff(), 6.0 * volume / area);
+  part_.modulus = options.young;
   part_.material = options_.material;
   if (immobile()) part_.areal_mass = 0.0;
   make_display(options.display);
