@@ -165,10 +165,11 @@ void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState
     const double share = possible > 0.0 ? std::clamp(explained / possible, 0.0, 1.0) : 0.0;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       split(c, g, ea, eb);
-      // Never more than the common rate: that is what the implicit stiffness can answer.
+      // Between none and the common rate: the implicit damping then leaves a share of the velocity between 0 and 1,
+      // and cannot put energy in.
       const double common = g.dot(velocity_a[c] - velocity_b[c]);
       const double travelling = rate_[c] - share * (ea + eb).dot(travel);
-      rate_[c] = std::clamp(travelling, -std::abs(common), std::abs(common));
+      rate_[c] = std::clamp(travelling, std::min(0.0, common), std::max(0.0, common));
     }
   });
 }
