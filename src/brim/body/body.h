@@ -109,6 +109,8 @@ class Body {
   // ---- contact ---------------------------------------------------------------------------------------------------
   virtual int part_count() const { return 1; }
   virtual PartInfo part(int p) const = 0;
+  /// False for two parts of this body that never touch each other, such as links that a joint connects.
+  virtual bool parts_collide(int p, int q) const { return p != q; }
   /// True when no part moves and none can be moved; pairs of two such bodies are skipped.
   virtual bool immobile() const { return false; }
   /// Box that holds all matter of the part (without ramp), may be infinite.

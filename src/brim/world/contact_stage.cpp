@@ -79,7 +79,7 @@ void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<c
     for (std::size_t j = i + 1; j < entries.size() && entries[j].box.lo.x() <= entries[i].box.hi.x(); ++j) {
       if (!entries[i].box.overlaps(entries[j].box)) continue;
       const auto a = std::min(entries[i].part, entries[j].part), b = std::max(entries[i].part, entries[j].part);
-      if (parts[a].body->immobile() && parts[b].body->immobile()) continue;
+      if (!may_touch(parts[a], parts[b])) continue;
       touches.push_back({a, b, entries[i].box.intersection(entries[j].box)});
     }
   std::sort(touches.begin(), touches.end(),

@@ -21,6 +21,12 @@ struct WorldPart {
   PartInfo info;
 };
 
+/// False for pairs that are never looked at: nothing moves, or their body says that they do not touch.
+inline bool may_touch(const WorldPart& a, const WorldPart& b) {
+  if (a.body == b.body && !a.body->parts_collide(a.index, b.index)) return false;
+  return !(a.body->immobile() && b.body->immobile());
+}
+
 /// Presence, refinement, rasterization and detection for all parts of a world (paper, section 6).
 /// Memory is kept from step to step.
 class ContactStage {

@@ -38,8 +38,8 @@ double choose_substep(std::span<const WorldPart> parts, std::span<const std::uni
   for (std::size_t i = 0; i < entries.size(); ++i)
     for (std::size_t j = i + 1; j < entries.size() && entries[j].box.lo.x() <= entries[i].box.hi.x(); ++j) {
       const Entry &a = entries[i], &b = entries[j];
-      if (parts[a.part].body->immobile() && parts[b.part].body->immobile()) continue;
       if (!a.box.overlaps(b.box)) continue;
+      if (!may_touch(parts[a.part], parts[b.part])) continue;
       const double speed = (a.carrier - b.carrier).norm() + a.relative + b.relative;
       pieces = std::max(pieces, speed * left / (options.max_motion_voxels * std::min(a.h, b.h)));
     }

@@ -1,7 +1,6 @@
 #include "brim/body/obstacle/obstacle_body.h"
 
 #include "brim/core/error.h"
-#include "brim/core/parallel.h"
 #include "brim/map/rigid_map.h"
 #include "brim/math/rotation.h"
 
@@ -22,18 +21,17 @@ PoseKey pose_at(const std::vector<PoseKey>& keys, double time) {
 
 }  // namespace
 
-ObstacleBody::ObstacleBody(ObstacleModel model) : model_(std::move(model)) {
+ObstacleBody::ObstacleBody(ObstacleModel model)
+    : model_(std::move(model)), solid_(std::move(model_.shape), std::move(model_.surface)) {
   if (model_.keys.empty()) throw InputError("obstacle: at least one pose is needed");
   for (std::size_t i = 1; i < model_.keys.size(); ++i)
     if (!(model_.keys[i].time > model_.keys[i - 1].time))
       throw InputError(fmt::format("obstacle: key {} has time {}, but times must increase (previous {})", i,
                                    model_.keys[i].time, model_.keys[i - 1].time));
   for (PoseKey& k : model_.keys) k.rotation.normalize();
-  const Aabb box = model_.shape->bounds();
-  const Vec3 far = box.hi.cwiseAbs().cwiseMax(box.lo.cwiseAbs());
-  reach_ = far.allFinite() ? far.norm() : 0.0;
-  display_.vertices = model_.surface.vertices.size();
-  display_.triangles = model_.surface.triangles;
+  reach_ = solid_.box_reach(Vec3::Zero());
+  display_.vertices = solid_.surface().vertices.size();
+  display_.triangles = solid_.surface().triangles;
 }
 
 void ObstacleBody::initial_state(std::span<double> q, std::span<double> v) const {
@@ -55,8 +53,7 @@ void ObstacleBody::prescribe(double time, double dt, std::span<const double> q, 
 }
 
 void ObstacleBody::update(double, std::span<const double> q, std::span<const double>) {
-  pose_.rotation = Quat(q[3], q[4], q[5], q[6]).toRotationMatrix();
-  pose_.translation = Vec3(q[0], q[1], q[2]);
+  solid_.place({Quat(q[3], q[4], q[5], q[6]).toRotationMatrix(), Vec3(q[0], q[1], q[2])});
 }
 
 void ObstacleBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
@@ -78,24 +75,10 @@ double ObstacleBody::relative_speed_bound(int, std::span<const double> v) const 
   return reach_ * Vec3(v[3], v[4], v[5]).norm();
 }
 
-void ObstacleBody::presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const {
-  shape_presence(*model_.shape, pose_, h, w, region, out);
-}
-
-void ObstacleBody::rasterize(int, double h, double w, std::span<const TileKey> tiles,
-                             std::span<DensityBlock> out) const {
-  parallel_for(tiles.size(), [&](std::size_t i) { model_.shape->fill(pose_, tiles[i], h, w, out[i]); });
-}
-
 void ObstacleBody::make_map(int, std::span<const Vec3> points, std::span<const std::int32_t>,
                             std::unique_ptr<Map>& map) const {
   if (!map) map = std::make_unique<RigidMap>();
-  static_cast<RigidMap&>(*map).reset(0, pose_.translation, points);
-}
-
-void ObstacleBody::display_positions(std::span<Vec3f> x) const {
-  for (std::size_t i = 0; i < x.size(); ++i)
-    x[i] = (pose_.rotation * model_.surface.vertices[i] + pose_.translation).cast<float>();
+  static_cast<RigidMap&>(*map).reset(0, solid_.pose().translation, points);
 }
 
 }  // namespace brim

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "brim/body/body.h"
-#include "brim/raster/shape.h"
+#include "brim/body/posed_shape.h"
 
 namespace brim {
 
@@ -44,11 +44,15 @@ class ObstacleBody final : public Body {
 
   PartInfo part(int) const override { return model_.part; }
   bool immobile() const override { return true; }
-  Aabb bounds(int) const override { return model_.shape->placed_bounds(pose_); }
+  Aabb bounds(int) const override { return solid_.bounds(); }
   Vec3 carrier_velocity(int, std::span<const double> v) const override { return {v[0], v[1], v[2]}; }
   double relative_speed_bound(int, std::span<const double> v) const override;
-  void presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
-  void rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
+  void presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override {
+    solid_.presence(h, w, region, out);
+  }
+  void rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override {
+    solid_.rasterize(h, w, tiles, out);
+  }
   void make_map(int, std::span<const Vec3> points, std::span<const std::int32_t> sources,
                 std::unique_ptr<Map>& map) const override;
 
@@ -59,15 +63,15 @@ class ObstacleBody final : public Body {
   Vec3 angular_momentum(std::span<const double>) const override { return Vec3::Zero(); }
 
   const Display& display() const override { return display_; }
-  void display_positions(std::span<Vec3f> x) const override;
+  void display_positions(std::span<Vec3f> x) const override { solid_.display_positions(x); }
   /// True when more than one key moves it.
   bool animated() const { return model_.keys.size() > 1; }
 
  private:
   ObstacleModel model_;
+  PosedShape solid_;
   Display display_;
   double reach_ = 0.0;
-  Pose pose_;
 };
 
 }  // namespace brim

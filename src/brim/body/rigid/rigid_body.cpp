@@ -3,28 +3,21 @@
 #include <Eigen/Eigenvalues>
 
 #include "brim/core/error.h"
-#include "brim/core/parallel.h"
 #include "brim/map/rigid_map.h"
 #include "brim/math/rotation.h"
 
 namespace brim {
 
-RigidBody::RigidBody(RigidModel model) : model_(std::move(model)) {
+RigidBody::RigidBody(RigidModel model)
+    : model_(std::move(model)), solid_(std::move(model_.shape), std::move(model_.surface)) {
   if (!(model_.mass > 0.0) || !std::isfinite(model_.mass))
     throw InputError(fmt::format("rigid body: mass is {}, but must be positive and finite [kg]", model_.mass));
   const Eigen::SelfAdjointEigenSolver<Mat3> eig(model_.inertia);
   if (!(eig.eigenvalues().minCoeff() > 0.0))
     throw InputError("rigid body: the inertia tensor is not positive definite; is the solid closed and not empty?");
-  const Aabb box = model_.shape->bounds();
-  reach_ = std::max((box.hi - model_.center_of_mass).norm(), (box.lo - model_.center_of_mass).norm());
-  Vec3 far = (box.hi - model_.center_of_mass).cwiseAbs().cwiseMax((box.lo - model_.center_of_mass).cwiseAbs());
-  reach_ = far.norm();
-  if (!model_.surface.vertices.empty()) {  // the surface is tighter than the corners of the box
-    reach_ = 0.0;
-    for (const Vec3& p : model_.surface.vertices) reach_ = std::max(reach_, (p - model_.center_of_mass).norm());
-  }
-  display_.vertices = model_.surface.vertices.size();
-  display_.triangles = model_.surface.triangles;
+  reach_ = solid_.reach(model_.center_of_mass);
+  display_.vertices = solid_.surface().vertices.size();
+  display_.triangles = solid_.surface().triangles;
 }
 
 void RigidBody::initial_state(std::span<double> q, std::span<double> v) const {
@@ -37,9 +30,9 @@ void RigidBody::initial_state(std::span<double> q, std::span<double> v) const {
 
 void RigidBody::update(double, std::span<const double> q, std::span<const double> v) {
   center_ = Vec3(q[0], q[1], q[2]);
-  pose_.rotation = Quat(q[3], q[4], q[5], q[6]).toRotationMatrix();
-  pose_.translation = center_ - pose_.rotation * model_.center_of_mass;
-  inertia_ = pose_.rotation * model_.inertia * pose_.rotation.transpose();
+  const Mat3 R = Quat(q[3], q[4], q[5], q[6]).toRotationMatrix();
+  solid_.place({R, center_ - R * model_.center_of_mass});
+  inertia_ = R * model_.inertia * R.transpose();
   momentum_rate_ = -model_.linear_damping * model_.mass * Vec3(v[0], v[1], v[2]);
   spin_rate_ = -model_.angular_damping * (inertia_ * Vec3(v[3], v[4], v[5]));
 }
@@ -99,14 +92,6 @@ double RigidBody::relative_speed_bound(int, std::span<const double> v) const {
   return reach_ * Vec3(v[3], v[4], v[5]).norm();
 }
 
-void RigidBody::presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const {
-  shape_presence(*model_.shape, pose_, h, w, region, out);
-}
-
-void RigidBody::rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {
-  parallel_for(tiles.size(), [&](std::size_t i) { model_.shape->fill(pose_, tiles[i], h, w, out[i]); });
-}
-
 void RigidBody::make_map(int, std::span<const Vec3> points, std::span<const std::int32_t>,
                          std::unique_ptr<Map>& map) const {
   if (!map) map = std::make_unique<RigidMap>();
@@ -125,11 +110,6 @@ bool RigidBody::rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) 
   Eigen::Map<Vec3>(v.data()) = t + w.cross(center_);
   Eigen::Map<Vec3>(v.data() + 3) = w;
   return true;
-}
-
-void RigidBody::display_positions(std::span<Vec3f> x) const {
-  for (std::size_t i = 0; i < x.size(); ++i)
-    x[i] = (pose_.rotation * model_.surface.vertices[i] + pose_.translation).cast<float>();
 }
 
 }  // namespace brim

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "brim/body/body.h"
-#include "brim/raster/shape.h"
+#include "brim/body/posed_shape.h"
 
 namespace brim {
 
@@ -44,11 +44,15 @@ class RigidBody final : public Body {
   void add_system_diagonal(std::size_t first, BlockDiagonal& D) const override;
 
   PartInfo part(int) const override { return model_.part; }
-  Aabb bounds(int) const override { return model_.shape->placed_bounds(pose_); }
+  Aabb bounds(int) const override { return solid_.bounds(); }
   Vec3 carrier_velocity(int, std::span<const double> v) const override { return {v[0], v[1], v[2]}; }
   double relative_speed_bound(int, std::span<const double> v) const override;
-  void presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
-  void rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
+  void presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override {
+    solid_.presence(h, w, region, out);
+  }
+  void rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override {
+    solid_.rasterize(h, w, tiles, out);
+  }
   void make_map(int, std::span<const Vec3> points, std::span<const std::int32_t> sources,
                 std::unique_ptr<Map>& map) const override;
 
@@ -60,15 +64,15 @@ class RigidBody final : public Body {
   bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
 
   const Display& display() const override { return display_; }
-  void display_positions(std::span<Vec3f> x) const override;
+  void display_positions(std::span<Vec3f> x) const override { solid_.display_positions(x); }
 
  private:
   RigidModel model_;
+  PosedShape solid_;
   Display display_;
   double reach_ = 0.0;  ///< [m] farthest matter from the centre of mass
   // Of the last update:
   Vec3 center_ = Vec3::Zero();                                    ///< [m] centre of mass
-  Pose pose_;                                                     ///< of the shape's frame
   Mat3 inertia_ = Mat3::Identity();                               ///< world axes, [kg m²]
   Vec3 momentum_rate_ = Vec3::Zero(), spin_rate_ = Vec3::Zero();  ///< damping forces
 };

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "brim/body/body.h"
+#include "brim/raster/shape.h"
+
+namespace brim {
+
+/// A solid with its place in the world: what rigid bodies, obstacles and the links of trees have in common.
+class PosedShape {
+ public:
+  /// @param surface  of the solid, for display, shape's frame; may be empty
+  PosedShape(std::shared_ptr<const Shape> shape, TriMesh surface);
+
+  const Shape& shape() const { return *shape_; }
+  const TriMesh& surface() const { return surface_; }
+  const Pose& pose() const { return pose_; }
+  void place(const Pose& pose) { pose_ = pose; }
+
+  /// Distance from a point to the farthest corner of the solid's box, [m]; 0 when the box is infinite.
+  /// @param center  [m] shape's frame
+  double box_reach(const Vec3& center) const;
+  /// The same to the farthest vertex of the surface, which is tighter; to the box without a surface.
+  double reach(const Vec3& center) const;
+
+  Aabb bounds() const { return shape_->placed_bounds(pose_); }
+  void presence(double h, double w, const Aabb& region, std::vector<TileKey>& out) const;
+  void rasterize(double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const;
+  /// Positions of the surface's vertices, [m], shape (vertices of the surface).
+  void display_positions(std::span<Vec3f> x) const;
+
+ private:
+  std::shared_ptr<const Shape> shape_;
+  TriMesh surface_;
+  Pose pose_;
+};
+
+}  // namespace brim
