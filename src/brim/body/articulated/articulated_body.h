@@ -1,0 +1,118 @@
+#pragma once
+
+#include "brim/body/articulated/joint_forces.h"
+#include "brim/body/articulated/tree_flow.h"
+#include "brim/body/articulated/tree_map.h"
+#include "brim/body/posed_shape.h"
+#include "brim/core/workspace_pool.h"
+
+namespace brim {
+
+/// Links joined to a tree, in the coordinates of its joints (JointKind says how many each has), link after link. Every
+/// solid on a link is a part. Links that a joint connects never touch each other.
+///
+/// The forces of the common solve are weight, drives, limits, damping and friction; what turning links do to each other
+/// (Coriolis and centrifugal terms) acts in finish_step, where the tree moves freely for the step (TreeFlow).
+class ArticulatedBody final : public Body {
+ public:
+  /// @throws InputError for what Tree refuses, and for a joint that moves nothing with mass
+  explicit ArticulatedBody(ArticulatedModel model);
+
+  std::string_view kind() const override { return "articulated"; }
+  std::size_t q_size() const override { return tree_.q_size(); }
+  std::size_t v_size() const override { return tree_.v_size(); }
+  void initial_state(std::span<double> q, std::span<double> v) const override;
+  void update(double time, std::span<const double> q, std::span<const double> v) override;
+  /// Along straight joint coordinates; finish_step replaces it by the free motion.
+  void advance(double dt, std::span<double> q, std::span<const double> v) const override { tree_.move(dt, v, q); }
+  void finish_step(double time, double dt, std::span<double> q, std::span<double> v) override;
+
+  void add_forces(const Environment& env, std::span<double> Q) const override;
+  void apply_mass(std::span<const double> x, std::span<double> y) const override;
+  void apply_stiffness(std::span<const double> x, std::span<double> y) const override;
+  void apply_damping(std::span<const double> x, std::span<double> y) const override;
+  void begin_solve(double dt) override;
+  void apply_system(std::span<const double> x, std::span<double> y) const override;
+  /// One block per joint that moves.
+  std::vector<int> block_sizes() const override { return tree_.block_sizes(); }
+  void add_system_diagonal(std::size_t first, BlockDiagonal& D) const override;
+  /// The exact inverse of A with the contacts of each link by themselves: the articulated-body algorithm.
+  void prepare_preconditioner(std::size_t first, const BlockDiagonal& D) override;
+  void precondition(std::size_t first, const BlockDiagonal& D, std::span<const double> r,
+                    std::span<double> z) const override;
+
+  int part_count() const override { return static_cast<int>(parts_.size()); }
+  PartInfo part(int p) const override { return parts_[p].info; }
+  bool parts_collide(int p, int q) const override;
+  Aabb bounds(int p) const override { return parts_[p].solid.bounds(); }
+  Vec3 carrier_velocity(int p, std::span<const double> v) const override;
+  double relative_speed_bound(int p, std::span<const double> v) const override;
+  void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override {
+    parts_[p].solid.presence(h, w, region, out);
+  }
+  void rasterize(int p, double h, double w, std::span<const TileKey> tiles,
+                 std::span<DensityBlock> out) const override {
+    parts_[p].solid.rasterize(h, w, tiles, out);
+  }
+  void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
+                std::unique_ptr<Map>& map) const override;
+
+  double mass() const override { return tree_.total_mass(); }
+  double potential_energy(const Environment& env) const override;
+  Vec3 linear_momentum(std::span<const double> v) const override { return momentum(v).head<3>(); }
+  Vec3 angular_momentum(std::span<const double> v) const override { return momentum(v).tail<3>(); }
+  bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
+
+  const Display& display() const override { return display_; }
+  void display_positions(std::span<Vec3f> x) const override;
+
+  const Tree& tree() const { return tree_; }
+  /// Of the last update.
+  const TreePose& pose() const { return pose_; }
+  /// Drive of the joint above a link; may be changed between steps.
+  JointDrive& drive(int link) { return joints_.drive(static_cast<std::size_t>(link)); }
+
+ private:
+  struct Part {
+    PosedShape solid;
+    int link;
+    Pose local;  ///< from the shape's to the link's frame
+    PartInfo info;
+    Vec3 middle;       ///< [m] of its box, link's frame: what carries it
+    double reach = 0;  ///< [m] farthest matter from there
+    std::size_t first_vertex = 0;
+  };
+  struct Scratch {
+    std::vector<Vec6> a;
+    std::vector<Mat6> inertia;
+  };
+
+  void make_parts(ArticulatedModel& model);
+  void group_links(const ArticulatedModel& model);
+  Vec6 link_twist(int link, std::span<const double> v) const;
+  Vec6 momentum(std::span<const double> v) const;
+
+  Tree tree_;
+  JointForces joints_;
+  TreeFlow flow_;
+  std::vector<Part> parts_;
+  Display display_;
+  std::vector<double> start_q_, start_v_;
+  bool self_collision_;
+  std::vector<int> group_;                  ///< of each link: links with fixed joints between them are one
+  std::vector<std::pair<int, int>> apart_;  ///< groups that never touch, sorted
+  std::unique_ptr<TreeContact> contact_ = std::make_unique<TreeContact>();  ///< written by the maps
+  mutable WorkspacePool<Scratch> scratch_;
+  // Of the last update:
+  double time_ = 0.0;
+  std::vector<double> q_, v_;
+  TreePose pose_;
+  TreeInverse free_inverse_;  ///< of M alone
+  std::vector<Mat3> none_;
+  // Of the solve:
+  TreeInverse inverse_;
+  std::vector<Mat3> joint_terms_;
+  bool inverse_good_ = false;
+};
+
+}  // namespace brim

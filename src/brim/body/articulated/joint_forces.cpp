@@ -1,0 +1,131 @@
+#include "brim/body/articulated/joint_forces.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "brim/math/rotation.h"
+
+namespace brim {
+
+namespace {
+
+constexpr double kFrictionWidth = 0.01;    ///< ε over what friction stops in a step
+constexpr double kLimitStiffness = 100.0;  ///< times m / dt²: stops all but a hundredth of a joint's motion in a step
+constexpr double kUsualStep = 1.0 / 60.0;  ///< [s] where no step is ahead
+
+/// Value and slope of keys at a time.
+std::pair<double, double> value_at(const std::vector<TargetKey>& keys, double time) {
+  if (time <= keys.front().time) return {keys.front().value, 0.0};
+  if (time > keys.back().time) return {keys.back().value, 0.0};
+  std::size_t i = 1;
+  while (keys[i].time < time) ++i;
+  const double slope = (keys[i].value - keys[i - 1].value) / (keys[i].time - keys[i - 1].time);
+  return {keys[i - 1].value + slope * (time - keys[i - 1].time), slope};
+}
+
+}  // namespace
+
+JointForces::JointForces(const ArticulatedModel& model) {
+  for (const LinkModel& l : model.links) {
+    const JointModel& j = l.joint;
+    joint_.push_back({j.lower, j.upper, j.limit_stiffness, j.damping, j.friction, j.drive});
+  }
+  term_.resize(joint_.size());
+}
+
+void JointForces::update(const Tree& tree, double time, double dt, std::span<const double> q, std::span<const double> v,
+                         const TreeInverse& mass) {
+  energy_ = 0.0;
+  for (std::size_t i = 0; i < tree.size(); ++i) {
+    const Tree::Link& l = tree.links()[i];
+    const double *c = q.data() + l.q0, *u = v.data() + l.v0;
+    if (l.dof == 1) term_[i] = term(joint_[i], time, dt, mass.pivot(i), Vec3(c[0], 0, 0), Vec3(u[0], 0, 0), false);
+    if (l.dof == 3)
+      term_[i] = term(joint_[i], time, dt, mass.pivot(i),
+                      vector_from_rotation(Quat(c[0], c[1], c[2], c[3]).normalized()), Vec3(u[0], u[1], u[2]), true);
+  }
+}
+
+JointForces::Term JointForces::term(const Joint& j, double time, double dt, double mass, const Vec3& x, const Vec3& u,
+                                    bool ball) {
+  Term t;
+  const JointDrive& d = j.drive;
+  if (d.stiffness > 0.0 || d.damping > 0.0) {
+    std::pair<double, double> target{d.target, d.target_velocity};
+    if (!d.keys.empty()) {
+      target = value_at(d.keys, time);
+      // Over a step the mean, so that position and velocity agree where the motion has a kink.
+      if (dt > 0.0) target.second = (target.first - value_at(d.keys, time - dt).first) / dt;
+    }
+    const Vec3 miss = (ball ? Vec3::Zero() : Vec3(target.first, 0, 0)) - x;
+    const Vec3 wanted = d.stiffness * miss + d.damping * ((ball ? Vec3::Zero() : Vec3(target.second, 0, 0)) - u);
+    // The secant keeps to the limit where the joint is held, and cannot overshoot where it is free.
+    const double size = wanted.norm(), s = size > d.force_limit ? d.force_limit / size : 1.0;
+    t.force += s * wanted;
+    t.K.diagonal().array() += s * d.stiffness;
+    t.C.diagonal().array() += s * d.damping;
+    const double pull = d.stiffness * miss.norm();
+    if (d.stiffness > 0.0)
+      energy_ += pull <= d.force_limit ? 0.5 * pull * pull / d.stiffness
+                                       : d.force_limit * (miss.norm() - 0.5 * d.force_limit / d.stiffness);
+  }
+  double drag = j.damping;
+  if (j.friction > 0.0) {
+    const double width = kFrictionWidth * j.friction * (dt > 0.0 ? dt : kUsualStep) / mass;
+    drag += j.friction / std::max(u.norm(), width);
+  }
+  t.force -= drag * u;
+  t.C.diagonal().array() += drag;
+  add_limits(j, dt, mass, x, u, ball, t);
+  return t;
+}
+
+void JointForces::add_limits(const Joint& j, double dt, double mass, const Vec3& x, const Vec3& u, bool ball, Term& t) {
+  const double step = dt > 0.0 ? dt : kUsualStep;
+  const double k = j.limit_stiffness > 0.0 ? j.limit_stiffness : kLimitStiffness * mass / (step * step);
+  const auto stop = [&](double beyond, double rate, const Vec3& outwards) {
+    if (!(beyond + dt * rate > 0.0)) return;
+    t.force -= k * beyond * outwards;
+    t.K += k * outwards * outwards.transpose();
+    if (beyond > 0.0) energy_ += 0.5 * k * beyond * beyond;
+  };
+  if (ball) {
+    const double angle = x.norm();
+    if (angle > 1e-9) stop(angle - j.upper, x.dot(u) / angle, x / angle);
+  } else {
+    stop(x[0] - j.upper, u[0], Vec3(1, 0, 0));
+    stop(j.lower - x[0], -u[0], Vec3(-1, 0, 0));
+  }
+}
+
+void JointForces::add_forces(const Tree& tree, std::span<double> Q) const {
+  for (std::size_t i = 0; i < tree.size(); ++i) {
+    const Tree::Link& l = tree.links()[i];
+    for (int k = 0; k < std::min(l.dof, 3) && l.dof < 6; ++k) Q[l.v0 + k] += term_[i].force[k];
+  }
+}
+
+namespace {
+
+/// y += A x over one joint.
+void add(const Tree::Link& l, const Mat3& A, std::span<const double> x, std::span<double> y) {
+  if (l.dof == 6) return;
+  for (int r = 0; r < l.dof; ++r)
+    for (int c = 0; c < l.dof; ++c) y[l.v0 + r] += A(r, c) * x[l.v0 + c];
+}
+
+}  // namespace
+
+void JointForces::subtract_stiffness(const Tree& tree, std::span<const double> x, std::span<double> y) const {
+  for (std::size_t i = 0; i < tree.size(); ++i) add(tree.links()[i], -term_[i].K, x, y);
+}
+
+void JointForces::subtract_damping(const Tree& tree, std::span<const double> x, std::span<double> y) const {
+  for (std::size_t i = 0; i < tree.size(); ++i) add(tree.links()[i], -term_[i].C, x, y);
+}
+
+void JointForces::add_system(const Tree& tree, double dt, std::span<const double> x, std::span<double> y) const {
+  for (std::size_t i = 0; i < tree.size(); ++i) add(tree.links()[i], system(i, dt), x, y);
+}
+
+}  // namespace brim

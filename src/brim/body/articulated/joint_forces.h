@@ -1,0 +1,55 @@
+#pragma once
+
+#include "brim/body/articulated/tree_inverse.h"
+
+namespace brim {
+
+/// Drives, limits, damping and dry friction of all joints, with derivatives that an implicit step may use.
+///   drive     τ = s (kp (target − q) + kd (target' − q')),  s = min(1, force_limit / |τ at s = 1|)
+///   limit     τ = −k (q − upper) beyond upper, likewise below lower; it already acts when q + dt q' is beyond
+///   damping   τ = −d q'
+///   friction  τ = −f q' / max(|q'|, ε),  ε = 0.01 f dt / m: a hundredth of what friction stops in a step
+/// m is the inertia that the joint feels. A ball joint has them along its rotation vector from rest.
+class JointForces {
+ public:
+  explicit JointForces(const ArticulatedModel& model);
+
+  /// Takes the state in. @param time  [s] at which drives are to be met, the end of the step
+  /// @param dt  [s] of the step ahead, 0 when none is @param mass  of TreeInverse::pivot
+  void update(const Tree& tree, double time, double dt, std::span<const double> q, std::span<const double> v,
+              const TreeInverse& mass);
+
+  /// Q += forces.
+  void add_forces(const Tree& tree, std::span<double> Q) const;
+  /// y −= K x and y −= C x, K = −∂Q/∂q and C = −∂Q/∂v positive semi-definite.
+  void subtract_stiffness(const Tree& tree, std::span<const double> x, std::span<double> y) const;
+  void subtract_damping(const Tree& tree, std::span<const double> x, std::span<double> y) const;
+  /// y += (dt C + dt² K) x.
+  void add_system(const Tree& tree, double dt, std::span<const double> x, std::span<double> y) const;
+  /// dt C + dt² K of one link's joint.
+  Mat3 system(std::size_t link, double dt) const { return dt * term_[link].C + dt * dt * term_[link].K; }
+  /// Energy of drives within their force limit, and of limits, [J].
+  double energy() const { return energy_; }
+
+  /// Drive of a joint, by its link's number; to be changed between steps.
+  JointDrive& drive(std::size_t link) { return joint_[link].drive; }
+
+ private:
+  struct Joint {
+    double lower, upper, limit_stiffness, damping, friction;
+    JointDrive drive;
+  };
+  struct Term {
+    Vec3 force = Vec3::Zero();
+    Mat3 K = Mat3::Zero(), C = Mat3::Zero();
+  };
+  /// @param x, u  displacement from rest and its rate, along the joint's velocities
+  Term term(const Joint& j, double time, double dt, double mass, const Vec3& x, const Vec3& u, bool ball);
+  void add_limits(const Joint& j, double dt, double mass, const Vec3& x, const Vec3& u, bool ball, Term& t);
+
+  std::vector<Joint> joint_;
+  std::vector<Term> term_;
+  double energy_ = 0.0;
+};
+
+}  // namespace brim

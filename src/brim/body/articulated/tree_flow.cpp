@@ -1,0 +1,102 @@
+#include "brim/body/articulated/tree_flow.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace brim {
+
+double TreeFlow::kinetic_energy(const Tree& tree, std::span<const double> q, std::span<const double> v) {
+  tree.place(q, pose_);
+  std::fill(bias_.begin(), bias_.end(), 0.0);
+  tree.add_mass(pose_, v, twist_, bias_);
+  double e = 0.0;
+  for (std::size_t i = 0; i < v.size(); ++i) e += 0.5 * v[i] * bias_[i];
+  return e;
+}
+
+void TreeFlow::acceleration(const Tree& tree) {
+  tree.place(stage_q_, pose_);
+  inverse_.factor(tree, pose_, none_);
+  tree.twists(pose_, stage_v_, twist_);
+  std::fill(bias_.begin(), bias_.end(), 0.0);
+  tree.add_bias(pose_, stage_v_, twist_, scratch_, bias_);
+  for (double& c : bias_) c = -c;
+  inverse_.solve(bias_, scratch_, rate_v_);
+}
+
+void TreeFlow::piece(const Tree& tree, double dt) {
+  static constexpr double kStage[] = {0.5, 0.5, 1.0}, kWeight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+  stage_q_ = q_, stage_v_ = v_;
+  sum_q_ = q_, sum_v_ = v_;
+  for (int s = 0; s < 4; ++s) {
+    tree.rate(stage_q_, stage_v_, rate_q_);
+    acceleration(tree);
+    for (std::size_t i = 0; i < q_.size(); ++i) sum_q_[i] += dt * kWeight[s] * rate_q_[i];
+    for (std::size_t i = 0; i < v_.size(); ++i) sum_v_[i] += dt * kWeight[s] * rate_v_[i];
+    if (s == 3) break;
+    for (std::size_t i = 0; i < q_.size(); ++i) stage_q_[i] = q_[i] + dt * kStage[s] * rate_q_[i];
+    for (std::size_t i = 0; i < v_.size(); ++i) stage_v_[i] = v_[i] + dt * kStage[s] * rate_v_[i];
+  }
+  q_.swap(sum_q_), v_.swap(sum_v_);
+  tree.move(0.0, v_, q_);  // quaternions back to length 1
+}
+
+void TreeFlow::restore_momentum(const Tree& tree, const Vec6& wanted, const Vec3& point) {
+  tree.place(q_, pose_);
+  const Vec3 root = pose_.link[0].origin;
+  Mat6 all = Mat6::Zero();  // the whole tree's inertia as if its joints were stiff, at the root
+  for (std::size_t i = 0; i < tree.size(); ++i) {
+    const TreePose::Link& p = pose_.link[i];
+    all += moved_inertia(spatial_inertia(tree.links()[i].mass, p.center, p.inertia), p.origin - root);
+  }
+  const Eigen::LDLT<Mat6> factor(all);
+  for (int pass = 0; pass < 2; ++pass) {  // the second takes away what rounding left
+    tree.twists(pose_, v_, twist_);
+    Vec6 missing = wanted - tree.momentum(pose_, twist_, point);
+    missing.tail<3>() -= (root - point).cross(Vec3(missing.head<3>()));
+    Eigen::Map<Vec6>(v_.data() + tree.links()[0].v0) += factor.solve(missing);
+  }
+}
+
+int TreeFlow::run(const Tree& tree, double dt, std::span<double> q, std::span<double> v) {
+  const std::size_t nq = tree.q_size(), nv = tree.v_size();
+  for (auto* x : {&q_, &stage_q_, &rate_q_, &sum_q_}) x->resize(nq);
+  for (auto* x : {&v_, &stage_v_, &rate_v_, &sum_v_, &bias_}) x->resize(nv);
+  twist_.resize(tree.size()), scratch_.resize(tree.size());
+  none_.assign(tree.size(), Mat3::Zero());
+
+  const double energy = kinetic_energy(tree, q, v);
+  if (!(energy > 0.0) || !std::isfinite(energy)) {
+    tree.move(dt, v, q);
+    return 0;
+  }
+  Vec6 momentum = Vec6::Zero();
+  Vec3 point = Vec3::Zero();
+  if (tree.floating()) {
+    point = pose_.link[0].origin;
+    tree.twists(pose_, v, twist_);
+    momentum = tree.momentum(pose_, twist_, point);
+  }
+  int pieces = 1;
+  double after = energy;
+  for (;; pieces *= 2) {
+    q_.assign(q.begin(), q.end()), v_.assign(v.begin(), v.end());
+    for (int p = 0; p < pieces; ++p) piece(tree, dt / pieces);
+    after = kinetic_energy(tree, q_, v_);
+    if (std::abs(after - energy) <= kEnergyTolerance * energy || 2 * pieces > kMaxPieces) break;
+  }
+  if (tree.floating()) {
+    restore_momentum(tree, momentum, point);
+    after = kinetic_energy(tree, q_, v_);
+  }
+  if (!(after <= (1.0 + 2.0 * kEnergyTolerance) * energy)) {  // too fast for the pieces: slower, never faster
+    const double scale = std::isfinite(after) ? std::sqrt(energy / after) : 0.0;
+    for (double& x : v_) x *= scale;
+  }
+  std::copy(q_.begin(), q_.end(), q.begin());
+  std::copy(v_.begin(), v_.end(), v.begin());
+  return pieces;
+}
+
+}  // namespace brim

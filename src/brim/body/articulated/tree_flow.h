@@ -1,0 +1,36 @@
+#pragma once
+
+#include "brim/body/articulated/tree_inverse.h"
+
+namespace brim {
+
+/// The motion of a tree that nothing acts on: M(q) v' + C(q, v) = 0, over a time. Kinetic energy is an invariant, and
+/// so is the momentum of a floating tree. Forces act before it, as impulses, so that one step of a pendulum is
+/// symplectic (Lie-Trotter splitting) and velocity products of fast links never meet the linear solve.
+///
+/// Fourth-order Runge-Kutta, in as many pieces as it takes until kinetic energy is kept to kEnergyTolerance (64 at
+/// most); then a floating tree's momentum is restored to rounding, and energy is never let grow.
+/// Tests: tests/body/tree_flow_test.cpp
+class TreeFlow {
+ public:
+  static constexpr double kEnergyTolerance = 1e-7;
+  static constexpr int kMaxPieces = 64;
+
+  /// @param q, v  moved in place @return the number of pieces
+  int run(const Tree& tree, double dt, std::span<double> q, std::span<double> v);
+
+ private:
+  void piece(const Tree& tree, double dt);
+  /// rate_ = −M⁻¹ C at (stage_q_, stage_v_)
+  void acceleration(const Tree& tree);
+  double kinetic_energy(const Tree& tree, std::span<const double> q, std::span<const double> v);
+  void restore_momentum(const Tree& tree, const Vec6& wanted, const Vec3& point);
+
+  TreePose pose_;
+  TreeInverse inverse_;
+  std::vector<double> q_, v_, stage_q_, stage_v_, rate_q_, rate_v_, sum_q_, sum_v_, bias_;
+  std::vector<Vec6> twist_, scratch_;
+  std::vector<Mat3> none_;
+};
+
+}  // namespace brim

@@ -1,0 +1,46 @@
+#pragma once
+
+#include "brim/body/articulated/tree.h"
+#include "brim/map/map.h"
+
+namespace brim {
+
+/// What the contacts of a tree's links resist: JᵀKJ of each link at its origin, left by the maps when they make the
+/// block diagonal and taken by the tree's own preconditioner. The blocks of the joints alone would lose it.
+struct TreeContact {
+  std::vector<Mat6> inertia;  ///< [Pa m h² s²...] as K says; shape (links)
+};
+
+/// Map of one link: the rigid map of its twist composed with the twists of the joints between it and the world (paper,
+/// sections 5.1 and 5.3):
+///   u = U + Ω × (r − o),  (U, Ω) = Σ over joints j on the path of S_j v_j, moved to o
+/// Costs O(path + points).
+class TreeMap final : public Map {
+ public:
+  /// @param contact  where add_block_diagonal leaves the link's share; may be null
+  void reset(const Tree& tree, const TreePose& pose, int link, std::span<const Vec3> points, TreeContact* contact);
+
+  std::size_t points() const override { return arm_.size(); }
+  void velocity(std::span<const double> v, std::span<Vec3> u) const override;
+  void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
+  /// Arms, axes and origins of the joints turn with what they hang on.
+  void add_geometric(std::span<const Vec3> f, std::span<const double> dq, std::span<double> Q) const override;
+  void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
+
+ private:
+  struct Joint {
+    std::size_t v0;  ///< row in v
+    int column;      ///< in J_
+    int dof, block;
+    Vec3 offset;  ///< [m] of its origin from the link's
+  };
+  Vec6 twist(std::span<const double> v) const;
+
+  int link_ = 0;
+  TreeContact* contact_ = nullptr;
+  std::vector<Joint> joint_;                    ///< from the world outwards
+  Eigen::Matrix<double, 6, Eigen::Dynamic> J_;  ///< twist of the link per joint velocity on the path
+  std::vector<Vec3> arm_;                       ///< r − o, [m]
+};
+
+}  // namespace brim
