@@ -10,12 +10,12 @@
 #include "brim/core/error.h"
 #include "brim/io/surface_reader.h"
 #include "brim/io/tet_reader.h"
+#include "brim/io/volume_reader.h"
 #include "brim/mesh/tet_lattice.h"
 #include "brim/mesh/topology.h"
 #include "brim/record/run_reader.h"
 #include "brim/scene/scene.h"
 #include "commands.h"
-#include "nifti_header.h"
 
 namespace brim::cli {
 
@@ -58,6 +58,26 @@ void about_tets(const std::string& path) {
              q.min_dihedral * kDegrees, q.max_dihedral * kDegrees, q.min_ratio, q.mean_ratio);
 }
 
+void about_volume(const std::string& path) {
+  const VolumeInfo info = read_volume_info(path);
+  const VoxelImage image = read_volume(info);
+  const Aabb box = image.box();
+  const Vec3 step = info.steps();
+  fmt::print("{}: {} volume\n  {} x {} x {} voxels of {:.6g} x {:.6g} x {:.6g} m{}\n  {}, {}-endian\n", path,
+             info.format, info.size.x(), info.size.y(), info.size.z(), step.x(), step.y(), step.z(),
+             info.unit_given ? "" : " (no unit in the file: millimetres taken)", voxel_word(info.type),
+             info.big_endian ? "big" : "little");
+  fmt::print("  box {} to {} m\n", vec_text(box.lo), vec_text(box.hi));
+  const auto [least, most] = std::minmax_element(image.values.begin(), image.values.end());
+  fmt::print("  intensities {:.6g} to {:.6g}; more than:", *least, *most);
+  for (int tenth = 1; tenth < 10; tenth += 2) {
+    const double level = *least + 0.1 * tenth * (*most - *least);
+    const auto above = std::count_if(image.values.begin(), image.values.end(), [&](float v) { return v > level; });
+    fmt::print(" {:.6g} in {:.2g} %{}", level, 100.0 * static_cast<double>(above) / static_cast<double>(image.count()),
+               tenth < 9 ? "," : "\n");
+  }
+}
+
 void about_run(const std::string& path) {
   const RunReader run(path);
   fmt::print("{}: run of scene \"{}\" by brim {}\n", path, run.scene_name(), run.brim_version());
@@ -91,17 +111,14 @@ void about(const std::string& path) {
   if (name.ends_with(".json")) return about_scene(path);
   if (name.ends_with(".h5")) return about_run(path);
   if (name.ends_with(".msh") || name.ends_with(".vtk")) return about_tets(path);
-  if (name.ends_with(".nii")) {
-    std::fputs(nifti_text(path).c_str(), stdout);
-    return;
-  }
-  if (name.ends_with(".nii.gz"))
-    throw InputError(path + ": compressed volumes are not read yet; unpack it to a .nii file");
+  for (const char* end : {".nii", ".nii.gz", ".nrrd", ".nhdr"})
+    if (name.ends_with(end)) return about_volume(path);
   for (const char* end : {".obj", ".stl", ".ply", ".off", ".gltf", ".glb"})
     if (name.ends_with(end)) return about_surface(path);
-  throw InputError(path +
-                   ": not a kind of file that brim knows; it must be a scene (.json), a surface (.obj, .stl, .ply, "
-                   ".off, .gltf, .glb), tetrahedra (.msh, .vtk), a volume (.nii), or a run (folder, .h5)");
+  throw InputError(
+      path +
+      ": not a kind of file that brim knows; it must be a scene (.json), a surface (.obj, .stl, .ply, "
+      ".off, .gltf, .glb), tetrahedra (.msh, .vtk), a volume (.nii, .nii.gz, .nrrd, .nhdr), or a run (folder, .h5)");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@ namespace brim {
 
 /// What a rigid body is made of. The body's frame has its origin at the centre of mass.
 struct RigidModel {
+  std::string kind = "rigid";            ///< the body's word in scenes and reports
   std::shared_ptr<const Shape> shape;    ///< solid, in the shape's own frame
   Vec3 center_of_mass = Vec3::Zero();    ///< [m] in the shape's frame
   double mass = 1.0;                     ///< [kg]
@@ -28,7 +29,7 @@ class RigidBody final : public Body {
   /// @throws InputError when mass or inertia is not positive
   explicit RigidBody(RigidModel model);
 
-  std::string_view kind() const override { return "rigid"; }
+  std::string_view kind() const override { return model_.kind; }
   std::size_t q_size() const override { return 7; }
   std::size_t v_size() const override { return 6; }
   void initial_state(std::span<double> q, std::span<double> v) const override;

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "brim/io/volume_reader.h"
+
+namespace brim {
+
+/// Headers, one format a file. Sizes and axes are checked by the caller.
+VolumeInfo read_nifti_info(const std::string& path);
+VolumeInfo read_nrrd_info(const std::string& path);
+
+}  // namespace brim

@@ -1,0 +1,220 @@
+#include "brim/io/volume_reader.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstring>
+
+#include "brim/core/error.h"
+#include "brim/core/parallel.h"
+#include "brim/io/byte_source.h"
+#include "brim/io/volume_formats.h"
+
+namespace brim {
+
+namespace {
+
+struct TypeWord {
+  const char* word;
+  std::size_t bytes;
+};
+constexpr TypeWord kTypes[] = {{"uint8", 1}, {"int8", 1},   {"uint16", 2}, {"int16", 2},   {"uint32", 4},
+                               {"int32", 4}, {"uint64", 8}, {"int64", 8},  {"float32", 4}, {"float64", 8}};
+
+/// What the formats cannot say: sizes, axes, and that the bytes are there.
+void check(const VolumeInfo& info) {
+  if ((info.size.array() < 1).any())
+    throw InputError(fmt::format("{}: the size {} x {} x {} is not allowed; all three must be at least 1", info.path,
+                                 info.size.x(), info.size.y(), info.size.z()));
+  if (!(info.count() < 1e12))
+    throw InputError(fmt::format("{}: {:.3g} voxels are not allowed; must be below 1e12", info.path, info.count()));
+  const Vec3 steps = info.axes.colwise().norm();
+  if (!info.axes.allFinite() || !(steps.minCoeff() > 0.0) || !info.origin.allFinite())
+    throw InputError(
+        fmt::format("{}: voxel steps of {:.6g}, {:.6g}, {:.6g} are not allowed; all must be positive and finite",
+                    info.path, steps.x(), steps.y(), steps.z()));
+  if (!(std::abs(info.axes.determinant()) > 1e-6 * steps.prod()))
+    throw InputError(info.path + ": the axes of the volume lie in one plane");
+  const std::size_t size = file_size(info.data_path);
+  const double needed = static_cast<double>(info.file_offset + info.data_offset) +
+                        info.count() * static_cast<double>(voxel_bytes(info.type));
+  if (info.encoding == VolumeInfo::Encoding::Plain && static_cast<double>(size) < needed)
+    throw InputError(fmt::format("{}: the file is cut short: {} bytes are there where {:.0f} are needed",
+                                 info.data_path, size, needed));
+}
+
+template <class T>
+void convert(const char* raw, std::size_t n, bool swapped, double* out) {
+  for (std::size_t i = 0; i < n; ++i) {
+    char bytes[sizeof(T)];
+    std::memcpy(bytes, raw + i * sizeof(T), sizeof(T));
+    if (swapped) std::reverse(bytes, bytes + sizeof(T));
+    T value;
+    std::memcpy(&value, bytes, sizeof(T));
+    out[i] = static_cast<double>(value);
+  }
+}
+
+void convert(VoxelType type, const char* raw, std::size_t n, bool swapped, double* out) {
+  switch (type) {
+    case VoxelType::UInt8:
+      return convert<std::uint8_t>(raw, n, swapped, out);
+    case VoxelType::Int8:
+      return convert<std::int8_t>(raw, n, swapped, out);
+    case VoxelType::UInt16:
+      return convert<std::uint16_t>(raw, n, swapped, out);
+    case VoxelType::Int16:
+      return convert<std::int16_t>(raw, n, swapped, out);
+    case VoxelType::UInt32:
+      return convert<std::uint32_t>(raw, n, swapped, out);
+    case VoxelType::Int32:
+      return convert<std::int32_t>(raw, n, swapped, out);
+    case VoxelType::UInt64:
+      return convert<std::uint64_t>(raw, n, swapped, out);
+    case VoxelType::Int64:
+      return convert<std::int64_t>(raw, n, swapped, out);
+    case VoxelType::Float32:
+      return convert<float>(raw, n, swapped, out);
+    case VoxelType::Float64:
+      return convert<double>(raw, n, swapped, out);
+  }
+}
+
+/// Numbers of a text, separated by anything that is no part of one.
+class TextNumbers {
+ public:
+  TextNumbers(const std::string& path, ByteSource& source) : path_(path), source_(source), buffer_(1u << 16) {}
+  void read(std::size_t n, double* out) {
+    for (std::size_t i = 0; i < n; ++i) out[i] = next();
+  }
+
+ private:
+  int peek() {
+    if (at_ == end_) {
+      at_ = 0;
+      end_ = source_.read_some(buffer_.data(), buffer_.size());
+    }
+    return at_ < end_ ? static_cast<unsigned char>(buffer_[at_]) : -1;
+  }
+  double next() {
+    while (peek() == ',' || std::isspace(peek()) != 0) ++at_;
+    std::string word;
+    for (int c; (c = peek()) >= 0 && c != ',' && std::isspace(c) == 0 && word.size() < 64; ++at_)
+      word += static_cast<char>(c);
+    if (word.empty()) throw InputError(path_ + ": the file is cut short: fewer numbers than voxels");
+    char* end = nullptr;
+    const double x = std::strtod(word.c_str(), &end);
+    if (*end != '\0') throw InputError(fmt::format("{}: \"{}\" is not a number", path_, word));
+    return x;
+  }
+  const std::string& path_;
+  ByteSource& source_;
+  std::vector<char> buffer_;
+  std::size_t at_ = 0, end_ = 0;
+};
+
+}  // namespace
+
+std::size_t voxel_bytes(VoxelType type) { return kTypes[static_cast<int>(type)].bytes; }
+const char* voxel_word(VoxelType type) { return kTypes[static_cast<int>(type)].word; }
+std::optional<VoxelType> voxel_type(const std::string& word) {
+  for (std::size_t i = 0; i < std::size(kTypes); ++i)
+    if (word == kTypes[i].word) return static_cast<VoxelType>(i);
+  return std::nullopt;
+}
+
+VolumeInfo read_volume_info(const std::string& path) {
+  std::string name = path;
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  VolumeInfo info;
+  if (name.ends_with(".nii") || name.ends_with(".nii.gz"))
+    info = read_nifti_info(path);
+  else if (name.ends_with(".nrrd") || name.ends_with(".nhdr"))
+    info = read_nrrd_info(path);
+  else
+    throw InputError(path + ": not a volume that brim reads; it must end in .nii, .nii.gz, .nrrd or .nhdr");
+  check(info);
+  return info;
+}
+
+VolumeInfo raw_volume_info(const std::string& path, const RawLayout& layout) {
+  VolumeInfo info;
+  info.path = info.data_path = path;
+  info.format = "raw";
+  info.size = layout.size;
+  info.type = layout.type;
+  info.big_endian = layout.big_endian;
+  info.unit = 1.0;
+  info.unit_given = true;
+  info.axes = layout.spacing.asDiagonal();
+  info.data_offset = layout.skip;
+  check(info);
+  return info;
+}
+
+VoxelImage read_volume(const VolumeInfo& info, const VolumeReadOptions& options) {
+  const Vec3i c = options.coarsen.cwiseMax(1).cwiseMin(info.size);
+  VoxelImage image;
+  image.size = ((info.size.array() + c.array() - 1) / c.array()).matrix();
+  const double bytes = sizeof(float) * static_cast<double>(image.size.x()) * image.size.y() * image.size.z();
+  if (bytes > options.max_bytes)
+    throw InputError(fmt::format("{}: {} x {} x {} voxels would take {:.3g} bytes; memory_limit allows {:.3g}",
+                                 info.path, image.size.x(), image.size.y(), image.size.z(), bytes, options.max_bytes));
+  const Vec3 cd = c.cast<double>();
+  image.axes = info.unit * info.axes * cd.asDiagonal();
+  image.origin = info.unit * (info.origin + info.axes * (0.5 * (cd - Vec3::Ones())));
+  image.values.assign(image.count(), 0.0f);
+
+  ByteSource source(info.data_path, info.file_offset, info.encoding == VolumeInfo::Encoding::Gzip);
+  source.skip(info.data_offset);
+  TextNumbers text(info.data_path, source);
+  const std::size_t nx = static_cast<std::size_t>(info.size.x()), ny = static_cast<std::size_t>(info.size.y());
+  const std::size_t slice = nx * ny, width = voxel_bytes(info.type);
+  std::vector<char> raw(info.encoding == VolumeInfo::Encoding::Text ? 0 : slice * width);
+  std::vector<double> value(slice), sum(static_cast<std::size_t>(image.size.x()) * image.size.y(), 0.0);
+  std::vector<double> count(sum.size(), 0.0);
+  for (int k = 0; k < info.size.z(); ++k) {
+    if (info.encoding == VolumeInfo::Encoding::Text) {
+      text.read(slice, value.data());
+    } else {
+      source.read(raw.data(), raw.size());
+      parallel_for(
+          ny,
+          [&](std::size_t j) {
+            convert(info.type, raw.data() + j * nx * width, nx, info.big_endian, value.data() + j * nx);
+          },
+          32);
+    }
+    // Rows of one coarse row belong together, so that no two threads write to it.
+    parallel_for(
+        static_cast<std::size_t>(image.size.y()),
+        [&](std::size_t row) {
+          const std::size_t first = row * c.y(), last = std::min(ny, first + c.y());
+          for (std::size_t j = first; j < last; ++j)
+            for (std::size_t i = 0; i < nx; ++i) {
+              double v = info.slope * value[j * nx + i] + info.intercept;
+              if (!std::isfinite(v)) v = 0.0;
+              if (options.transfer) v = options.transfer(v);
+              const std::size_t at =
+                  row * static_cast<std::size_t>(image.size.x()) + i / static_cast<std::size_t>(c.x());
+              sum[at] += v;
+              count[at] += 1.0;
+            }
+        },
+        16);
+    if ((k + 1) % c.z() == 0 || k + 1 == info.size.z()) {
+      float* out = image.values.data() + sum.size() * static_cast<std::size_t>(k / c.z());
+      // Beyond the border there is no matter, so shares are means over whole blocks.
+      const double whole = c.prod();
+      for (std::size_t i = 0; i < sum.size(); ++i)
+        out[i] = static_cast<float>(sum[i] / (options.transfer ? whole : count[i]));
+      std::fill(sum.begin(), sum.end(), 0.0);
+      std::fill(count.begin(), count.end(), 0.0);
+    }
+  }
+  return image;
+}
+
+}  // namespace brim

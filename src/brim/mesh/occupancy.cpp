@@ -1,0 +1,174 @@
+#include "brim/mesh/occupancy.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "brim/core/error.h"
+#include "brim/core/parallel.h"
+#include "brim/mesh/isosurface.h"
+
+namespace brim {
+
+Aabb OccupancyGrid::matter_box() const {
+  Vec3i lo = cells, hi = Vec3i::Constant(-1);
+  for (int k = 0; k < cells.z(); ++k)
+    for (int j = 0; j < cells.y(); ++j) {
+      const std::uint8_t* row = share.data() + index(0, j, k);
+      int first = 0, last = cells.x() - 1;
+      while (first < cells.x() && row[first] == 0) ++first;
+      if (first == cells.x()) continue;
+      while (row[last] == 0) --last;
+      lo = lo.cwiseMin(Vec3i(first, j, k));
+      hi = hi.cwiseMax(Vec3i(last, j, k));
+    }
+  Aabb box;
+  if (hi.x() < 0) return box;
+  box.extend(origin + spacing * (lo.cast<double>() - Vec3::Constant(0.5)));
+  box.extend(origin + spacing * (hi.cast<double>() + Vec3::Constant(0.5)));
+  return box;
+}
+
+OccupancyGrid sample_occupancy(const VoxelImage& image, const IntensityWindow& window, double spacing,
+                               std::size_t max_cells) {
+  BRIM_CHECK(image.values.size(), ==, image.count());
+  if (!(spacing > 0.0) || !std::isfinite(spacing))
+    throw InputError(fmt::format("volume: a cell of {} m is not allowed; must be positive and finite", spacing));
+  OccupancyGrid grid;
+  const Aabb box = image.box();
+  const Vec3 n = (box.extent() / spacing).array().ceil() + 2.0;
+  if (!(n.prod() <= static_cast<double>(max_cells)))
+    throw InputError(fmt::format("volume: cells of {:.3g} m would be {:.3g} in number; {} are allowed", spacing,
+                                 n.prod(), max_cells));
+  grid.spacing = spacing;
+  grid.cells = n.cast<int>();
+  grid.origin = box.center() - 0.5 * spacing * (n - Vec3::Ones());
+  grid.share.assign(static_cast<std::size_t>(n.prod()), 0);
+
+  const Mat3 to_index = image.axes.inverse();
+  const int per_side = std::max(2, static_cast<int>(std::ceil(2.0 * spacing / image.finest_step() - 1e-6)));
+  std::vector<Vec3> offset;  // of the samples within a cell, [voxels]
+  for (int c = 0; c < per_side * per_side * per_side; ++c) {
+    const Vec3i at(c % per_side, c / per_side % per_side, c / (per_side * per_side));
+    const Vec3 u = (at.cast<double>() + Vec3::Constant(0.5)) / per_side - Vec3::Constant(0.5);
+    offset.push_back(to_index * (spacing * u));
+  }
+  parallel_for(static_cast<std::size_t>(grid.cells.z() - 2), [&](std::size_t slab) {
+    const int k = static_cast<int>(slab) + 1;
+    for (int j = 1; j + 1 < grid.cells.y(); ++j)
+      for (int i = 1; i + 1 < grid.cells.x(); ++i) {
+        const Vec3 center = to_index * (grid.center(i, j, k) - image.origin);
+        double sum = 0.0, value = 0.0;
+        for (const Vec3& u : offset)
+          if (image.sample(center + u, value)) sum += window.share(value);
+        grid.share[grid.index(i, j, k)] =
+            static_cast<std::uint8_t>(std::lround(255.0 * sum / static_cast<double>(offset.size())));
+      }
+  });
+  if (std::none_of(grid.share.begin(), grid.share.end(), [](std::uint8_t s) { return s >= 128; })) {
+    const auto [least, most] = std::minmax_element(image.values.begin(), image.values.end());
+    throw InputError(fmt::format(
+        "volume: no matter is left: no cell of {:.3g} m is half filled by intensities of the window {:.6g} to {:.6g}; "
+        "the image holds {:.6g} to {:.6g}",
+        spacing, window.lo, window.hi, *least, *most));
+  }
+  return grid;
+}
+
+std::size_t keep_largest_piece(OccupancyGrid& grid) {
+  const std::ptrdiff_t step[6] = {-1,
+                                  1,
+                                  -static_cast<std::ptrdiff_t>(grid.cells.x()),
+                                  grid.cells.x(),
+                                  -static_cast<std::ptrdiff_t>(grid.cells.x()) * grid.cells.y(),
+                                  static_cast<std::ptrdiff_t>(grid.cells.x()) * grid.cells.y()};
+  std::vector<std::int32_t> piece(grid.share.size(), 0);
+  std::vector<std::size_t> stack;
+  std::int32_t count = 0, best = 0;
+  std::size_t most = 0;
+  for (std::size_t seed = 0; seed < grid.share.size(); ++seed) {
+    if (grid.share[seed] < 128 || piece[seed] != 0) continue;
+    ++count;
+    std::size_t size = 0;
+    stack.assign(1, seed);
+    piece[seed] = count;
+    while (!stack.empty()) {
+      const std::size_t at = stack.back();
+      stack.pop_back();
+      ++size;
+      for (const std::ptrdiff_t s : step) {  // border cells are empty, so neighbours exist
+        const std::size_t next = at + static_cast<std::size_t>(s);
+        if (grid.share[next] >= 128 && piece[next] == 0) piece[next] = count, stack.push_back(next);
+      }
+    }
+    if (size > most) most = size, best = count;
+  }
+  std::vector<std::uint8_t> kept(grid.share.size(), 0);
+  for (std::size_t at = 0; at < piece.size(); ++at) {
+    if (piece[at] != best || best == 0) continue;
+    kept[at] = grid.share[at];
+    for (const std::ptrdiff_t s : step) {
+      const std::size_t next = at + static_cast<std::size_t>(s);
+      if (piece[next] == 0) kept[next] = grid.share[next];
+    }
+  }
+  grid.share = std::move(kept);
+  return static_cast<std::size_t>(count);
+}
+
+MassProperties mass_properties(const OccupancyGrid& grid, double density) {
+  if (!(density > 0.0) || !std::isfinite(density))
+    throw InputError(fmt::format("volume: density is {} kg/m³; it must be positive and finite", density));
+  const double cell = grid.spacing * grid.spacing * grid.spacing / 255.0;
+  double volume = 0.0;
+  Vec3 first = Vec3::Zero();
+  Mat3 second = Mat3::Zero();
+  const Vec3 middle = grid.center(0, 0, 0) + 0.5 * grid.spacing * grid.cells.cast<double>();
+  for (int k = 0; k < grid.cells.z(); ++k)
+    for (int j = 0; j < grid.cells.y(); ++j)
+      for (int i = 0; i < grid.cells.x(); ++i) {
+        const std::uint8_t s = grid.share[grid.index(i, j, k)];
+        if (s == 0) continue;
+        const Vec3 x = grid.center(i, j, k) - middle;
+        volume += s * cell;
+        first += s * cell * x;
+        second += s * cell * x * x.transpose();
+      }
+  if (!(volume > 0.0)) throw InputError("volume: there is no matter");
+  const Vec3 c = first / volume;
+  second -= volume * c * c.transpose();
+  second += volume * grid.spacing * grid.spacing / 12.0 * Mat3::Identity();  // of the cubes themselves
+  MassProperties m;
+  m.volume = volume;
+  m.mass = density * volume;
+  m.center = middle + c;
+  m.inertia = density * (second.trace() * Mat3::Identity() - second);
+  return m;
+}
+
+TriMesh display_surface(const OccupancyGrid& grid, std::size_t max_nodes) {
+  int f = 1;
+  while ((grid.cells.cast<double>() / f).prod() > static_cast<double>(max_nodes)) ++f;
+  // One ring of empty nodes, so that the surface closes whatever the factor.
+  const Vec3i n = ((grid.cells.array() + f - 1) / f + 2).matrix();
+  std::vector<float> value(static_cast<std::size_t>(n.x()) * n.y() * n.z(), 0.5f);
+  parallel_for(static_cast<std::size_t>(n.z() - 2), [&](std::size_t slab) {
+    const int k = static_cast<int>(slab) + 1;
+    for (int j = 1; j + 1 < n.y(); ++j)
+      for (int i = 1; i + 1 < n.x(); ++i) {
+        double sum = 0.0;
+        for (int c = 0; c < f * f * f; ++c) {
+          const Vec3i at = f * (Vec3i(i, j, k) - Vec3i::Ones()) + Vec3i(c % f, c / f % f, c / (f * f));
+          if ((at.array() < grid.cells.array()).all()) sum += grid.share[grid.index(at.x(), at.y(), at.z())];
+        }
+        value[static_cast<std::size_t>(i) +
+              static_cast<std::size_t>(n.x()) * (j + static_cast<std::size_t>(n.y()) * k)] =
+            static_cast<float>(0.5 - sum / (255.0 * f * f * f));
+      }
+  });
+  const double step = f * grid.spacing;
+  const Vec3 origin = grid.origin + Vec3::Constant(0.5 * (f - 1) * grid.spacing - step);
+  return isosurface({origin, step, n, value});
+}
+
+}  // namespace brim

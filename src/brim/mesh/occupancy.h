@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "brim/mesh/mass_properties.h"
+#include "brim/mesh/voxel_image.h"
+
+namespace brim {
+
+/// Share of matter in the cubic cells of a regular grid: an image as a solid, at the resolution that contact sees.
+/// Cell (i, j, k) has its centre at origin + spacing (i, j, k). The outermost cells are empty.
+struct OccupancyGrid {
+  Vec3 origin = Vec3::Zero();  ///< [m] centre of cell (0, 0, 0)
+  double spacing = 0.0;        ///< [m]
+  Vec3i cells = Vec3i::Zero();
+  std::vector<std::uint8_t> share;  ///< 0 empty to 255 full, shape (nz, ny, nx), x fastest
+
+  std::size_t index(int i, int j, int k) const {
+    return static_cast<std::size_t>(i) +
+           static_cast<std::size_t>(cells.x()) *
+               (static_cast<std::size_t>(j) + static_cast<std::size_t>(cells.y()) * static_cast<std::size_t>(k));
+  }
+  Vec3 center(int i, int j, int k) const { return origin + spacing * Vec3(i, j, k); }
+  /// Box of the cells that hold matter, [m]. Empty when none does.
+  Aabb matter_box() const;
+};
+
+/// Samples the matter of an image on cells of its own frame's axes. Each cell is the mean of at least 2x2x2 trilinear
+/// values put through the window, two or more to an image voxel: antialiased, and accurate below a voxel where the
+/// window spans the image's own ramp.
+/// @param spacing    [m] of the cells
+/// @param max_cells  largest number of cells
+/// @throws InputError  when the grid would pass max_cells or no cell is half filled
+/// Same bits for any number of threads.  Tests: tests/mesh/occupancy_test.cpp
+OccupancyGrid sample_occupancy(const VoxelImage& image, const IntensityWindow& window, double spacing,
+                               std::size_t max_cells = std::size_t{1} << 30);
+
+/// Empties all cells but those of the largest piece (cells at least half filled, joined across faces) and their
+/// neighbours. @return number of pieces there were
+std::size_t keep_largest_piece(OccupancyGrid& grid);
+
+/// Volume, mass, centre and inertia of the matter; each cell a cube of constant density.
+/// @throws InputError  when there is none
+MassProperties mass_properties(const OccupancyGrid& grid, double density);
+
+/// The surface where half is filled, for display: closed, outward. The grid is reduced by whole factors until it has at
+/// most max_nodes nodes.
+TriMesh display_surface(const OccupancyGrid& grid, std::size_t max_nodes = 250'000);
+
+}  // namespace brim

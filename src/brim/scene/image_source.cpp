@@ -1,0 +1,138 @@
+#include "brim/scene/image_source.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "brim/core/parallel.h"
+#include "brim/io/volume_reader.h"
+#include "brim/scene/limits.h"
+#include "brim/scene/solid.h"
+
+namespace brim {
+
+namespace {
+
+/// Voxels of contact along the longest extent of an image when the scene does not say.
+constexpr double kVoxelsAcross = 48.0;
+/// [bytes] a cell takes: its share, and what the field of distances and the search for pieces add.
+constexpr double kBytesPerCell = 6.0;
+
+VolumeInfo read_info(const Node& n) {
+  const std::string path = scene_path(n.at("file"));
+  return n.at("file").placed([&] {
+    VolumeInfo info;
+    if (n.has("raw")) {
+      const Node raw = n.at("raw");
+      RawLayout layout;
+      layout.size = raw.vec3("size").cast<int>();
+      layout.spacing = raw.vec3("spacing");
+      layout.type = *voxel_type(raw.string("type"));
+      layout.big_endian = raw.boolean("big_endian");
+      layout.skip = static_cast<std::size_t>(raw.integer("skip"));
+      info = raw_volume_info(path, layout);
+    } else {
+      info = read_volume_info(path);
+    }
+    if (const auto unit = n.number_if("unit")) info.unit = *unit;
+    return info;
+  });
+}
+
+/// Samples a shape as a scanner would: intensity 1 inside, 0 outside, linear over a voxel at the surface.
+VoxelImage image_of_shape(const Node& n, double limit) {
+  const Solid solid = read_solid(n, limit);
+  const double step = n.at("transform").number("scale") * n.number("image_spacing");
+  const Aabb box = solid.shape->bounds().inflated(1.5 * step);
+  VoxelImage image;
+  const Vec3 size = (box.extent() / step).array().ceil() + 1.0;
+  check_count(n.at("image_spacing"), size.prod(), sizeof(float), limit, "voxels");
+  image.size = size.cast<int>();
+  image.axes = step * Mat3::Identity();
+  image.origin = box.lo;
+  image.values.resize(image.count());
+  parallel_for(static_cast<std::size_t>(image.size.z()), [&](std::size_t k) {
+    float* out = image.values.data() + k * static_cast<std::size_t>(image.size.x()) * image.size.y();
+    for (int j = 0; j < image.size.y(); ++j)
+      for (int i = 0; i < image.size.x(); ++i)
+        *out++ = static_cast<float>(std::clamp(
+            0.5 - solid.shape->distance(image.origin + step * Vec3(i, j, static_cast<double>(k))) / step, 0.0, 1.0));
+  });
+  return image;
+}
+
+}  // namespace
+
+void check_image_source(const Node& n) {
+  if (n.has("file") == n.has("shape"))
+    throw n.error(n.has("file") ? "both \"file\" and \"shape\" are given; give one"
+                                : "the key \"file\" is missing; give \"file\" or \"shape\"");
+  if (n.has("shape")) {
+    for (const char* key : {"raw", "unit", "window"})
+      if (n.has(key))
+        throw n.at(key).error(fmt::format("only a \"file\" has \"{}\"; the image here is made of a shape", key));
+    if (!n.has("image_spacing"))
+      throw n.error("the key \"image_spacing\" is missing; a shape becomes an image of voxels of this size, in metres");
+    if (n.at("shape").string("kind") == "plane")
+      throw n.at("shape").at("kind").error("\"plane\" has no finite volume; only an obstacle can be one");
+    check_shape(n.at("shape"));
+    return;
+  }
+  if (n.has("image_spacing"))
+    throw n.at("image_spacing").error("a \"file\" has its own voxels; only \"shape\" takes an image_spacing");
+  if (!n.has("window"))
+    throw n.error("the key \"window\" is missing; it says which intensities of the file are matter: [lo, hi]");
+  if (n.at("window").at(std::size_t{0}).number() > n.at("window").at(std::size_t{1}).number())
+    throw n.at("window").error(
+        fmt::format("{} is not allowed; the first must be at most the second", shown(n.at("window").json())));
+}
+
+ImageSolid read_image_solid(const Node& n, double scale, double cells_per_voxel, double limit) {
+  ImageSolid solid;
+  VoxelImage image;
+  IntensityWindow window;
+  VolumeInfo info;
+  Vec3 step;
+  Aabb box;
+  if (n.has("shape")) {
+    image = image_of_shape(n, limit);
+    step = Vec3::Constant(image.finest_step());
+    box = image.box();
+  } else {
+    info = read_info(n);
+    info.unit *= scale;
+    window.lo = n.at("window").at(std::size_t{0}).number();
+    window.hi = n.at("window").at(std::size_t{1}).number();
+    step = info.steps();
+    VoxelImage empty;
+    empty.size = info.size;
+    empty.axes = info.unit * info.axes;
+    box = empty.box();
+  }
+  solid.voxel_size = n.number("voxel_size");
+  if (!(solid.voxel_size > 0.0)) solid.voxel_size = box.extent().maxCoeff() / kVoxelsAcross;
+  const double spacing = solid.voxel_size / cells_per_voxel;
+  const Node size_node = n.number("voxel_size") > 0.0 ? n.at("voxel_size") : n;
+  check_count(size_node, ((box.extent() / spacing).array() + 3.0).prod(), kBytesPerCell, limit, "cells");
+
+  if (n.has("file")) {
+    VolumeReadOptions options;
+    options.max_bytes = limit;
+    // Whole voxels below a cell are joined while reading, as shares of matter, which can be averaged; intensities
+    // cannot.
+    for (int a = 0; a < 3; ++a)
+      options.coarsen[a] = std::max(1, static_cast<int>(std::min(1e6, std::floor(spacing / step[a] * (1.0 + 1e-9)))));
+    if ((options.coarsen.array() > 1).any()) {
+      options.transfer = [window](double v) { return window.share(v); };
+      window = {0.0, 1.0};
+    }
+    image = n.at("file").placed([&] { return read_volume(info, options); });
+  } else {
+    window = {0.0, 1.0};
+  }
+  solid.grid = (n.has("window") ? n.at("window") : n).placed([&] { return sample_occupancy(image, window, spacing); });
+  if (n.string("keep") == "largest") keep_largest_piece(solid.grid);
+  if (n.boolean("center")) solid.grid.origin -= solid.grid.matter_box().center();
+  return solid;
+}
+
+}  // namespace brim

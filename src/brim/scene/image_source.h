@@ -1,0 +1,24 @@
+#pragma once
+
+#include "brim/mesh/occupancy.h"
+#include "brim/scene/node.h"
+
+namespace brim {
+
+/// Things the schema cannot say about where a body's image comes from; reads no files. @throws InputError
+void check_image_source(const Node& body);
+
+/// The image of a body ("file" with "window", "raw", "unit", or "shape" with "image_spacing") as matter in cells,
+/// scaled, centred and freed of specks as the body says.
+struct ImageSolid {
+  OccupancyGrid grid;       ///< [m] in the body's frame
+  double voxel_size = 0.0;  ///< [m] as given, or a 48th of the image's longest extent
+};
+
+/// @param scale           [-] of all lengths
+/// @param cells_per_voxel cells along a voxel of contact
+/// @param memory_limit    [bytes] of the scene
+/// @throws InputError
+ImageSolid read_image_solid(const Node& body, double scale, double cells_per_voxel, double memory_limit);
+
+}  // namespace brim

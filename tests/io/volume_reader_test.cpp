@@ -1,0 +1,278 @@
+#include "brim/io/volume_reader.h"
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "brim/core/error.h"
+#include "io/temporary_folder.h"
+
+namespace brim {
+namespace {
+
+/// Bytes of a NIfTI-1 file of int16 voxels, in either byte order.
+class Nifti {
+ public:
+  explicit Nifti(bool big) : big_(big), bytes_(352, '\0') {
+    put<std::int32_t>(0, 348);
+    put<std::int16_t>(40, 3);
+    for (int a = 0; a < 3; ++a) {
+      put<std::int16_t>(42 + 2 * a, static_cast<std::int16_t>(2 + a));
+      put<float>(80 + 4 * a, 1.5f);
+    }
+    put<float>(76, 1.0f);
+    put<std::int16_t>(70, 4);
+    put<std::int16_t>(72, 16);
+    put<float>(108, 352.0f);
+    bytes_[123] = 2;
+    std::memcpy(bytes_.data() + 344, "n+1", 4);
+    for (int i = 0; i < 24; ++i) append<std::int16_t>(static_cast<std::int16_t>(100 * i - 300));
+  }
+  template <class T>
+  void put(std::size_t at, T value) {
+    std::memcpy(bytes_.data() + at, &value, sizeof(T));
+    if (big_) std::reverse(bytes_.begin() + at, bytes_.begin() + at + sizeof(T));
+  }
+  template <class T>
+  void append(T value) {
+    bytes_.resize(bytes_.size() + sizeof(T));
+    put(bytes_.size() - sizeof(T), value);
+  }
+  std::string& bytes() { return bytes_; }
+
+ private:
+  bool big_;
+  std::string bytes_;
+};
+
+std::string packed(const std::string& plain) {
+  const std::string path = (std::filesystem::temp_directory_path() / "brim_packed.gz").string();
+  gzFile f = gzopen(path.c_str(), "wb");
+  gzwrite(f, plain.data(), static_cast<unsigned>(plain.size()));
+  gzclose(f);
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::string message(const std::string& path) {
+  try {
+    read_volume(read_volume_info(path));
+    return "";
+  } catch (const InputError& e) {
+    return e.what();
+  }
+}
+
+TEST(VolumeReader, BothByteOrdersOfNiftiPlainAndPackedGiveTheSameVoxels) {
+  const test::TemporaryFolder folder;
+  for (const bool big : {false, true})
+    for (const bool gzip : {false, true}) {
+      Nifti n(big);
+      n.put<float>(112, 2.0f);    // scl_slope
+      n.put<float>(116, -10.0f);  // scl_inter
+      const std::string path = folder.write(gzip ? "a.nii.gz" : "a.nii", gzip ? packed(n.bytes()) : n.bytes());
+      const VolumeInfo info = read_volume_info(path);
+      EXPECT_EQ(info.size, Vec3i(2, 3, 4));
+      EXPECT_EQ(info.big_endian, big);
+      EXPECT_EQ(info.type, VoxelType::Int16);
+      const VoxelImage image = read_volume(info);
+      ASSERT_EQ(image.values.size(), 24u);
+      for (int i = 0; i < 24; ++i) EXPECT_EQ(image.values[i], 2.0f * (100 * i - 300) - 10.0f);
+      EXPECT_TRUE(image.axes.isApprox(1.5e-3 * Mat3::Identity(), 1e-6));
+    }
+}
+
+TEST(VolumeReader, SformGoesBeforeQformWhichGoesBeforeSteps) {
+  const test::TemporaryFolder folder;
+  Nifti n(false);
+  // qform: half a turn about z, third axis turned round.
+  n.put<std::int16_t>(252, 1);
+  n.put<float>(264, 1.0f);
+  n.put<float>(76, -1.0f);
+  n.put<float>(268, 7.0f);
+  VolumeInfo info = read_volume_info(folder.write("q.nii", n.bytes()));
+  EXPECT_TRUE(info.axes.isApprox(1.5 * Vec3(-1, -1, -1).asDiagonal().toDenseMatrix(), 1e-6)) << info.axes;
+  EXPECT_EQ(info.origin, Vec3(7, 0, 0));
+  // sform: a shear.
+  n.put<std::int16_t>(254, 1);
+  const float rows[12] = {0, 2, 0.5f, 1, 3, 0, 0, 2, 0, 0, 4, 3};
+  for (std::size_t i = 0; i < 12; ++i) n.put<float>(280 + 4 * i, rows[i]);
+  info = read_volume_info(folder.write("s.nii", n.bytes()));
+  Mat3 axes;
+  axes << 0, 2, 0.5, 3, 0, 0, 0, 0, 4;
+  EXPECT_TRUE(info.axes.isApprox(axes));
+  EXPECT_EQ(info.origin, Vec3(1, 2, 3));
+}
+
+TEST(VolumeReader, NrrdOfEveryEncodingGivesTheSameVoxels) {
+  const test::TemporaryFolder folder;
+  const std::string head =
+      "NRRD0004\n# made by hand\ntype: short\ndimension: 3\nsizes: 2 1 2\nendian: little\n"
+      "space: left-posterior-superior\nspace directions: (2,0,0) (0,3,0) (0,0,4)\n"
+      "space origin: (1,2,3)\n";
+  const std::int16_t values[4] = {-5, 7, 300, -32000};
+  std::string raw(reinterpret_cast<const char*>(values), sizeof values), swapped = raw;
+  for (int i = 0; i < 4; ++i) std::swap(swapped[2 * i], swapped[2 * i + 1]);
+  std::string big = head;
+  big.replace(big.find("little"), 6, "big");
+  folder.write("voxels.raw", "xxx" + raw);
+  const std::vector<std::string> paths = {
+      folder.write("raw.nrrd", head + "encoding: raw\n\n" + raw),
+      folder.write("big.nrrd", big + "encoding: raw\n\n" + swapped),
+      folder.write("gzip.nrrd", head + "encoding: gzip\n\n" + packed(raw)),
+      folder.write("text.nrrd", head + "encoding: ascii\n\n-5 7\n300 -32000\n"),
+      folder.write("detached.nhdr", head + "encoding: raw\nbyte skip: 3\ndata file: voxels.raw\n")};
+  for (const std::string& path : paths) {
+    SCOPED_TRACE(path);
+    const VoxelImage image = read_volume(read_volume_info(path));
+    EXPECT_EQ(image.values, (std::vector<float>{-5, 7, 300, -32000}));
+    EXPECT_TRUE(image.axes.isApprox(1e-3 * Vec3(-2, -3, 4).asDiagonal().toDenseMatrix()));
+    EXPECT_TRUE(image.origin.isApprox(1e-3 * Vec3(-1, -2, 3)));
+  }
+}
+
+TEST(VolumeReader, RawFilesTakeTheirLayoutFromTheCaller) {
+  const test::TemporaryFolder folder;
+  const float values[2] = {1.5f, -2.0f};
+  const std::string path =
+      folder.write("x.raw", std::string("head") + std::string(reinterpret_cast<const char*>(values), 8));
+  RawLayout layout;
+  layout.size = Vec3i(2, 1, 1);
+  layout.spacing = Vec3(0.1, 0.2, 0.3);
+  layout.type = VoxelType::Float32;
+  layout.skip = 4;
+  const VoxelImage image = read_volume(raw_volume_info(path, layout));
+  EXPECT_EQ(image.values, (std::vector<float>{1.5f, -2.0f}));
+  EXPECT_EQ(image.axes(2, 2), 0.3);
+  layout.skip = 5;
+  EXPECT_THROW(raw_volume_info(path, layout), InputError);
+}
+
+TEST(VolumeReader, WhatIsWrittenIsReadBack) {
+  const test::TemporaryFolder folder;
+  std::mt19937 rng(4);
+  std::uniform_real_distribution<float> u(-1, 1);
+  VoxelImage image;
+  image.size = Vec3i(5, 3, 4);
+  image.axes << 0.001, 0, 0.0005, 0, -0.002, 0, 0, 0, 0.003;
+  image.origin = Vec3(0.01, -0.02, 0.5);
+  for (int i = 0; i < 60; ++i) image.values.push_back(u(rng));
+  const std::string path = folder.write("w.nii", "");
+  write_nifti(path, image);
+  const VoxelImage back = read_volume(read_volume_info(path));
+  EXPECT_EQ(back.values, image.values);
+  EXPECT_TRUE(back.axes.isApprox(image.axes, 1e-6));
+  EXPECT_TRUE(back.origin.isApprox(image.origin, 1e-6));
+}
+
+TEST(VolumeReader, JoinedVoxelsHoldTheMeanAndKeepTheMatter) {
+  const test::TemporaryFolder folder;
+  std::mt19937 rng(8);
+  std::uniform_real_distribution<float> u(0, 100);
+  VoxelImage image;
+  image.size = Vec3i(7, 5, 6);
+  image.axes = 0.01 * Mat3::Identity();
+  for (std::size_t i = 0; i < image.count(); ++i) image.values.push_back(u(rng));
+  const std::string path = folder.write("j.nii", "");
+  write_nifti(path, image);
+  VolumeReadOptions options;
+  options.coarsen = Vec3i(2, 3, 4);
+  const IntensityWindow window{50, 50};
+  options.transfer = [&](double v) { return window.share(v); };
+  const VoxelImage joined = read_volume(read_volume_info(path), options);
+  EXPECT_EQ(joined.size, Vec3i(4, 2, 2));
+  EXPECT_TRUE(joined.axes.isApprox(0.01 * Vec3(2, 3, 4).asDiagonal().toDenseMatrix(), 1e-6));
+  EXPECT_TRUE(joined.origin.isApprox(Vec3(0.005, 0.01, 0.015), 1e-6));
+  double fine = 0.0, coarse = 0.0;
+  for (const float v : image.values) fine += window.share(v);
+  for (const float v : joined.values) coarse += 24.0 * v;
+  EXPECT_NEAR(coarse, fine, 1e-4);
+  options.max_bytes = 10;
+  EXPECT_THROW(read_volume(read_volume_info(path), options), InputError);
+}
+
+TEST(VolumeReader, BadFilesAreRefusedWithAMessage) {
+  const test::TemporaryFolder folder;
+  const auto expect = [&](const std::string& name, const std::string& bytes, const std::string& words) {
+    const std::string text = message(folder.write(name, bytes));
+    EXPECT_NE(text.find(words), std::string::npos) << name << ": \"" << text << "\" lacks \"" << words << "\"";
+    EXPECT_NE(text.find(name), std::string::npos) << text;
+  };
+  const auto broken = [](auto change) {
+    Nifti n(false);
+    change(n);
+    return n.bytes();
+  };
+  expect("empty.nii", "", "0 bytes");
+  expect("magic.nii", broken([](Nifti& n) { n.bytes()[344] = 'x'; }), "is not a NIfTI-1");
+  expect("pair.nii", broken([](Nifti& n) { n.bytes()[345] = 'i'; }), "another file");
+  expect("zero.nii", broken([](Nifti& n) { n.put<float>(84, 0.0f); }), "voxel steps of 1.5, 0, 1.5");
+  expect("nan.nii", broken([](Nifti& n) { n.put<float>(84, std::nanf("")); }), "voxel steps");
+  expect("short.nii", broken([](Nifti& n) { n.bytes().resize(390); }), "cut short: 390 bytes are there where 400");
+  expect("huge.nii", broken([](Nifti& n) {
+           for (int a = 0; a < 3; ++a) n.put<std::int16_t>(42 + 2 * a, 32767);
+         }),
+         "3.52e+13 voxels");
+  expect("none.nii", broken([](Nifti& n) { n.put<std::int16_t>(42, 0); }), "size 0 x 3 x 4");
+  expect("minus.nii", broken([](Nifti& n) { n.put<std::int16_t>(42, -2); }), "size -2 x 3 x 4");
+  expect("time.nii", broken([](Nifti& n) { n.put<std::int16_t>(40, 4), n.put<std::int16_t>(48, 9); }),
+         "9 values along axis 4");
+  expect("colour.nii", broken([](Nifti& n) { n.put<std::int16_t>(70, 128); }), "type 128");
+  expect("flat.nii", broken([](Nifti& n) {
+           n.put<std::int16_t>(254, 1);
+           const float rows[12] = {1, 0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0};
+           for (std::size_t i = 0; i < 12; ++i) n.put<float>(280 + 4 * i, rows[i]);
+         }),
+         "in one plane");
+  expect("offset.nii", broken([](Nifti& n) { n.put<float>(108, 12.0f); }), "start at byte 12");
+  const std::string whole = packed(Nifti(false).bytes());
+  expect("short.nii.gz", whole.substr(0, whole.size() - 20), "short.nii.gz");
+  const std::string head = "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 2\n";
+  expect("magic.nrrd", "NRD0004\n", "is not an NRRD");
+  expect("missing.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\n\n", "no \"sizes\"");
+  expect("short.nrrd", head + "encoding: raw\n\n1234567", "cut short");
+  expect("text.nrrd", head + "encoding: ascii\n\n1 2 3 4 5 6 7", "fewer numbers");
+  expect("word.nrrd", head + "encoding: ascii\n\n1 2 x 4 5 6 7 8", "\"x\" is not a number");
+  expect("bzip.nrrd", head + "encoding: bzip2\n\n", "encoding \"bzip2\"");
+  expect("type.nrrd", "NRRD0004\ntype: block\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n", "type \"block\"");
+  expect("step.nrrd", head + "spacings: 1 0 1\nencoding: raw\n\n12345678", "voxel steps of 1, 0, 1");
+  expect("endian.nrrd", "NRRD0004\ntype: short\ndimension: 3\nsizes: 1 1 1\nencoding: raw\n\n12", "\"endian\"");
+  expect("absurd.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1000000 1000000 1000000\nencoding: raw\n\n1",
+         "1e+18 voxels");
+  expect("name.mhd", "", "must end in .nii");
+  EXPECT_NE(message((folder.path / "gone.nii").string()).find("cannot be opened"), std::string::npos);
+}
+
+TEST(VolumeReader, RealVolumesAreReadAsTheyAre) {
+  namespace fs = std::filesystem;
+  const char* env = std::getenv("BRIM_DATA");
+  const fs::path data = env != nullptr ? fs::path(env) : fs::path(BRIM_SOURCE_DIR) / "../shared/data";
+  if (!fs::exists(data / "anatomical.nii")) GTEST_SKIP() << "no data";
+  const VolumeInfo mri = read_volume_info((data / "anatomical.nii").string());
+  EXPECT_TRUE(mri.big_endian);
+  EXPECT_EQ(mri.size, Vec3i(33, 41, 25));
+  EXPECT_TRUE(mri.axes.isApprox(Vec3(-2, 2, 2).asDiagonal().toDenseMatrix()));
+  EXPECT_TRUE(mri.origin.isApprox(Vec3(32, -40, -16)));
+  const VoxelImage image = read_volume(mri);
+  const auto [least, most] = std::minmax_element(image.values.begin(), image.values.end());
+  EXPECT_EQ(*least, -610.0f);  // these three by another program
+  EXPECT_EQ(*most, 30393.0f);
+  double sum = 0.0;
+  for (const float v : image.values) sum += v;
+  EXPECT_NEAR(sum / 33825.0, 8401.066726, 1e-5);
+  const VolumeInfo ct = read_volume_info((data / "CT_AVM.nii.gz").string());
+  EXPECT_EQ(ct.size, Vec3i(256, 242, 154));
+  const VoxelImage head = read_volume(ct);
+  std::size_t bright = 0;
+  for (const float v : head.values) bright += v > 2.208627f * 20.5f;
+  EXPECT_NEAR(static_cast<double>(bright) / static_cast<double>(head.values.size()), 0.024307, 1e-5);
+}
+
+}  // namespace
+}  // namespace brim

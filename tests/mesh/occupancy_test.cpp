@@ -1,0 +1,132 @@
+#include "brim/mesh/occupancy.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "brim/core/error.h"
+#include "brim/core/parallel.h"
+#include "brim/mesh/topology.h"
+#include "support/images.h"
+
+namespace brim {
+namespace {
+
+constexpr IntensityWindow kWindow{0, 100};
+
+TEST(IntensityWindow, RisesFromEmptyToFullAndMayBeAStep) {
+  const IntensityWindow ramp{10, 30}, step{20, 20};
+  EXPECT_EQ(ramp.share(10), 0.0);
+  EXPECT_EQ(ramp.share(15), 0.25);
+  EXPECT_EQ(ramp.share(30), 1.0);
+  EXPECT_EQ(step.share(19.9), 0.0);
+  EXPECT_EQ(step.share(20), 1.0);
+  EXPECT_EQ(step.share(21), 1.0);
+}
+
+TEST(VoxelImage, SamplesLinearFieldsExactlyAndNothingOutside) {
+  VoxelImage image;
+  image.size = Vec3i(3, 4, 2);
+  for (int k = 0; k < 2; ++k)
+    for (int j = 0; j < 4; ++j)
+      for (int i = 0; i < 3; ++i) image.values.push_back(static_cast<float>(1 + 2 * i - 3 * j + 5 * k));
+  double v = -99;
+  ASSERT_TRUE(image.sample(Vec3(1.25, 2.5, 0.75), v));
+  EXPECT_NEAR(v, 1 + 2.5 - 7.5 + 3.75, 1e-6);
+  ASSERT_TRUE(image.sample(Vec3(-0.5, 3.5, 1.5), v));
+  EXPECT_NEAR(v, 1 - 9 + 5, 1e-6) << "the border's value reaches half a voxel out";
+  v = -99;
+  EXPECT_FALSE(image.sample(Vec3(-0.51, 0, 0), v));
+  EXPECT_FALSE(image.sample(Vec3(0, std::nan(""), 0), v));
+  EXPECT_EQ(v, -99);
+}
+
+TEST(Occupancy, MassAndInertiaOfABallAndATurnedBoxAreTheirs) {
+  const double r = 0.1;
+  const VoxelImage ball =
+      testing::scan({Vec3::Constant(-0.12), Vec3::Constant(0.12)}, 0.01, [&](const Vec3& x) { return x.norm() - r; });
+  const MassProperties m = mass_properties(sample_occupancy(ball, kWindow, 0.012), 500.0);
+  const double mass = 500.0 * 4.0 / 3.0 * std::numbers::pi * r * r * r;
+  EXPECT_NEAR(m.mass, mass, 0.01 * mass);
+  EXPECT_LT(m.center.norm(), 1e-4);
+  EXPECT_LT((m.inertia - 0.4 * mass * r * r * Mat3::Identity()).norm(), 0.03 * mass * r * r);
+
+  // An image whose axes are turned and mirrored holds the same box.
+  VoxelImage box;
+  box.size = Vec3i(12, 22, 32);
+  box.axes =
+      Eigen::AngleAxisd(0.7, Vec3(1, 2, -1).normalized()).toRotationMatrix() * Vec3(0.01, 0.01, -0.01).asDiagonal();
+  box.origin = box.axes * Vec3(-5.5, -10.5, -15.5);
+  for (int k = 0; k < 32; ++k)
+    for (int j = 0; j < 22; ++j)
+      for (int i = 0; i < 12; ++i)
+        box.values.push_back(i > 0 && i < 11 && j > 0 && j < 21 && k > 0 && k < 31 ? 100.0f : 0.0f);
+  const MassProperties b = mass_properties(sample_occupancy(box, kWindow, 0.008), 1000.0);
+  EXPECT_NEAR(b.volume, 0.1 * 0.2 * 0.3, 0.01 * 0.006);
+  const Vec3 axis = box.axes.col(2).normalized();
+  EXPECT_NEAR(axis.dot(b.inertia * axis), 6.0 * (0.01 + 0.04) / 12.0, 0.02 * 6.0 * 0.05 / 12.0);
+}
+
+TEST(Occupancy, ReadingJoinedVoxelsGivesTheSameMatter) {
+  // Coarse cells are means of shares, so the matter does not depend on the cells.
+  const VoxelImage torus = testing::scan({Vec3(-0.14, -0.14, -0.05), Vec3(0.14, 0.14, 0.05)}, 0.005, [](const Vec3& x) {
+    return std::hypot(std::hypot(x.x(), x.y()) - 0.1, x.z()) - 0.03;
+  });
+  const double fine = mass_properties(sample_occupancy(torus, kWindow, 0.004), 1.0).volume;
+  const double coarse = mass_properties(sample_occupancy(torus, kWindow, 0.015), 1.0).volume;
+  const double exact = 2.0 * std::numbers::pi * std::numbers::pi * 0.1 * 0.03 * 0.03;
+  EXPECT_NEAR(fine, exact, 0.01 * exact);
+  EXPECT_NEAR(coarse, exact, 0.015 * exact);
+}
+
+TEST(Occupancy, TheLargestPieceIsKeptAndSpecksGo) {
+  const auto balls = [](const Vec3& x) {
+    return std::min((x - Vec3(0.1, 0, 0)).norm() - 0.05, (x + Vec3(0.1, 0, 0)).norm() - 0.03);
+  };
+  OccupancyGrid grid =
+      sample_occupancy(testing::scan({Vec3(-0.2, -0.1, -0.1), Vec3(0.2, 0.1, 0.1)}, 0.01, balls), kWindow, 0.01);
+  EXPECT_EQ(keep_largest_piece(grid), 2u);
+  const MassProperties m = mass_properties(grid, 1.0);
+  EXPECT_NEAR(m.center.x(), 0.1, 1e-3);
+  const double volume = 4.0 / 3.0 * std::numbers::pi * 0.05 * 0.05 * 0.05;
+  EXPECT_NEAR(m.volume, volume, 0.03 * volume);
+}
+
+TEST(Occupancy, DisplaySurfaceIsClosedAndWhereTheMatterEnds) {
+  const OccupancyGrid grid = sample_occupancy(
+      testing::scan({Vec3::Constant(-0.12), Vec3::Constant(0.12)}, 0.01, [](const Vec3& x) { return x.norm() - 0.1; }),
+      kWindow, 0.005);
+  for (const std::size_t nodes : {1'000'000u, 20'000u}) {
+    const TriMesh surface = display_surface(grid, nodes);
+    const MeshReport report = inspect(surface);
+    EXPECT_TRUE(report.closed() && report.oriented());
+    double worst = 0.0;
+    for (const Vec3& x : surface.vertices) worst = std::max(worst, std::abs(x.norm() - 0.1));
+    EXPECT_LT(worst, 0.005) << nodes;
+    EXPECT_NEAR(report.volume, 4.0 / 3.0 * std::numbers::pi * 1e-3, 0.04 * 4.2e-3);
+  }
+}
+
+TEST(Occupancy, NothingLeftAndTooManyCellsAreRefused) {
+  const VoxelImage ball =
+      testing::scan({Vec3::Constant(-0.1), Vec3::Constant(0.1)}, 0.02, [](const Vec3& x) { return x.norm() - 0.06; });
+  EXPECT_THROW(sample_occupancy(ball, {101, 200}, 0.02), InputError);
+  EXPECT_THROW(sample_occupancy(ball, kWindow, 0.001, 1000), InputError);
+  EXPECT_THROW(sample_occupancy(ball, kWindow, 0.0), InputError);
+  EXPECT_THROW(mass_properties(sample_occupancy(ball, kWindow, 0.02), -1.0), InputError);
+}
+
+TEST(Occupancy, ThreadsDoNotChangeABit) {
+  const VoxelImage ball =
+      testing::scan({Vec3::Constant(-0.1), Vec3::Constant(0.1)}, 0.01, [](const Vec3& x) { return x.norm() - 0.06; });
+  std::vector<std::uint8_t> first;
+  for (const int threads : {1, 2, 4}) {
+    ThreadLimit limit(threads);
+    const OccupancyGrid grid = sample_occupancy(ball, kWindow, 0.007);
+    if (first.empty()) first = grid.share;
+    EXPECT_EQ(grid.share, first);
+  }
+}
+
+}  // namespace
+}  // namespace brim

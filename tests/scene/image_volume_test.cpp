@@ -1,0 +1,111 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "brim/core/error.h"
+#include "brim/io/volume_reader.h"
+#include "brim/scene/scene.h"
+#include "support/images.h"
+
+namespace brim {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ImageVolumes : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = fs::temp_directory_path() / ("brim_image_volumes_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    const VoxelImage ball = testing::scan({Vec3::Constant(-0.12), Vec3::Constant(0.12)}, 0.01,
+                                          [](const Vec3& x) { return (x - Vec3(0.01, 0, 0)).norm() - 0.1; });
+    write_nifti((folder_ / "ball.nii").string(), ball);
+    std::ofstream(folder_ / "garbage.nii") << std::string(500, 'x');
+    std::ofstream(folder_ / "short.nrrd") << "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 9 9 9\nencoding: raw\n\n12";
+    std::ofstream(folder_ / "zero.nrrd")
+        << "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 2 2 1\nspacings: 1 0 1\nencoding: raw\n\n1234";
+    std::ofstream raw(folder_ / "ball.raw", std::ios::binary);
+    raw.write(reinterpret_cast<const char*>(ball.values.data()), static_cast<std::streamsize>(4 * ball.values.size()));
+  }
+  static void TearDownTestSuite() { fs::remove_all(folder_); }
+
+  static World build(const std::string& body) {
+    const std::string text = R"({"brim": 1, "name": "image", "duration": 1, "bodies": [
+      {"kind": "image_volume", "name": "scan", )" +
+                             body + "}]}";
+    return build_world(parse_scene(text, (folder_ / "scene.json").string()));
+  }
+  static std::string message(const std::string& body) {
+    try {
+      build(body);
+      return "";
+    } catch (const InputError& e) {
+      return e.what();
+    }
+  }
+  static inline fs::path folder_;
+};
+
+TEST_F(ImageVolumes, FileRawAndShapeOfTheSameBallGiveTheSameBody) {
+  const double mass = 700.0 * 4.0 / 3.0 * 3.14159265358979 * 1e-3;
+  for (const char* body : {R"("file": "ball.nii", "window": [0, 100], "density": 700)",
+                           R"("file": "ball.raw", "window": [0, 100], "density": 700,
+                              "raw": {"size": [25, 25, 25], "spacing": [0.01, 0.01, 0.01], "type": "float32"})",
+                           R"("shape": {"kind": "sphere", "radius": 0.1}, "image_spacing": 0.01, "density": 700)"}) {
+    SCOPED_TRACE(body);
+    const World w = build(body);
+    EXPECT_EQ(w.body(0).kind(), "image_volume");
+    EXPECT_NEAR(w.body(0).mass(), mass, 0.01 * mass);
+    EXPECT_LT(Vec3(w.q(0)[0], w.q(0)[1], w.q(0)[2]).norm(), 1e-3) << "centred";
+    EXPECT_NEAR(w.body(0).bounds(0).extent().x(), 0.2, 0.03);
+    EXPECT_GT(w.body(0).display().triangles.size(), 100u);
+  }
+}
+
+TEST_F(ImageVolumes, ScaleUnitMassAndOwnPlaceAreHeeded) {
+  const World w = build(R"("file": "ball.nii", "window": [0, 100], "unit": 1e-2, "mass": 3, "center": false,
+                           "transform": {"scale": 0.5, "position": [0, 0, 2]})");
+  EXPECT_NEAR(w.body(0).mass(), 3.0, 1e-12);
+  EXPECT_NEAR(w.body(0).bounds(0).extent().x(), 0.2 * 10 * 0.5, 0.15);
+  EXPECT_NEAR(w.q(0)[0], 0.05, 0.005);
+  EXPECT_NEAR(w.q(0)[2], 2.0, 0.005);
+}
+
+TEST_F(ImageVolumes, BadInputIsRefusedWithAMessage) {
+  const auto expect = [](const std::string& body, const std::vector<std::string>& words) {
+    const std::string text = message(body);
+    for (const std::string& word : words)
+      EXPECT_NE(text.find(word), std::string::npos) << body << ": \"" << text << "\" lacks \"" << word << "\"";
+  };
+  const std::string good = R"("file": "ball.nii", "window": [0, 100])";
+  EXPECT_EQ(message(good), "");
+  expect(R"("window": [0, 100])", {"/bodies/0", "\"file\" or \"shape\""});
+  expect(good + R"(, "shape": {"kind": "sphere", "radius": 1}, "image_spacing": 0.1)", {"give one"});
+  expect(R"("file": "ball.nii")", {"\"window\" is missing"});
+  expect(R"("file": "ball.nii", "window": [5, 4])", {"/bodies/0/window", "at most the second"});
+  expect(R"("file": "gone.nii", "window": [0, 1])", {"/bodies/0/file", "no such file"});
+  expect(R"("file": "garbage.nii", "window": [0, 1])", {"/bodies/0/file", "is not a NIfTI-1"});
+  expect(R"("file": "short.nrrd", "window": [0, 1])", {"/bodies/0/file", "cut short"});
+  expect(R"("file": "zero.nrrd", "window": [0, 1])", {"/bodies/0/file", "voxel steps"});
+  expect(R"("file": "ball.nii", "window": [500, 600])", {"/bodies/0/window", "no matter is left", "0 to 100"});
+  expect(good + R"(, "voxel_size": 1e-6)", {"/bodies/0/voxel_size", "memory_limit"});
+  expect(good + R"(, "density": 5, "mass": 5)", {"/bodies/0/mass", "give one"});
+  expect(good + R"(, "density": -5)", {"/bodies/0/density", "above 0"});
+  expect(good + R"(, "image_spacing": 0.1)", {"image_spacing", "only \"shape\""});
+  expect(R"("shape": {"kind": "sphere", "radius": 1})", {"\"image_spacing\" is missing"});
+  expect(R"("shape": {"kind": "sphere", "radius": 1}, "image_spacing": 1e-6)", {"image_spacing", "memory_limit"});
+  expect(R"("shape": {"kind": "plane"}, "image_spacing": 0.1)", {"no finite volume"});
+  expect(
+      R"("file": "ball.raw", "window": [0, 1], "raw": {"size": [25, 25, 26], "spacing": [1, 1, 1], "type": "float32"})",
+      {"/bodies/0/file", "cut short"});
+  expect(
+      R"("file": "ball.raw", "window": [0, 1], "raw": {"size": [25, 25, 25], "spacing": [1, 0, 1], "type": "float32"})",
+      {"/bodies/0/raw/spacing/1", "above 0"});
+  expect(R"("file": "ball.raw", "window": [0, 1])", {"must end in .nii"});
+  expect(good + R"(, "lattice_spacing": 0.1)", {"lattice_spacing", "deformable"});
+}
+
+}  // namespace
+}  // namespace brim
