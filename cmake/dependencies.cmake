@@ -6,6 +6,7 @@ find_package(nlohmann_json 3.11 REQUIRED)
 find_package(HDF5 REQUIRED COMPONENTS C)
 find_package(assimp REQUIRED)
 find_package(ZLIB REQUIRED)
+find_package(tinyxml2 REQUIRED)
 find_package(CLI11 REQUIRED)
 
 # Debian ships cpp-httplib as a library without a CMake package. The definitions must be those that the library was

@@ -172,9 +172,28 @@ std::shared_ptr<const Shape> primitive(const Node& n, double s, MassProperties& 
 
 }  // namespace
 
+void sample_solid(const SolidSurface& source, double memory_limit, Solid& solid) {
+  DistanceGridOptions options;
+  options.treatment = source.treatment;
+  options.thickness = source.thickness;
+  // Half a voxel resolves what the voxels can see.
+  options.spacing = 0.5 * solid.voxel_size;
+  options.margin = 2.0 * solid.voxel_size;
+  options.max_nodes = static_cast<std::size_t>(memory_limit / sizeof(float));
+  auto grid = std::make_shared<const DistanceGrid>(make_distance_grid(source.mesh, options));
+  solid.unit =
+      source.treatment == SurfaceTreatment::Closed ? mass_properties(source.mesh, 1.0) : mass_properties(*grid, 1.0);
+  // The largest ball inside: the thickness of tori, gears and the like.
+  const double deepest = *std::min_element(grid->values().begin(), grid->values().end());
+  solid.shape = make_grid_shape(std::move(grid), -2.0 * deepest);
+}
+
 Solid read_solid(const Node& body, double memory_limit) {
-  const Node n = body.at("shape");
-  const double scale = body.at("transform").number("scale"), voxel_size = body.number("voxel_size");
+  return read_solid(body.at("shape"), body, body.at("transform").number("scale"), body.number("voxel_size"),
+                    memory_limit);
+}
+
+Solid read_solid(const Node& n, const Node& at, double scale, double voxel_size, double memory_limit) {
   SolidSurface source = read_surface_of(n, scale);
   Solid solid;
   solid.area = surface_area(source.mesh);
@@ -183,23 +202,9 @@ Solid read_solid(const Node& body, double memory_limit) {
   const Aabb box = bounds(source.mesh.vertices);
   solid.voxel_size = voxel_size > 0.0 ? voxel_size : plane ? 1.0 : 0.125 * box.extent().minCoeff();
   if (source.treatment == SurfaceTreatment::Thickness && voxel_size <= 0.0) solid.voxel_size = 0.5 * source.thickness;
-  if (!plane) check_voxel_size(body, solid.voxel_size, solid.area, memory_limit);
+  if (!plane) check_voxel_size(at, solid.voxel_size, solid.area, memory_limit);
   if (!solid.shape) {
-    n.placed([&] {
-      DistanceGridOptions options;
-      options.treatment = source.treatment;
-      options.thickness = source.thickness;
-      // Half a voxel resolves what the voxels can see.
-      options.spacing = 0.5 * solid.voxel_size;
-      options.margin = 2.0 * solid.voxel_size;
-      options.max_nodes = static_cast<std::size_t>(memory_limit / sizeof(float));
-      auto grid = std::make_shared<const DistanceGrid>(make_distance_grid(source.mesh, options));
-      solid.unit = source.treatment == SurfaceTreatment::Closed ? mass_properties(source.mesh, 1.0)
-                                                                : mass_properties(*grid, 1.0);
-      // The largest ball inside: the thickness of tori, gears and the like.
-      const double deepest = *std::min_element(grid->values().begin(), grid->values().end());
-      solid.shape = make_grid_shape(std::move(grid), -2.0 * deepest);
-    });
+    n.placed([&] { sample_solid(source, memory_limit, solid); });
   } else if (solid.unit.mass == 0.0 && !plane) {
     solid.unit = mass_properties(source.mesh, 1.0);
   }

@@ -44,4 +44,12 @@ SolidSurface read_surface_of(const Node& shape, double scale);
 /// @throws InputError
 Solid read_solid(const Node& body, double memory_limit);
 
+/// The same of a shape by itself. @param at  node whose "voxel_size" is blamed where voxels are too many
+/// @param voxel_size  [m] 0: an eighth of the smallest extent
+Solid read_solid(const Node& shape, const Node& at, double scale, double voxel_size, double memory_limit);
+
+/// A solid from a surface of any form: a sampled distance field with samples at half of solid.voxel_size. Sets the
+/// shape and the mass properties.
+void sample_solid(const SolidSurface& source, double memory_limit, Solid& solid);
+
 }  // namespace brim

@@ -86,12 +86,17 @@ int TreeFlow::run(const Tree& tree, double dt, std::span<double> q, std::span<do
     after = kinetic_energy(tree, q_, v_);
     if (std::abs(after - energy) <= kEnergyTolerance * energy || 2 * pieces > kMaxPieces) break;
   }
+  if (!std::isfinite(after)) {  // hopelessly fast: along straight coordinates
+    q_.assign(q.begin(), q.end()), v_.assign(v.begin(), v.end());
+    tree.move(dt, v_, q_);
+    after = kinetic_energy(tree, q_, v_);
+  }
   if (tree.floating()) {
     restore_momentum(tree, momentum, point);
     after = kinetic_energy(tree, q_, v_);
   }
   if (!(after <= (1.0 + 2.0 * kEnergyTolerance) * energy)) {  // too fast for the pieces: slower, never faster
-    const double scale = std::isfinite(after) ? std::sqrt(energy / after) : 0.0;
+    const double scale = std::sqrt(energy / after);
     for (double& x : v_) x *= scale;
   }
   std::copy(q_.begin(), q_.end(), q.begin());
