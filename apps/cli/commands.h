@@ -15,6 +15,7 @@ void add_info(CLI::App& app, int& code);
 void add_schema(CLI::App& app, int& code);
 void add_view(CLI::App& app, int& code);
 void add_render(CLI::App& app, int& code);
+void add_export(CLI::App& app, int& code);
 
 /// True once Ctrl-C or a request to end has come. The first is taken in; a second ends the process at once.
 void watch_interrupts();

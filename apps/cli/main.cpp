@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   brim::cli::add_schema(app, code);
   brim::cli::add_view(app, code);
   brim::cli::add_render(app, code);
+  brim::cli::add_export(app, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

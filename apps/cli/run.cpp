@@ -43,7 +43,8 @@ int run(const Options& o) {
   plan.folder = plan.resume         ? o.resume
                 : !o.folder.empty() ? o.folder
                                     : (std::filesystem::path("out") / scene.name).string();
-  plan.info = {scene.name, scene.text, scene.frame_time(), scene.steps_per_frame};
+  plan.info = {scene.name, scene.text, scene.frame_time(), scene.steps_per_frame,
+               std::filesystem::absolute(o.scene).lexically_normal().string()};
   plan.scene_file = o.scene;
   plan.scene_frames = scene.frames;
   plan.frames = o.frames > 0 ? o.frames : scene.frames;

@@ -99,6 +99,21 @@ std::vector<std::uint64_t> Dataset::shape() const {
   return {dims.begin(), dims.end()};
 }
 
+Type Dataset::type() const {
+  const Handle type(need(H5Dget_type(handle_.id()), path_, "cannot be read"));
+  const bool real = H5Tget_class(type.id()) == H5T_FLOAT;
+  switch (H5Tget_size(type.id())) {
+    case 8:
+      return real ? Type::Float64 : Type::Int64;
+    case 4:
+      return real ? Type::Float32 : Type::Int32;
+    case 1:
+      return Type::UInt8;
+    default:
+      throw InputError(fmt::format("{}: has elements of a type that brim does not write", path_));
+  }
+}
+
 void Dataset::append(const void* data, std::uint64_t rows, Type type) {
   if (rows == 0) return;
   std::vector<std::uint64_t> dims = shape();
@@ -235,6 +250,19 @@ Dataset File::open(const std::string& path) const {
   Handle set(H5Dopen2(handle_.id(), path.c_str(), H5P_DEFAULT));
   need(set.id(), path_ + ":" + path, "is not a data set");
   return {std::move(set), path_ + ":" + path};
+}
+
+std::vector<std::string> File::datasets() const {
+  std::vector<std::string> list;
+  const auto visit = [](hid_t group, const char* name, const H5L_info_t*, void* to) -> herr_t {
+    const Handle object(H5Oopen(group, name, H5P_DEFAULT));
+    if (H5Iget_type(object.id()) == H5I_DATASET)
+      static_cast<std::vector<std::string>*>(to)->push_back(fmt::format("/{}", name));
+    return 0;
+  };
+  need(H5Lvisit(handle_.id(), H5_INDEX_NAME, H5_ITER_NATIVE, visit, &list), path_, "is damaged");
+  std::sort(list.begin(), list.end());
+  return list;
 }
 
 namespace {

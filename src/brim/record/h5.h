@@ -45,6 +45,8 @@ class Dataset {
 
   /// Shape now.
   std::vector<std::uint64_t> shape() const;
+  /// Type of the elements in the file.
+  Type type() const;
   /// Writes rows at the end. @param data  rows x (product of the other extents) elements of `type`
   void append(const void* data, std::uint64_t rows, Type type);
   /// Reads rows [first, first + rows) into data, converting to `type`.
@@ -76,6 +78,8 @@ class File {
   /// A data set of fixed size, written at once.
   void write(const std::string& path, Type type, std::span<const std::uint64_t> shape, const void* data);
   Dataset open(const std::string& path) const;
+  /// Paths of all data sets, sorted.
+  std::vector<std::string> datasets() const;
 
   void attribute(const std::string& object, const std::string& name, const std::string& value);
   void attribute(const std::string& object, const std::string& name, double value);

@@ -38,7 +38,8 @@ Display::Kind display_kind(const std::string& word) {
 struct RunReader::Impl {
   std::string path;
   h5::File file;
-  std::string scene, version;
+  std::string scene, version, scene_path;
+  ProcessMark writer;
   double frame_time = 0.0;
   int steps_per_frame = 1;
   std::int64_t frames = 0;
@@ -122,6 +123,10 @@ RunReader::RunReader(const std::string& path) : impl_(std::make_unique<Impl>(fil
   d.version = d.file.text("/", "brim_version");
   d.frame_time = d.file.number("/", "frame_time");
   d.steps_per_frame = static_cast<int>(d.file.number("/", "steps_per_frame"));
+  if (d.file.has_attribute("/", "scene_path")) d.scene_path = d.file.text("/", "scene_path");
+  if (d.file.has_attribute("/", "writer_pid"))
+    d.writer = {static_cast<std::int64_t>(d.file.number("/", "writer_pid")), d.file.text("/", "writer_host"),
+                d.file.text("/", "writer_started")};
   d.read_bodies();
   d.read_parts();
   d.frames =
@@ -131,8 +136,11 @@ RunReader::RunReader(const std::string& path) : impl_(std::make_unique<Impl>(fil
 RunReader::~RunReader() = default;
 RunReader::RunReader(RunReader&&) noexcept = default;
 
+const std::string& RunReader::path() const { return impl_->path; }
 const std::string& RunReader::scene_name() const { return impl_->scene; }
 const std::string& RunReader::brim_version() const { return impl_->version; }
+const std::string& RunReader::scene_path() const { return impl_->scene_path; }
+const ProcessMark& RunReader::writer() const { return impl_->writer; }
 double RunReader::frame_time() const { return impl_->frame_time; }
 int RunReader::steps_per_frame() const { return impl_->steps_per_frame; }
 std::int64_t RunReader::frames() const { return impl_->frames; }
@@ -261,7 +269,7 @@ std::vector<double> RunReader::series(const std::string& name) const {
 
 void check_same_world(const RunReader& run, const World& world) {
   const auto differ = [](const std::string& what) {
-    throw InputError(fmt::format("the recorded run is of another scene: {}; --resume needs the same scene", what));
+    throw InputError(fmt::format("the recorded run is of another scene: {}", what));
   };
   const std::vector<RecordedBody>& bodies = run.bodies();
   if (bodies.size() != static_cast<std::size_t>(world.body_count()))

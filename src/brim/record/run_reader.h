@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "brim/record/process_mark.h"
 #include "brim/world/measures.h"
 #include "brim/world/world.h"
 
@@ -36,8 +37,14 @@ class RunReader {
   ~RunReader();
   RunReader(RunReader&&) noexcept;
 
+  /// Of the file that is read.
+  const std::string& path() const;
   const std::string& scene_name() const;
   const std::string& brim_version() const;
+  /// Of the file that the scene was read from, absolute; empty when it is not known.
+  const std::string& scene_path() const;
+  /// The process that writes the run, or wrote it last; not known for runs of older versions.
+  const ProcessMark& writer() const;
   double frame_time() const;  ///< [s]
   int steps_per_frame() const;
   std::int64_t frames() const;

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "brim/record/h5.h"
+#include "brim/record/process_mark.h"
 #include "brim/record/run_layout.h"
 #include "brim/record/xdmf.h"
 #include "brim/world/report_fields.h"
@@ -117,6 +118,7 @@ struct RunWriter::Impl {
   std::vector<std::vector<Vec3f>> first_positions;  ///< of bodies that have not moved yet
 
   void make(const World& world, const RunInfo& info);
+  void mark_writer();
   void describe(const World& world);
   void open_all(const World& world, bool create);
   Ragged open_ragged(const std::string& group, const std::vector<Column>& columns, bool create);
@@ -138,9 +140,18 @@ void RunWriter::Impl::make(const World& world, const RunInfo& info) {
   file->attribute("/", "scene", info.scene_name);
   file->attribute("/", "frame_time", info.frame_time);
   file->attribute("/", "steps_per_frame", std::int64_t{info.steps_per_frame});
+  file->attribute("/", "scene_path", info.scene_path);
+  mark_writer();
   describe(world);
   open_all(world, true);
   write_whole((fs::path(folder) / "scene.json").string(), info.scene_text);
+}
+
+void RunWriter::Impl::mark_writer() {
+  const ProcessMark me = this_process();
+  file->attribute("/", "writer_pid", me.pid);
+  file->attribute("/", "writer_host", me.host);
+  file->attribute("/", "writer_started", me.started);
 }
 
 void RunWriter::Impl::describe(const World& world) {
@@ -343,6 +354,7 @@ RunWriter::RunWriter(const std::string& folder, const World& world, std::int64_t
     : impl_(std::make_unique<Impl>()) {
   impl_->folder = folder;
   impl_->file = std::make_unique<h5::File>((fs::path(folder) / "run.h5").string(), h5::File::Mode::Write);
+  impl_->mark_writer();
   impl_->open_all(world, false);
   impl_->cut_all(frame + 1);
 }

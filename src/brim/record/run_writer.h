@@ -16,6 +16,7 @@ struct RunInfo {
   std::string scene_text;   ///< written to scene.json byte for byte
   double frame_time = 0.0;  ///< [s]
   int steps_per_frame = 1;
+  std::string scene_path{};  ///< absolute, of the file it was read from; paths in a scene start from its folder
 };
 
 /// Looks whether `folder` may become a run folder: it must not exist, be empty, or (with force) hold an old run.

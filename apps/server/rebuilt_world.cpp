@@ -1,0 +1,39 @@
+#include "server/rebuilt_world.h"
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "brim/core/error.h"
+#include "brim/scene/scene.h"
+
+namespace brim::viewer {
+
+namespace fs = std::filesystem;
+
+RebuiltWorld::RebuiltWorld(const RunReader& run) {
+  const fs::path kept = fs::path(run.path()).parent_path() / "scene.json";
+  std::ifstream in(kept, std::ios::binary);
+  if (!in)
+    throw InputError(
+        fmt::format("{}: is not there; the densities of a run are made from the scene that it keeps", kept.string()));
+  std::ostringstream text;
+  text << in.rdbuf();
+  // Paths inside start from where the scene was read, if that is still there.
+  std::error_code error;
+  const bool known = !run.scene_path().empty() && fs::is_directory(fs::path(run.scene_path()).parent_path(), error);
+  const Scene scene = parse_scene(text.str(), known ? run.scene_path() : kept.string());
+  world_ = std::make_unique<World>(build_world(scene));
+  check_same_world(run, *world_);
+}
+
+const World& RebuiltWorld::at(const RunReader& run, std::int64_t frame) {
+  if (frame != frame_) {
+    frame_ = -1;
+    world_->set_state(run.state(frame));
+    frame_ = frame;
+  }
+  return *world_;
+}
+
+}  // namespace brim::viewer

@@ -1,0 +1,62 @@
+#include "brim/record/export/motion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace brim::exporting {
+
+void Film::add(const Job& job, const Frame& frame) {
+  times.push_back(frame.time);
+  indices.push_back(frame.index);
+  positions.resize(job.items.size());
+  velocities.resize(job.items.size());
+  for (std::size_t i = 0; i < job.items.size(); ++i) {
+    if (job.items[i].still && frame.order > 0) continue;
+    positions[i].push_back(frame.positions[i]);
+    velocities[i].push_back(frame.velocities[i]);
+  }
+  contacts.push_back(frame.contacts);
+}
+
+namespace {
+
+using Points = Eigen::Matrix3Xd;
+
+/// Rotation that brings the columns of a, both about their means, closest to those of b.
+Mat3 best_rotation(const Points& a, const Points& b) {
+  const Eigen::JacobiSVD<Mat3> svd(b * a.transpose(), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+  return svd.matrixU() * Vec3(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
+}
+
+Points centred(const std::vector<Vec3f>& x, Vec3& mean) {
+  Points p(3, static_cast<Eigen::Index>(x.size()));
+  for (std::size_t i = 0; i < x.size(); ++i) p.col(static_cast<Eigen::Index>(i)) = x[i].cast<double>();
+  mean = p.rowwise().mean();
+  p.colwise() -= mean;
+  return p;
+}
+
+}  // namespace
+
+std::optional<RigidMotion> find_rigid_motion(const std::vector<std::vector<Vec3f>>& frames) {
+  if (frames.empty() || frames.front().size() < 3) return std::nullopt;
+  RigidMotion motion;
+  Vec3 mean;
+  const Points first = centred(frames.front(), mean);
+  for (Eigen::Index i = 0; i < first.cols(); ++i) motion.local.push_back(first.col(i).cast<float>());
+  for (const std::vector<Vec3f>& frame : frames) {
+    const Points now = centred(frame, mean);
+    const Mat3 rotation = best_rotation(first, now);
+    const double reach = mean.cwiseAbs().maxCoeff() + now.cwiseAbs().maxCoeff();
+    const double stray = (rotation * first - now).cwiseAbs().maxCoeff();
+    if (!(stray <= 4e-6 * reach)) return std::nullopt;  // also for what is not a number
+    Placement p{Quat(rotation).normalized(), mean};
+    if (!motion.placements.empty() && p.rotation.dot(motion.placements.back().rotation) < 0.0)
+      p.rotation.coeffs() *= -1.0;
+    motion.placements.push_back(p);
+  }
+  return motion;
+}
+
+}  // namespace brim::exporting

@@ -1,0 +1,59 @@
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "brim/record/export/format.h"
+#include "brim/record/export/output_file.h"
+
+namespace brim::exporting {
+
+namespace {
+
+/// Wavefront OBJ: frame_00012.obj holds every body as an object, triangles as f, chains of lines as l, points as p.
+/// The format has no numbers at vertices: velocities, radii and contacts are left out.
+class ObjWriter : public Writer {
+ public:
+  explicit ObjWriter(const Job& job) : job_(job) {
+    for (const Item& item : job.items)
+      chains_.push_back(chains(item.recorded->display.lines, item.recorded->display.vertices));
+  }
+
+  void frame(const Frame& frame) override {
+    OutputFile file(job_.folder / numbered("frame", frame.index, "obj"));
+    std::string text = fmt::format("# brim: {} s; metres, z up\n", frame.time);
+    std::size_t first = 1;  // vertices count from 1 through the whole file
+    for (std::size_t i = 0; i < job_.items.size(); ++i) {
+      body(i, frame.positions[i], first, text);
+      first += frame.positions[i].size();
+      file.write(text);
+      text.clear();
+    }
+    file.close();
+  }
+
+ private:
+  void body(std::size_t i, const std::vector<Vec3f>& x, std::size_t first, std::string& text) const {
+    const Display& display = job_.items[i].recorded->display;
+    const auto to = std::back_inserter(text);
+    fmt::format_to(to, "o {}\n", job_.items[i].file_name);
+    for (const Vec3f& p : x) fmt::format_to(to, "v {} {} {}\n", p.x(), p.y(), p.z());
+    const auto at = [first](std::int32_t v) { return first + static_cast<std::size_t>(v); };
+    for (const Triangle& t : display.triangles) fmt::format_to(to, "f {} {} {}\n", at(t[0]), at(t[1]), at(t[2]));
+    for (const auto& chain : chains_[i]) {
+      text += 'l';
+      for (const std::int32_t v : chain) fmt::format_to(to, " {}", at(v));
+      text += '\n';
+    }
+    if (display.kind != Display::Kind::Points) return;
+    for (std::size_t v = 0; v < x.size(); ++v) fmt::format_to(to, "p {}\n", first + v);
+  }
+
+  const Job& job_;
+  std::vector<std::vector<std::vector<std::int32_t>>> chains_;
+};
+
+}  // namespace
+
+std::unique_ptr<Writer> make_obj(const Job& job) { return std::make_unique<ObjWriter>(job); }
+
+}  // namespace brim::exporting

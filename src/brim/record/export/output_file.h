@@ -1,0 +1,42 @@
+#pragma once
+
+#include <bit>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string_view>
+
+namespace brim::exporting {
+
+// Numbers are written as they lie in memory, and every format here is little-endian.
+static_assert(std::endian::native == std::endian::little);
+
+/// A file that is written from its beginning; every failure is an InputError that names it.
+class OutputFile {
+ public:
+  explicit OutputFile(const std::filesystem::path& path);
+  void write(std::string_view text) { write(text.data(), text.size()); }
+  void write(const void* data, std::size_t bytes);
+  template <class T>
+  void write_number(T value) {
+    write(&value, sizeof value);
+  }
+  template <class T>
+  void write_array(std::span<const T> values) {
+    write(values.data(), values.size_bytes());
+  }
+  /// Bytes written so far.
+  std::uint64_t size() const { return size_; }
+  /// Writes over what was written at an earlier place, and goes on at the end.
+  void patch(std::uint64_t at, const void* data, std::size_t bytes);
+  /// Must be called last. @throws InputError  when not all has reached the disk
+  void close();
+
+ private:
+  [[noreturn]] void fail() const;
+  std::filesystem::path path_;
+  std::ofstream file_;
+  std::uint64_t size_ = 0;
+};
+
+}  // namespace brim::exporting

@@ -1,0 +1,178 @@
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "brim/record/export/format.h"
+#include "brim/record/export/motion.h"
+#include "brim/record/export/output_file.h"
+
+namespace brim::exporting {
+
+namespace {
+
+std::string tuple(const Vec3f& p) { return fmt::format("({}, {}, {})", p.x(), p.y(), p.z()); }
+
+template <class List, class Text>
+std::string joined(const List& list, Text text) {
+  std::string out = "[";
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (i > 0) out += ", ";
+    out += text(list[i]);
+  }
+  return out + "]";
+}
+std::string joined(const std::vector<Vec3f>& list) { return joined(list, tuple); }
+std::string number(auto x) { return fmt::format("{}", x); }
+
+/// Rows of the transposed matrix: USD multiplies row vectors from the left.
+std::string matrix(const Placement& p) {
+  const Mat3 r = p.rotation.toRotationMatrix();
+  const Vec3& t = p.translation;
+  std::string out = "( ";
+  for (int a = 0; a < 3; ++a) out += fmt::format("({}, {}, {}, 0), ", r(0, a), r(1, a), r(2, a));
+  return out + fmt::format("({}, {}, {}, 1) )", t.x(), t.y(), t.z());
+}
+
+/// Text in double quotes.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+  }
+  return out + "\"";
+}
+
+/// USD as text: run.usda, z up, metres, one time code per recorded frame. Bodies that moved as rigid ones are a shape
+/// and a sampled matrix; all others have sampled points, with velocities where the run has them. Surfaces are Mesh,
+/// lines BasisCurves, points Points; contacts are Points with force, friction and overlap as primvars.
+class UsdaWriter : public Writer {
+ public:
+  explicit UsdaWriter(const Job& job) : job_(job) {}
+  void frame(const Frame& frame) override { film_.add(job_, frame); }
+
+  void finish() override {
+    OutputFile file(job_.folder / "run.usda");
+    const double rate = job_.run->frame_time() > 0.0 ? 1.0 / job_.run->frame_time() : 24.0;
+    file.write(fmt::format(
+        "#usda 1.0\n(\n    defaultPrim = \"World\"\n    doc = {}\n    endTimeCode = {}\n    framesPerSecond = {}\n"
+        "    metersPerUnit = 1\n    startTimeCode = {}\n    timeCodesPerSecond = {}\n    upAxis = \"Z\"\n)\n\n"
+        "def Xform \"World\"\n{{\n",
+        quoted("Run of scene " + job_.run->scene_name() + " by brim " + job_.run->brim_version()), film_.indices.back(),
+        rate, film_.indices.front(), rate));
+    for (std::size_t i = 0; i < job_.items.size(); ++i) file.write(body(i));
+    file.write(contacts() + "}\n");
+    file.close();
+  }
+
+ private:
+  static constexpr const char* kPad = "        ";
+
+  /// An attribute with one value per frame, or a plain one where there is only one.
+  template <class Text>
+  std::string sampled(const std::string& name, std::size_t samples, Text text, const std::string& metadata = "") const {
+    if (samples == 1) return fmt::format("{}{} = {}{}\n", kPad, name, text(0), metadata);
+    // Metadata belong to the attribute's declaration, which has no value of its own here.
+    std::string out = metadata.empty() ? "" : fmt::format("{}{}{}\n", kPad, name, metadata);
+    out += fmt::format("{}{}.timeSamples = {{\n", kPad, name);
+    for (std::size_t f = 0; f < samples; ++f) out += fmt::format("{}    {}: {},\n", kPad, film_.indices[f], text(f));
+    return out + kPad + "}\n";
+  }
+
+  std::string body(std::size_t i) const {
+    const Item& item = job_.items[i];
+    const Display& d = item.recorded->display;
+    const auto& frames = film_.positions[i];
+    const char* type = d.kind == Display::Kind::Triangles ? "Mesh"
+                       : d.kind == Display::Kind::Lines   ? "BasisCurves"
+                                                          : "Points";
+    std::string out = fmt::format(
+        "    def {} \"{}\" (\n        customData = {{\n            string brim_name = {}\n"
+        "        }}\n    )\n    {{\n",
+        type, item.identifier, quoted(item.name));
+    std::vector<std::int32_t> order;  // vertices as the prim lists them; empty: as recorded
+    if (d.kind == Display::Kind::Triangles) out += surface(d);
+    if (d.kind == Display::Kind::Lines) out += curves(d, order);
+    if (d.kind != Display::Kind::Triangles)
+      out += fmt::format("{}float[] widths = [{}] (\n{}    interpolation = \"constant\"\n{})\n", kPad,
+                         static_cast<float>(2.0 * d.radius), kPad, kPad);
+    out += fmt::format("{}color3f[] primvars:displayColor = [{}]\n", kPad, tuple(item.colour));
+    const auto& v = film_.velocities[i];
+    // Where there are velocities the points move in their own right.
+    const auto motion = frames.size() > 1 && v.front().empty() ? find_rigid_motion(frames) : std::nullopt;
+    const auto picked = [&](const std::vector<Vec3f>& x) {
+      if (order.empty()) return joined(x);
+      return joined(order, [&](std::int32_t n) { return tuple(x[static_cast<std::size_t>(n)]); });
+    };
+    if (motion) {
+      out += extent({motion->local}) + fmt::format("{}point3f[] points = {}\n", kPad, picked(motion->local));
+      out += sampled("matrix4d xformOp:transform", motion->placements.size(),
+                     [&](std::size_t f) { return matrix(motion->placements[f]); });
+      out += fmt::format("{}uniform token[] xformOpOrder = [\"xformOp:transform\"]\n", kPad);
+    } else {
+      out +=
+          extent(frames) + sampled("point3f[] points", frames.size(), [&](std::size_t f) { return picked(frames[f]); });
+      if (!v.front().empty())
+        out += sampled("vector3f[] velocities", v.size(), [&](std::size_t f) { return picked(v[f]); });
+    }
+    return out + "    }\n\n";
+  }
+
+  static std::string surface(const Display& d) {
+    std::string out = fmt::format("{0}uniform token subdivisionScheme = \"none\"\n{0}uniform bool doubleSided = {1}\n",
+                                  kPad, d.two_sided ? 1 : 0);
+    out += fmt::format("{}int[] faceVertexCounts = {}\n", kPad,
+                       joined(d.triangles, [](const Triangle&) { return std::string("3"); }));
+    return out + fmt::format("{}int[] faceVertexIndices = {}\n", kPad, joined(d.triangles, [](const Triangle& t) {
+                               return fmt::format("{}, {}, {}", t[0], t[1], t[2]);
+                             }));
+  }
+
+  static std::string curves(const Display& d, std::vector<std::int32_t>& order) {
+    const auto list = chains(d.lines, d.vertices);
+    for (const auto& chain : list) order.insert(order.end(), chain.begin(), chain.end());
+    return fmt::format("{0}uniform token type = \"linear\"\n{0}int[] curveVertexCounts = {1}\n", kPad,
+                       joined(list, [](const auto& chain) { return number(chain.size()); }));
+  }
+
+  /// Box of all frames together.
+  static std::string extent(const std::vector<std::vector<Vec3f>>& frames) {
+    Vec3f lo = Vec3f::Zero(), hi = Vec3f::Zero();
+    bool any = false;
+    for (const auto& frame : frames)
+      for (const Vec3f& p : frame) {
+        lo = any ? Vec3f(lo.cwiseMin(p)) : p;
+        hi = any ? Vec3f(hi.cwiseMax(p)) : p;
+        any = true;
+      }
+    return fmt::format("{}float3[] extent = [{}, {}]\n", kPad, tuple(lo), tuple(hi));
+  }
+
+  std::string contacts() const {
+    const auto& list = film_.contacts;
+    const std::string vertex = fmt::format(" (\n{0}    interpolation = \"vertex\"\n{0})", kPad);
+    const auto vectors = [&](const std::string& name, Vec3f ContactSample::*member, const std::string& metadata) {
+      return sampled(
+          name, list.size(),
+          [&](std::size_t f) { return joined(list[f], [&](const ContactSample& c) { return tuple(c.*member); }); },
+          metadata);
+    };
+    return "    def Points \"contacts\"\n    {\n" + vectors("point3f[] points", &ContactSample::position, "") +
+           vectors("vector3f[] primvars:force", &ContactSample::force, vertex) +
+           vectors("vector3f[] primvars:friction", &ContactSample::friction, vertex) +
+           sampled(
+               "float[] primvars:overlap", list.size(),
+               [&](std::size_t f) { return joined(list[f], [](const ContactSample& c) { return number(c.overlap); }); },
+               vertex) +
+           fmt::format("{}token visibility = \"invisible\"\n    }}\n", kPad);
+  }
+
+  const Job& job_;
+  Film film_;
+};
+
+}  // namespace
+
+std::unique_ptr<Writer> make_usda(const Job& job) { return std::make_unique<UsdaWriter>(job); }
+
+}  // namespace brim::exporting
