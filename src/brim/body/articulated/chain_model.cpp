@@ -22,7 +22,7 @@ ArticulatedModel chain_model(const ChainOptions& o) {
   const double across = o.density * (tube * (3.0 * r * r + straight * straight) / 12.0 +
                                      caps * (0.4 - 9.0 / 64.0) * r * r + caps * end * end);
   const auto shape = make_capsule(r, straight);
-  const TriMesh surface = shapes::capsule(r, straight);
+  const TriMesh surface = shapes::capsule(r, straight, 16);  // there are many
   const Mat3 along_x = Eigen::AngleAxisd(0.5 * pi, Vec3::UnitY()).toRotationMatrix();
 
   ArticulatedModel model;
