@@ -8,7 +8,7 @@ namespace brim {
 /// What the contacts of a tree's links resist: JᵀKJ of each link at its origin, left by the maps when they make the
 /// block diagonal and taken by the tree's own preconditioner. The blocks of the joints alone would lose it.
 struct TreeContact {
-  std::vector<Mat6> inertia;  ///< [Pa m h² s²...] as K says; shape (links)
+  std::vector<Mat6> inertia;  ///< [kg, kg m, kg m²], shape (links)
 };
 
 /// Map of one link: the rigid map of its twist composed with the twists of the joints between it and the world (paper,
