@@ -1,8 +1,7 @@
 #include "brim/body/cloth/cloth_body.h"
 
+#include "brim/body/particles/sheet_contact.h"
 #include "brim/core/error.h"
-#include "brim/core/parallel.h"
-#include "brim/map/shell_weights.h"
 
 namespace brim {
 
@@ -31,8 +30,7 @@ ClothBody::ClothBody(TriMesh mesh, ClothOptions options, MembraneElements membra
     : ParticleBody(mesh.vertices, masses_of(mesh, membrane, options.areal_density), options),
       mesh_(std::move(mesh)),
       membrane_(std::move(membrane)),
-      bending_(mesh_, options.bending),
-      thickness_(options.thickness) {
+      bending_(mesh_, options.bending) {
   stiffness_.begin(particle_count());
   stiffness_.add_elements(membrane_.nodes(), 3);
   stiffness_.add_elements(bending_.nodes(), 4);
@@ -41,11 +39,11 @@ ClothBody::ClothBody(TriMesh mesh, ClothOptions options, MembraneElements membra
   bending_.find_slots(stiffness_);
   force_.assign(particle_count(), Vec3::Zero());
 
-  part_.voxel_size = options_.voxel_size > 0.0 ? options_.voxel_size : 0.5 * thickness_;
-  part_.areal_mass = immobile() ? 0.0 : options.areal_density;
-  part_.thickness = thickness_;
-  part_.material = options_.material;
-  display_.vertices = particle_count();
+  PartInfo part;
+  part.voxel_size = 0.5 * options.thickness;
+  part.areal_mass = options.areal_density;
+  part.thickness = options.thickness;
+  set_contact(std::make_unique<SheetContact>(mesh_.triangles, options.thickness), part);
   display_.triangles = mesh_.triangles;
   display_.two_sided = true;
 }
@@ -53,41 +51,6 @@ ClothBody::ClothBody(TriMesh mesh, ClothOptions options, MembraneElements membra
 void ClothBody::add_inner() {
   membrane_.add(x_, force_, stiffness_);
   bending_.add(x_, force_, stiffness_);
-}
-
-PartInfo ClothBody::part(int) const { return part_; }
-
-Aabb ClothBody::bounds(int p) const { return ParticleBody::bounds(p).inflated(0.5 * thickness_); }
-
-void ClothBody::presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const {
-  auto workspace = workspace_.borrow();
-  presence_triangles(x_, mesh_.triangles, thickness_, h, w, region, out, *workspace);
-}
-
-void ClothBody::rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {
-  auto workspace = workspace_.borrow();
-  raster_triangles(x_, mesh_.triangles, thickness_, tiles, h, w, out, *workspace);
-}
-
-void ClothBody::make_map(int, std::span<const Vec3> points, std::span<const std::int32_t> sources,
-                         std::unique_ptr<Map>& map) const {
-  BRIM_CHECK(points.size(), ==, sources.size());
-  auto* weights = dynamic_cast<ShellWeightsMap*>(map.get());
-  if (weights == nullptr) {
-    auto made = std::make_unique<ShellWeightsMap>();
-    weights = made.get();
-    map = std::move(made);
-  }
-  weights->reset(particle_count(), points.size());
-  parallel_blocks(points.size(), 512, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) weights->set(p, points[p], mesh_.triangles[sources[p]], x_);
-  });
-  weights->finish();
-}
-
-void ClothBody::display_positions(std::span<Vec3f> x) const {
-  BRIM_CHECK(x.size(), ==, particle_count());
-  for (std::size_t i = 0; i < x.size(); ++i) x[i] = x_[i].cast<float>();
 }
 
 }  // namespace brim

@@ -1,12 +1,8 @@
 #pragma once
 
-#include <memory>
-
 #include "brim/body/cloth/bending_elements.h"
 #include "brim/body/cloth/membrane_elements.h"
 #include "brim/body/particles/particle_body.h"
-#include "brim/core/workspace_pool.h"
-#include "brim/raster/raster_triangles.h"
 
 namespace brim {
 
@@ -32,16 +28,6 @@ class ClothBody final : public ParticleBody {
   std::string_view kind() const override { return "cloth"; }
   double elastic_energy() const override { return membrane_.energy(x_) + bending_.energy(x_); }
 
-  PartInfo part(int p) const override;
-  Aabb bounds(int p) const override;
-  void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
-  void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
-  void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
-                std::unique_ptr<Map>& map) const override;
-
-  const Display& display() const override { return display_; }
-  void display_positions(std::span<Vec3f> x) const override;
-
   const TriMesh& mesh() const { return mesh_; }
   const MembraneElements& membrane() const { return membrane_; }
   const BendingElements& bending() const { return bending_; }
@@ -55,10 +41,6 @@ class ClothBody final : public ParticleBody {
   TriMesh mesh_;
   MembraneElements membrane_;
   BendingElements bending_;
-  double thickness_;
-  PartInfo part_;
-  Display display_;
-  mutable WorkspacePool<RasterWorkspace> workspace_;
 };
 
 }  // namespace brim

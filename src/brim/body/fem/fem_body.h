@@ -1,12 +1,10 @@
 #pragma once
 
-#include <memory>
 #include <optional>
 
 #include "brim/body/fem/tet_elements.h"
 #include "brim/body/particles/particle_body.h"
-#include "brim/core/workspace_pool.h"
-#include "brim/raster/raster_tets.h"
+#include "brim/body/particles/tet_display.h"
 
 namespace brim {
 
@@ -31,13 +29,7 @@ class FemBody final : public ParticleBody {
   std::string_view kind() const override { return "finite_elements"; }
   double elastic_energy() const override { return elements_.energy(x_); }
 
-  PartInfo part(int p) const override;
-  void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
-  void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
-  void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
-                std::unique_ptr<Map>& map) const override;
-
-  const Display& display() const override { return display_; }
+  const Display& display() const override { return shown_->display(); }
   void display_positions(std::span<Vec3f> x) const override;
 
   const TetMesh& mesh() const { return mesh_; }
@@ -49,20 +41,11 @@ class FemBody final : public ParticleBody {
 
  private:
   FemBody(TetMesh mesh, FemOptions options, TetElements elements);
-  TetSolid solid() const { return {x_, mesh_.tets, surface_, owner_}; }
-  void make_display(const TriMesh& fine);
 
   TetMesh mesh_;
   TetElements elements_;
-  std::vector<Triangle> surface_;
-  std::vector<std::int32_t> owner_;
-  PartInfo part_;
-
-  Display display_;
-  std::vector<std::array<std::int32_t, 4>> carrier_;  // nodes that carry each display vertex
-  std::vector<std::array<double, 4>> weight_;
-
-  mutable WorkspacePool<TetRasterWorkspace> workspace_;
+  std::span<const Triangle> surface_;  // owned by the contact
+  std::optional<TetDisplay> shown_;
 };
 
 }  // namespace brim

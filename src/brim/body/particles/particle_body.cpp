@@ -125,10 +125,38 @@ void ParticleBody::filter(std::span<double> x) const {
   for (const std::int32_t i : imposed_) at(x, i).setZero();
 }
 
+void ParticleBody::set_contact(std::unique_ptr<const ParticleContact> contact, PartInfo part) {
+  contact_ = std::move(contact);
+  part_ = std::move(part);
+  if (options_.voxel_size > 0.0) part_.voxel_size = options_.voxel_size;
+  if (immobile()) part_.areal_mass = 0.0;
+  part_.material = options_.material;
+  display_.vertices = rest_.size();
+}
+
 Aabb ParticleBody::bounds(int) const {
   Aabb box;
   for (const Vec3& x : x_) box.extend(x);
-  return box;
+  return contact_ ? box.inflated(contact_->reach()) : box;
+}
+
+void ParticleBody::presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const {
+  contact_->presence(x_, h, w, region, out);
+}
+
+void ParticleBody::rasterize(int, double h, double w, std::span<const TileKey> tiles,
+                             std::span<DensityBlock> out) const {
+  contact_->rasterize(x_, h, w, tiles, out);
+}
+
+void ParticleBody::make_map(int, std::span<const Vec3> points, std::span<const std::int32_t> sources,
+                            std::unique_ptr<Map>& map) const {
+  contact_->make_map(x_, points, sources, map);
+}
+
+void ParticleBody::display_positions(std::span<Vec3f> x) const {
+  BRIM_CHECK(x.size(), ==, x_.size());
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = x_[i].cast<float>();
 }
 
 Vec3 ParticleBody::carrier_velocity(int, std::span<const double> v) const {

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "brim/body/body.h"
 #include "brim/body/particles/block_matrix.h"
+#include "brim/body/particles/particle_contact.h"
 
 namespace brim {
 
@@ -36,6 +38,7 @@ struct ParticleOptions {
 /// gravity, Rayleigh damping −(a M + b K) v, imposed nodes, and the system of the implicit step
 ///   A = (1 + dt a) M + (dt b + dt²) K
 /// K in the damping is that of the current state; its own change with q is left out of ∂Q/∂q.
+/// Contact is left to a ParticleContact, which the kind of body gives to set_contact.
 class ParticleBody : public Body {
  public:
   std::size_t q_size() const override { return 3 * rest_.size(); }
@@ -55,7 +58,12 @@ class ParticleBody : public Body {
   void filter(std::span<double> x) const override;
 
   bool immobile() const override { return imposed_.size() == rest_.size() && options_.motions.empty(); }
+  PartInfo part(int) const override { return part_; }
   Aabb bounds(int p) const override;
+  void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
+  void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
+  void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
+                std::unique_ptr<Map>& map) const override;
   Vec3 carrier_velocity(int p, std::span<const double> v) const override;
   double relative_speed_bound(int p, std::span<const double> v) const override;
 
@@ -64,6 +72,10 @@ class ParticleBody : public Body {
   Vec3 linear_momentum(std::span<const double> v) const override;
   Vec3 angular_momentum(std::span<const double> v) const override;
   bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
+
+  /// The particles themselves; kinds with another display override both.
+  const Display& display() const override { return display_; }
+  void display_positions(std::span<Vec3f> x) const override;
 
   // ---- for tests, tools and derived kinds ------------------------------------------------------------------------
   std::size_t particle_count() const { return rest_.size(); }
@@ -82,6 +94,9 @@ class ParticleBody : public Body {
   ParticleBody(std::vector<Vec3> rest, std::vector<double> mass, ParticleOptions options);
   /// Adds the inner forces of positions_ to force_ and −∂f/∂x, projected to be positive semi-definite, to stiffness_.
   virtual void add_inner() = 0;
+  /// Takes what the body is in contact, and what contact needs to know of it; the options' voxel size and material, and
+  /// an areal mass of 0 for a body without free particles, replace those given.
+  void set_contact(std::unique_ptr<const ParticleContact> contact, PartInfo part);
 
   std::vector<Vec3> rest_;
   std::vector<double> mass_;
@@ -89,6 +104,11 @@ class ParticleBody : public Body {
   std::vector<std::int32_t> imposed_;  // fixed and moved nodes, sorted
   std::vector<Vec3> x_, v_, force_;    // of the last update
   BlockMatrix stiffness_;
+  Display display_;
+
+ private:
+  std::unique_ptr<const ParticleContact> contact_;
+  PartInfo part_;
 };
 
 /// One message for a number out of range: "cloth: thickness is -1; it must be positive".

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "brim/body/particles/particle_contact.h"
+#include "brim/core/workspace_pool.h"
+#include "brim/raster/raster_points.h"
+
+namespace brim {
+
+/// Balls: everything within a radius of the particles (raster_points). A ball moves with its particle and does not
+/// turn: J = I. Linear momentum of contact is exact; of angular momentum the spin r × f that friction would give the
+/// ball is lost, while pressure points at the centre and has none. It wants a radius of 1.5 voxels.
+class BallContact final : public ParticleContact {
+ public:
+  /// @param radius  [m] one per particle, or a single one for all
+  explicit BallContact(std::vector<double> radius);
+
+  double reach() const override { return largest_; }
+  void presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
+                std::vector<TileKey>& out) const override;
+  void rasterize(std::span<const Vec3> x, double h, double w, std::span<const TileKey> tiles,
+                 std::span<DensityBlock> out) const override;
+  void make_map(std::span<const Vec3> x, std::span<const Vec3> points, std::span<const std::int32_t> sources,
+                std::unique_ptr<Map>& map) const override;
+
+ private:
+  std::vector<double> radius_;
+  double largest_;
+  mutable WorkspacePool<RasterWorkspace> workspace_;
+};
+
+}  // namespace brim

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "brim/grid/tile.h"
+#include "brim/map/map.h"
+#include "brim/math/types.h"
+
+namespace brim {
+
+/// How particles fill space: what a body of particles is in contact. One of TetContact (solids), SheetContact,
+/// LineContact and BallContact; all see the particles' current positions x [m] and nothing of the forces between them.
+/// The functions mean what those of Body mean. Safe to call from several threads at once.
+class ParticleContact {
+ public:
+  virtual ~ParticleContact() = default;
+  /// How far matter reaches beyond the box of the particles, [m].
+  virtual double reach() const = 0;
+  virtual void presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
+                        std::vector<TileKey>& out) const = 0;
+  virtual void rasterize(std::span<const Vec3> x, double h, double w, std::span<const TileKey> tiles,
+                         std::span<DensityBlock> out) const = 0;
+  virtual void make_map(std::span<const Vec3> x, std::span<const Vec3> points, std::span<const std::int32_t> sources,
+                        std::unique_ptr<Map>& map) const = 0;
+};
+
+/// The map of the given type to be filled anew; memory is kept when it was of that type before.
+template <class M>
+M& reuse_map(std::unique_ptr<Map>& map) {
+  if (auto* same = dynamic_cast<M*>(map.get())) return *same;
+  auto made = std::make_unique<M>();
+  M& m = *made;
+  map = std::move(made);
+  return m;
+}
+
+}  // namespace brim

@@ -1,0 +1,62 @@
+#include "brim/body/particles/spring_elements.h"
+
+#include <cmath>
+
+namespace brim {
+
+SpringElements::SpringElements(std::span<const Spring> springs, std::span<const Vec3> x, bool slack) : slack_(slack) {
+  std::vector<std::int32_t> ends;
+  ends.reserve(2 * springs.size());
+  for (const Spring& s : springs) ends.insert(ends.end(), s.node.begin(), s.node.end());
+  schedule_.build(ends, 2, x);
+  spring_.reserve(springs.size());
+  node_.reserve(2 * springs.size());
+  for (const std::int32_t k : schedule_.order()) {
+    const Spring& s = springs[static_cast<std::size_t>(k)];
+    spring_.push_back(s);
+    node_.insert(node_.end(), s.node.begin(), s.node.end());
+  }
+}
+
+void SpringElements::find_slots(const BlockMatrix& matrix) {
+  slot_.resize(size());
+  for (std::size_t k = 0; k < size(); ++k)
+    for (int i = 0; i < 2; ++i)
+      for (int j = 0; j < 2; ++j) slot_[k][2 * i + j] = matrix.slot(spring_[k].node[i], spring_[k].node[j]);
+}
+
+void SpringElements::add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness,
+                         BlockMatrix& damper) const {
+  schedule_.for_each([&](std::size_t k) {
+    const Spring& s = spring_[k];
+    const Vec3 d = x[s.node[1]] - x[s.node[0]];
+    const double l = d.norm();
+    if (!(l > 0.0) || (slack_ && l <= s.length)) return;
+    const Vec3 n = d / l;
+    const Vec3 pull = s.stiffness * (l - s.length) * n;
+    force[s.node[0]] += pull;
+    force[s.node[1]] -= pull;
+    const Mat3 along = s.stiffness * n * n.transpose();
+    const double across = std::max(0.0, 1.0 - s.length / l);
+    const Mat3 K = (1.0 - across) * along + across * s.stiffness * Mat3::Identity();
+    for (int i = 0; i < 4; ++i) {
+      const double sign = i == 0 || i == 3 ? 1.0 : -1.0;
+      stiffness.add(slot_[k][i], sign * K);
+      damper.add(slot_[k][i], sign * along);
+    }
+  });
+}
+
+double SpringElements::energy(std::span<const Vec3> x) const {
+  return ordered_sum(size(), [&](std::size_t begin, std::size_t end) {
+    double sum = 0.0;
+    for (std::size_t k = begin; k < end; ++k) {
+      const Spring& s = spring_[k];
+      const double stretch = (x[s.node[1]] - x[s.node[0]]).norm() - s.length;
+      if (!slack_ || stretch > 0.0) sum += 0.5 * s.stiffness * stretch * stretch;
+    }
+    return sum;
+  });
+}
+
+}  // namespace brim

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "brim/body/particles/particle_body.h"
+
+namespace brim {
+
+/// Particles whose stiffness damping acts on the rate of strain alone: the force is −b D v, where D is the material
+/// part of the stiffness, without the part that tension adds. A spinning, stretched rope is not braked:
+///   A = (1 + dt a) M + dt² K + dt b D
+/// D comes with the inner forces, in a matrix of the pattern of K.
+class StrainDampedBody : public ParticleBody {
+ public:
+  void update(double time, std::span<const double> q, std::span<const double> v) override;
+  void add_forces(const Environment& env, std::span<double> Q) const override;
+  void apply_damping(std::span<const double> x, std::span<double> y) const override;
+  void begin_solve(double dt) override;
+  void apply_system(std::span<const double> x, std::span<double> y) const override;
+  void add_system_diagonal(std::size_t first, BlockDiagonal& D) const override;
+
+ protected:
+  using ParticleBody::ParticleBody;
+  /// Fixes the pattern of K, D and the system: call matrix.begin, add_elements as many times as wanted, then this.
+  void share_pattern(BlockMatrix pattern);
+
+  BlockMatrix damper_;  // D [N/m], filled by add_inner
+
+ private:
+  BlockMatrix system_;  // dt² K + dt b D, made by begin_solve
+};
+
+}  // namespace brim

@@ -1,0 +1,67 @@
+#include "brim/map/lever_weights.h"
+
+#include "brim/core/error.h"
+#include "brim/core/parallel.h"
+
+namespace brim {
+
+namespace {
+constexpr std::size_t kGrain = 512;
+}
+
+void LeverWeightsMap::reset(std::size_t particles, std::size_t points, int entries_per_point) {
+  particles_ = particles;
+  entries_ = static_cast<std::size_t>(entries_per_point);
+  row_start_.resize(points + 1);
+  for (std::size_t p = 0; p <= points; ++p) row_start_[p] = static_cast<std::int32_t>(entries_ * p);
+  particle_.assign(entries_ * points, 0);
+  weight_.assign(entries_ * points, 0.0);
+  lever_.assign(entries_ * points, Vec3::Zero());
+  direction_.assign(points, Vec3::Zero());
+}
+
+void LeverWeightsMap::finish() { transpose_.build(particles_, row_start_, particle_); }
+
+void LeverWeightsMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
+  BRIM_CHECK(v.size(), ==, 3 * particles_);
+  BRIM_CHECK(u.size(), ==, points());
+  parallel_blocks(points(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      Vec3 sum = Vec3::Zero();
+      for (std::size_t e = entries_ * p; e < entries_ * (p + 1); ++e) {
+        const Eigen::Map<const Vec3> vi(v.data() + 3 * particle_[e]);
+        sum += weight_[e] * vi + direction_[p].dot(vi) * lever_[e];
+      }
+      u[p] = sum;
+    }
+  });
+}
+
+void LeverWeightsMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
+  BRIM_CHECK(Q.size(), ==, 3 * particles_);
+  BRIM_CHECK(f.size(), ==, points());
+  parallel_blocks(transpose_.columns.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) {
+      Vec3 sum = Vec3::Zero();
+      for (const auto& e : transpose_.of(c))
+        sum += weight_[e.index] * f[e.row] + lever_[e.index].dot(f[e.row]) * direction_[e.row];
+      Eigen::Map<Vec3>(Q.data() + 3 * transpose_.columns[c]) += sum;
+    }
+  });
+}
+
+void LeverWeightsMap::add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const {
+  BRIM_CHECK(K.size(), ==, points());
+  parallel_blocks(transpose_.columns.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) {
+      Mat3 sum = Mat3::Zero();
+      for (const auto& e : transpose_.of(c)) {
+        const Mat3 J = weight_[e.index] * Mat3::Identity() + lever_[e.index] * direction_[e.row].transpose();
+        sum += J.transpose() * K[e.row] * J;
+      }
+      D.block(first + transpose_.columns[c]) += sum;
+    }
+  });
+}
+
+}  // namespace brim

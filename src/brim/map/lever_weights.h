@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "brim/map/map.h"
+#include "brim/map/row_transpose.h"
+
+namespace brim {
+
+/// Map of points that ride beside a few particles, on a direction that turns with them:
+///   u_p = Σ_i (w_i v_i + l_i (d · v_i)),   J_i = w_i I + l_i dᵀ,   J_iᵀ f = w_i f + d (l_i · f)
+/// with weights w_i and levers l_i [1] per particle and one direction d per point. ShellWeightsMap and LineWeightsMap
+/// say what w, l and d are for triangles and segments.
+/// Products are parallel and give the same bits for any number of threads.
+class LeverWeightsMap : public Map {
+ public:
+  /// Prepares the products; rows are final from here on. O(particles + points).
+  void finish();
+
+  std::size_t points() const override { return direction_.size(); }
+  void velocity(std::span<const double> v, std::span<Vec3> u) const override;
+  void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
+  void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
+
+ protected:
+  /// Makes room. @param particles  number of particles of the body, nv / 3
+  void reset(std::size_t particles, std::size_t points, int entries_per_point);
+
+  std::size_t entries_ = 0;  // per point
+  std::vector<std::int32_t> particle_;
+  std::vector<double> weight_;   // w_i
+  std::vector<Vec3> lever_;      // l_i
+  std::vector<Vec3> direction_;  // d, per point
+
+ private:
+  std::size_t particles_ = 0;
+  std::vector<std::int32_t> row_start_;
+  RowTranspose transpose_;
+};
+
+}  // namespace brim
