@@ -108,13 +108,15 @@ inline void expect_inner_forces_balance(ParticleBody& body, const std::vector<do
   EXPECT_LT(torque.norm(), 1e-12 * size);
 }
 
-/// A rigid motion of the rest shape makes no force, measured against a strain of one in a thousand.
-inline void expect_rigid_motion_makes_no_force(ParticleBody& body) {
+/// A rigid motion of the rest shape makes no force, measured against a displacement of one in a thousand.
+/// @param gradient  of that displacement, times 1000; it must strain the body
+inline void expect_rigid_motion_makes_no_force(ParticleBody& body,
+                                               const Mat3& gradient = Mat3{{0, 1, 0}, {1, 0, 0}, {1, 0, 0}}) {
   const Mat3 R = Eigen::AngleAxisd(2.1, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
   std::vector<Vec3> moved, strained;
   for (const Vec3& x : body.rest_positions()) {
     moved.push_back(R * x + Vec3(3, -1, 2));
-    strained.push_back(x + 1e-3 * Vec3(x.y(), x.x(), x.x()));
+    strained.push_back(x + 1e-3 * gradient * x);
   }
   set(body, flat(strained));
   double reference = 0.0, force = 0.0;

@@ -58,7 +58,7 @@ void check_constraints(const Node& list, bool has_corners) {
     const std::string kind = select.string("kind");
     if (kind == "corners" && !has_corners)
       throw select.error(
-          "\"corners\" is not allowed here; only a cloth with a grid has corners, other bodies take box, sphere, "
+          "\"corners\" is not allowed here; only a grid has corners, other bodies take box, sphere, "
           "plane or all");
     if (kind == "box" && (select.vec3("lo").array() > select.vec3("hi").array()).any())
       throw select.at("lo").error(fmt::format("{} is not allowed; must be at most \"hi\", {}, along each axis",

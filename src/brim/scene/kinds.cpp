@@ -11,10 +11,22 @@ BodyKind finite_elements_kind();
 BodyKind cloth_kind();
 BodyKind image_volume_kind();
 BodyKind articulated_kind();
+BodyKind mass_spring_kind();
+BodyKind rod_kind();
+BodyKind points_kind();
 
 const BodyKind& find_body_kind(const std::string& name) {
+  // One a line, so that two who add a kind do not meet.
   static const std::vector<BodyKind> kinds = {
-      obstacle_kind(), rigid_kind(), finite_elements_kind(), cloth_kind(), image_volume_kind(), articulated_kind(),
+      obstacle_kind(),         //
+      rigid_kind(),            //
+      finite_elements_kind(),  //
+      cloth_kind(),            //
+      image_volume_kind(),     //
+      articulated_kind(),      //
+      mass_spring_kind(),      //
+      rod_kind(),              //
+      points_kind(),           //
   };
   for (const BodyKind& kind : kinds)
     if (kind.name == name) return kind;

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "brim/body/points/neighbour_search.h"
+
+namespace brim {
+
+/// How grains touch each other.
+struct GrainMaterial {
+  double young = 1e6;        ///< E [Pa], > 0
+  double friction = 0.5;     ///< Coulomb coefficient of grain on grain, [-], >= 0
+  double damping = 0.0;      ///< b [s], >= 0: normal force −b k (rate of overlap)
+  double gravity = 9.81;     ///< [m/s²] what may press free grains together, >= 0: pairs that part slower are kept
+  double slip_speed = 1e-3;  ///< ε [m/s], > 0: below it friction grows linearly, so a heap creeps at less than this
+};
+
+/// Forces between the balls of one body, linear and pairwise; n from b to a, δ the overlap, u = v_a − v_b:
+///   k = 2 E r_a r_b / (r_a + r_b)                 (linear springs in series, each 2 E r)
+///   normal     f_n = k δ − b k n·u                E = Σ ½ k δ²
+///   friction   −μ N u_t / max(|u_t|, ε),          N = max(0, k δ − b k n·u)
+///   K = k n nᵀ,  D = b k n nᵀ + μ N / max(|u_t|, ε) (I − n nᵀ)
+/// The transverse part of K, −k δ/d, is negative and dropped. A pair that would touch within the step, δ − dt n·u > 0,
+/// waits: it takes part with its spring alone, so that it stops at the touch. A touching pair is let go when it parts
+/// so fast that it would not push at the end of the step, though gravity and a load like its own press on it:
+///   δ + (dt + b) (−n·u + dt (g + k δ (1/m_a + 1/m_b))) <= 0
+/// Without these loads in the balance a grain that lies on another bounces for ever.
+/// Grains do not turn: friction has no torque on them, and angular momentum is kept by the normal forces only.
+class GrainPairs {
+ public:
+  /// Finds the pairs near each other. @param gap  [m] how far apart pairs may be that are evaluated later
+  void find(std::span<const Vec3> x, std::span<const double> radius, double gap);
+  double gap() const { return gap_; }
+  /// Takes in the state: forces, K and D. @param dt  [s] of the step to come; 0: touching pairs only, springs alone
+  void evaluate(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const double> radius,
+                std::span<const double> mass, const GrainMaterial& material, double dt);
+
+  /// Forces of the last evaluation on each grain added, [N].
+  void add_forces(std::span<Vec3> f) const;
+  /// y += (a K + b D) x. Parallel over grains; same bits for any number of threads.
+  void multiply_add(double a, double b, std::span<const double> x, std::span<double> y) const;
+  /// The diagonal block of a grain of a K + b D.
+  Mat3 diagonal(std::size_t grain, double a, double b) const;
+  /// Energy of the springs of touching pairs, [J].
+  double energy() const;
+  /// Pairs that touch.
+  std::size_t touching() const;
+  /// Largest overlap over the smaller radius, [-].
+  double worst_overlap() const { return worst_overlap_; }
+
+ private:
+  struct Contact {
+    Vec3 normal = Vec3::Zero();
+    Vec3 force = Vec3::Zero();  // on a
+    double k = 0.0;             // of K; 0: not in contact
+    double damper = 0.0;        // along n
+    double drag = 0.0;          // across n
+    double energy = 0.0;
+    Mat3 matrix(double a, double b) const;
+    Vec3 times(double a, double b, const Vec3& d) const;
+  };
+  struct Side {
+    std::int32_t other, pair;
+  };
+  Contact contact(const NeighbourSearch::Pair& p, std::span<const Vec3> x, std::span<const Vec3> v,
+                  std::span<const double> radius, std::span<const double> mass, const GrainMaterial& material,
+                  double dt) const;
+  std::span<const Side> sides_of(std::size_t grain) const {
+    return std::span(side_).subspan(first_[grain], first_[grain + 1] - first_[grain]);
+  }
+
+  double gap_ = 0.0, worst_overlap_ = 0.0;
+  NeighbourSearch search_;
+  std::span<const NeighbourSearch::Pair> pair_;
+  std::vector<Contact> contact_;    // per pair
+  std::vector<std::size_t> first_;  // per grain
+  std::vector<Side> side_;          // by grain: its pairs, in order
+};
+
+}  // namespace brim
