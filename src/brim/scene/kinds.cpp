@@ -14,6 +14,7 @@ BodyKind articulated_kind();
 BodyKind mass_spring_kind();
 BodyKind rod_kind();
 BodyKind points_kind();
+BodyKind meshless_kind();
 
 const BodyKind& find_body_kind(const std::string& name) {
   // One a line, so that two who add a kind do not meet.
@@ -27,6 +28,7 @@ const BodyKind& find_body_kind(const std::string& name) {
       mass_spring_kind(),      //
       rod_kind(),              //
       points_kind(),           //
+      meshless_kind(),         //
   };
   for (const BodyKind& kind : kinds)
     if (kind.name == name) return kind;

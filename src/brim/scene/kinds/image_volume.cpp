@@ -1,10 +1,13 @@
-#include <algorithm>
+#include <cmath>
 
 #include "brim/body/rigid/rigid_body.h"
+#include "brim/body/volume/soft_image_body.h"
 #include "brim/mesh/mass_properties.h"
 #include "brim/raster/image_shape.h"
+#include "brim/scene/carried.h"
 #include "brim/scene/image_source.h"
 #include "brim/scene/kinds.h"
+#include "brim/scene/limits.h"
 
 namespace brim {
 
@@ -14,6 +17,10 @@ namespace {
 
 /// Cells of a rigid image along a voxel of contact: a ramp of three voxels spans six.
 constexpr double kRigidCells = 2.0;
+/// Particles of a deformable image along a voxel of contact.
+constexpr double kSoftCells = 1.0;
+/// [bytes] that a tetrahedron, and a particle with its weights, take.
+constexpr double kBytesPerTet = 1000.0, kBytesPerParticle = 400.0;
 
 void check(const Node& n) {
   check_image_source(n);
@@ -22,6 +29,13 @@ void check(const Node& n) {
       throw n.at("lattice_spacing").error("only a deformable volume has a lattice; \"motion\" is \"rigid\"");
     if (n.at("constraints").size() > 0)
       throw n.at("constraints").error("only a deformable volume has points to hold; \"motion\" is \"rigid\"");
+  }
+  if (n.string("motion") == "deformable") {
+    if (!n.has("lattice_spacing"))
+      throw n.error(
+          "the key \"lattice_spacing\" is missing; a deformable volume rides in tetrahedra of this size, in metres");
+    if (n.has("mass")) throw n.at("mass").error("a deformable volume takes \"density\"");
+    check_constraints(n.at("constraints"), false);
   }
   if (n.has("density") && n.has("mass")) throw n.at("mass").error("both \"mass\" and \"density\" are given; give one");
 }
@@ -69,10 +83,48 @@ class RigidImageMaker final : public BodyMaker {
   std::shared_ptr<const Shape> shape_;
 };
 
+class SoftImageMaker final : public BodyMaker {
+ public:
+  SoftImageMaker(const Node& n, const BuildContext& context) : node_(n), material_(context.material) {
+    const double scale = n.at("transform").number("scale"), limit = context.world.memory_limit;
+    solid_ = read_image_solid(n, scale, kSoftCells, limit);
+    spacing_ = scale * n.number("lattice_spacing");
+    const Node at = n.at("lattice_spacing");
+    const Aabb box = solid_.grid.matter_box();
+    if (spacing_ > box.extent().maxCoeff())
+      throw at.error(fmt::format("{:.6g} m is not allowed; must be at most the matter's largest extent, {:.6g} m",
+                                 spacing_, box.extent().maxCoeff()));
+    const double volume = mass_properties(solid_.grid, 1.0).volume;
+    check_count(at, 12.0 * volume / (spacing_ * spacing_ * spacing_), kBytesPerTet, limit, "tetrahedra");
+    check_count(n, volume / std::pow(solid_.grid.spacing, 3), kBytesPerParticle, limit, "particles");
+    surface_ = display_surface(solid_.grid);
+  }
+
+  std::unique_ptr<Body> body(const Placement& place) const override {
+    ElasticOptions options = read_elastic(node_, place, material_);
+    options.voxel_size = solid_.voxel_size;
+    if (node_.at("constraints").size() > 0) {
+      // The lattice's nodes are known once it is built.
+      const SoftImageBody free(solid_.grid, {}, spacing_, place.rotation, place.position, options);
+      read_constraints(node_.at("constraints"), free.rest_positions(), {}, options);
+    }
+    return std::make_unique<SoftImageBody>(solid_.grid, surface_, spacing_, place.rotation, place.position,
+                                           std::move(options));
+  }
+
+ private:
+  Node node_;
+  Material material_;
+  ImageSolid solid_;
+  double spacing_ = 0.0;
+  TriMesh surface_;
+};
+
 }  // namespace
 
 BodyKind image_volume_kind() {
   return {"image_volume", check, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
+            if (n.string("motion") == "deformable") return std::make_unique<SoftImageMaker>(n, c);
             return std::make_unique<RigidImageMaker>(n, c);
           }};
 }

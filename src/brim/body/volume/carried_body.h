@@ -1,0 +1,56 @@
+#pragma once
+
+#include "brim/body/particles/particle_body.h"
+#include "brim/body/volume/carried_volume.h"
+#include "brim/mesh/tri_mesh.h"
+
+namespace brim {
+
+/// A surface for viewers that follows the nodes by weights.
+struct CarriedSurface {
+  std::vector<Triangle> triangles;
+  WeightRows weights;  ///< one row per vertex
+};
+
+/// Elastic body whose nodes move particles of matter (the volume layer); these make its density and its map. What the
+/// nodes are and how they resist is said by derived kinds.
+class CarriedBody : public ParticleBody {
+ public:
+  void update(double time, std::span<const double> q, std::span<const double> v) override;
+  PartInfo part(int) const override { return part_; }
+  Aabb bounds(int) const override { return volume_.bounds(); }
+  double relative_speed_bound(int p, std::span<const double> v) const override;
+  void presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
+  void rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
+  void make_map(int, std::span<const Vec3> points, std::span<const std::int32_t> sources,
+                std::unique_ptr<Map>& map) const override;
+  const Display& display() const override { return display_; }
+  void display_positions(std::span<Vec3f> x) const override;
+
+  const CarriedVolume& volume() const { return volume_; }
+
+ protected:
+  /// @param nodes     [m] at rest, world frame
+  /// @param carriage  particles at rest
+  /// @param modulus   [Pa] Young's modulus
+  CarriedBody(std::vector<Vec3> nodes, Carriage carriage, LayerWeights weights, CarriedSurface surface, double modulus,
+              ParticleOptions options);
+
+ private:
+  CarriedVolume volume_;
+  WeightRows surface_;
+  double largest_row_ = 1.0;  // Σ|φ|: particles may outrun nodes by this
+  PartInfo part_;
+  Display display_;
+};
+
+/// What the matter of a carried body is made of.
+struct ElasticOptions : ParticleOptions {
+  double density = 1000.0;   ///< [kg/m³]
+  double young = 1e5;        ///< [Pa]
+  double poisson = 0.3;      ///< [-], in (−1, 0.5)
+  bool neo_hookean = false;  ///< else corotational
+  LayerWeights weights = LayerWeights::DensityRate;
+};
+
+}  // namespace brim

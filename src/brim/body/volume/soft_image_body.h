@@ -1,0 +1,43 @@
+#pragma once
+
+#include "brim/body/fem/tet_elements.h"
+#include "brim/body/volume/carried_body.h"
+#include "brim/mesh/occupancy.h"
+
+namespace brim {
+
+/// Deformable raw volume (paper, section 5.4): voxels of matter ride in a lattice of tetrahedra that deform as finite
+/// elements do; the voxels make the density, and forces go from grid to voxels to lattice.
+/// Each tetrahedron that holds matter is as stiff as if it were full.
+/// Tests: tests/body/soft_image_body_test.cpp
+class SoftImageBody final : public CarriedBody {
+ public:
+  /// @param matter   cells about as wide as a voxel of contact, in the body's own frame
+  /// @param spacing  [m] of the lattice
+  /// @param rotation, position  where the body starts
+  /// @throws InputError  when a number is out of range or there is no matter
+  SoftImageBody(const OccupancyGrid& matter, const TriMesh& surface, double spacing, const Quat& rotation,
+                const Vec3& position, ElasticOptions options);
+
+  std::string_view kind() const override { return "image_volume"; }
+  double elastic_energy() const override { return elements_.energy(x_); }
+  const TetMesh& mesh() const { return parts_.mesh; }
+
+ protected:
+  void add_inner() override { elements_.add(x_, force_, stiffness_); }
+
+ private:
+  struct Parts {
+    TetMesh mesh;
+    Carriage carriage;
+    CarriedSurface surface;
+  };
+  static Parts build(const OccupancyGrid& matter, const TriMesh& surface, double spacing, const Quat& rotation,
+                     const Vec3& position, const ElasticOptions& options);
+  SoftImageBody(Parts parts, const ElasticOptions& options);
+
+  Parts parts_;
+  TetElements elements_;
+};
+
+}  // namespace brim

@@ -1,0 +1,83 @@
+#include "brim/map/composed_map.h"
+
+#include <cmath>
+
+#include "brim/core/error.h"
+#include "brim/core/parallel.h"
+
+namespace brim {
+
+void ComposedMap::assign(WeightRows rows, std::unique_ptr<Map> inner) {
+  rows_ = std::move(rows);
+  inner_ = std::move(inner);
+  particle_.resize(inner_->points());
+  transpose_.build(particle_.size(), rows_.first, rows_.source);
+}
+
+void ComposedMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
+  inner_->velocity(v, particle_);
+  parallel_for(
+      points(),
+      [&](std::size_t p) {
+        Vec3 sum = Vec3::Zero();
+        double along = 0.0;
+        for (std::int32_t e = rows_.first[p]; e < rows_.first[p + 1]; ++e) {
+          const Vec3& vi = particle_[rows_.source[e]];
+          sum += rows_.weight[e] * vi;
+          if (!rows_.lever.empty()) along += rows_.lever[e].dot(vi);
+        }
+        u[p] = rows_.lever.empty() ? sum : Vec3(sum + along * rows_.normal[p]);
+      },
+      256);
+}
+
+void ComposedMap::spread(std::span<const Vec3> f) const {
+  BRIM_CHECK(f.size(), ==, points());
+  std::fill(particle_.begin(), particle_.end(), Vec3::Zero());
+  parallel_for(
+      transpose_.columns.size(),
+      [&](std::size_t c) {
+        Vec3 sum = Vec3::Zero();
+        for (const auto& e : transpose_.of(c)) {
+          sum += rows_.weight[e.index] * f[e.row];
+          if (!rows_.lever.empty()) sum += rows_.lever[e.index] * rows_.normal[e.row].dot(f[e.row]);
+        }
+        particle_[transpose_.columns[c]] = sum;
+      },
+      256);
+}
+
+void ComposedMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
+  spread(f);
+  inner_->add_force(particle_, Q);
+}
+
+void ComposedMap::add_geometric(std::span<const Vec3> f, std::span<const double> dq, std::span<double> Q) const {
+  spread(f);
+  inner_->add_geometric(particle_, dq, Q);
+}
+
+void ComposedMap::add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const {
+  BRIM_CHECK(K.size(), ==, points());
+  const auto size_of = [this](std::int32_t e) {
+    return std::abs(rows_.weight[e]) + (rows_.lever.empty() ? 0.0 : rows_.lever[e].norm());
+  };
+  std::vector<double> sum(points(), 0.0);
+  for (std::size_t p = 0; p < points(); ++p)
+    for (std::int32_t e = rows_.first[p]; e < rows_.first[p + 1]; ++e) sum[p] += size_of(e);
+  std::vector<Mat3> lumped(particle_.size(), Mat3::Zero());
+  parallel_for(
+      transpose_.columns.size(),
+      [&](std::size_t c) {
+        Mat3& k = lumped[transpose_.columns[c]];
+        for (const auto& e : transpose_.of(c)) {
+          // A lever turns forces along n into any direction.
+          const Mat3 here = rows_.lever.empty() ? K[e.row] : Mat3(K[e.row].trace() * Mat3::Identity());
+          k += size_of(e.index) * sum[e.row] * here;
+        }
+      },
+      64);
+  inner_->add_block_diagonal(lumped, first, D);
+}
+
+}  // namespace brim

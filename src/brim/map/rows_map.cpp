@@ -1,0 +1,63 @@
+#include "brim/map/rows_map.h"
+
+#include "brim/core/error.h"
+#include "brim/core/parallel.h"
+
+namespace brim {
+
+void RowsMap::assign(std::size_t particles, WeightRows rows) {
+  BRIM_CHECK(rows.source.size(), ==, rows.weight.size());
+  BRIM_CHECK((rows.lever.empty() || rows.normal.size() == rows.rows()), ==, true);
+  rows_ = std::move(rows);
+  transpose_.build(particles, rows_.first, rows_.source);
+}
+
+void RowsMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
+  BRIM_CHECK(u.size(), ==, points());
+  parallel_for(
+      points(),
+      [&](std::size_t p) {
+        Vec3 sum = Vec3::Zero();
+        double along = 0.0;
+        for (std::int32_t e = rows_.first[p]; e < rows_.first[p + 1]; ++e) {
+          const Eigen::Map<const Vec3> vi(v.data() + 3 * static_cast<std::size_t>(rows_.source[e]));
+          sum += rows_.weight[e] * vi;
+          if (!rows_.lever.empty()) along += rows_.lever[e].dot(vi);
+        }
+        u[p] = rows_.lever.empty() ? sum : Vec3(sum + along * rows_.normal[p]);
+      },
+      256);
+}
+
+void RowsMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
+  BRIM_CHECK(f.size(), ==, points());
+  parallel_for(
+      transpose_.columns.size(),
+      [&](std::size_t c) {
+        Vec3 sum = Vec3::Zero();
+        for (const auto& e : transpose_.of(c)) {
+          sum += rows_.weight[e.index] * f[e.row];
+          if (!rows_.lever.empty()) sum += rows_.lever[e.index] * rows_.normal[e.row].dot(f[e.row]);
+        }
+        Eigen::Map<Vec3>(Q.data() + 3 * static_cast<std::size_t>(transpose_.columns[c])) += sum;
+      },
+      256);
+}
+
+void RowsMap::add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const {
+  BRIM_CHECK(K.size(), ==, points());
+  parallel_for(
+      transpose_.columns.size(),
+      [&](std::size_t c) {
+        Mat3 sum = Mat3::Zero();
+        for (const auto& e : transpose_.of(c)) {
+          Mat3 J = rows_.weight[e.index] * Mat3::Identity();
+          if (!rows_.lever.empty()) J += rows_.normal[e.row] * rows_.lever[e.index].transpose();
+          sum += J.transpose() * K[e.row] * J;
+        }
+        D.block(first + static_cast<std::size_t>(transpose_.columns[c])) += sum;
+      },
+      256);
+}
+
+}  // namespace brim

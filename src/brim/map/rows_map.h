@@ -1,0 +1,29 @@
+#pragma once
+
+#include "brim/map/map.h"
+#include "brim/map/row_transpose.h"
+#include "brim/map/weight_rows.h"
+
+namespace brim {
+
+/// Map of bodies made of particles with three coordinates each, by rows of weights with or without levers:
+///   J_pi = w_pi I + n_p b_piᵀ,   J_piᵀ f = w_pi f + b_pi (n_p · f)
+/// Constant during a solve; how the rows change with q is left out.
+/// Products are parallel and give the same bits for any number of threads.  Tests: tests/map/weight_rows_test.cpp
+class RowsMap final : public Map {
+ public:
+  /// @param particles  number of particles of the body, nv / 3
+  void assign(std::size_t particles, WeightRows rows);
+
+  std::size_t points() const override { return rows_.rows(); }
+  void velocity(std::span<const double> v, std::span<Vec3> u) const override;
+  void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
+  void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
+  const WeightRows& rows() const { return rows_; }
+
+ private:
+  WeightRows rows_;
+  RowTranspose transpose_;
+};
+
+}  // namespace brim

@@ -1,0 +1,52 @@
+#include "brim/map/weight_rows.h"
+
+#include <algorithm>
+
+#include "brim/core/parallel.h"
+
+namespace brim {
+
+WeightRows compose(const WeightRows& outer, const WeightRows& inner) {
+  struct Term {
+    std::int32_t node;
+    double weight;
+    Vec3 lever;
+  };
+  const bool levers = !outer.lever.empty();
+  const std::size_t rows = outer.rows();
+  std::vector<std::vector<Term>> made(rows);
+  parallel_for(
+      rows,
+      [&](std::size_t p) {
+        std::vector<Term>& terms = made[p];
+        for (std::int32_t e = outer.first[p]; e < outer.first[p + 1]; ++e) {
+          const std::int32_t s = outer.source[e];
+          for (std::int32_t c = inner.first[s]; c < inner.first[s + 1]; ++c)
+            terms.push_back({inner.source[c], outer.weight[e] * inner.weight[c],
+                             levers ? Vec3(inner.weight[c] * outer.lever[e]) : Vec3(Vec3::Zero())});
+        }
+        std::stable_sort(terms.begin(), terms.end(), [](const Term& a, const Term& b) { return a.node < b.node; });
+        std::size_t kept = 0;
+        for (const Term& t : terms) {
+          if (kept > 0 && terms[kept - 1].node == t.node)
+            terms[kept - 1].weight += t.weight, terms[kept - 1].lever += t.lever;
+          else
+            terms[kept++] = t;
+        }
+        terms.resize(kept, Term{0, 0.0, Vec3::Zero()});
+      },
+      16);
+  WeightRows out;
+  out.normal = outer.normal;
+  for (const auto& terms : made) {
+    for (const Term& t : terms) {
+      out.source.push_back(t.node);
+      out.weight.push_back(t.weight);
+      if (levers) out.lever.push_back(t.lever);
+    }
+    out.first.push_back(static_cast<std::int32_t>(out.source.size()));
+  }
+  return out;
+}
+
+}  // namespace brim

@@ -1,0 +1,69 @@
+#include "brim/body/meshless/meshless_body.h"
+#include "brim/scene/carried.h"
+#include "brim/scene/kinds.h"
+#include "brim/scene/limits.h"
+#include "brim/scene/solid.h"
+
+namespace brim {
+
+BodyKind meshless_kind();
+
+namespace {
+
+/// [bytes] of a frame with its samples and matrix blocks, and of a particle with its weights.
+constexpr double kBytesPerFrame = 60e3, kBytesPerParticle = 1200.0;
+
+void check(const Node& n) {
+  if (n.at("shape").string("kind") == "plane")
+    throw n.at("shape").at("kind").error("\"plane\" has no finite volume; only an obstacle can be one");
+  check_shape(n.at("shape"));
+  check_constraints(n.at("constraints"), false);
+}
+
+class MeshlessMaker final : public BodyMaker {
+ public:
+  MeshlessMaker(const Node& n, const BuildContext& context) : node_(n), material_(context.material) {
+    const double limit = context.world.memory_limit, scale = n.at("transform").number("scale");
+    const Solid solid = read_solid(n, limit);
+    const Aabb box = solid.shape->bounds();
+    const double spacing = scale * n.number("frame_spacing");
+    const Node at = n.at("frame_spacing");
+    if (spacing > box.extent().maxCoeff())
+      throw at.error(fmt::format("{:.6g} m is not allowed; must be at most the shape's largest extent, {:.6g} m",
+                                 spacing, box.extent().maxCoeff()));
+    voxel_size_ = n.number("voxel_size") > 0.0 ? n.number("voxel_size") : 0.5 * spacing;
+    check_count(at, 2.0 * solid.unit.volume / (spacing * spacing * spacing), kBytesPerFrame, limit, "frames");
+    check_count(n.number("voxel_size") > 0.0 ? n.at("voxel_size") : n,
+                solid.unit.volume / (voxel_size_ * voxel_size_ * voxel_size_), kBytesPerParticle, limit, "particles");
+    model_ = at.placed([&] {
+      return fill_with_frames([&](const Vec3& x) { return solid.shape->distance(x); }, box, spacing, voxel_size_);
+    });
+    model_.surface = solid.surface;
+  }
+
+  std::unique_ptr<Body> body(const Placement& place) const override {
+    ElasticOptions options = read_elastic(node_, place, material_);
+    options.voxel_size = voxel_size_;
+    if (node_.at("constraints").size() > 0) {
+      const MeshlessBody free(model_, place.rotation, place.position, options);
+      read_constraints(node_.at("constraints"), free.rest_positions(), {}, options);
+    }
+    return std::make_unique<MeshlessBody>(model_, place.rotation, place.position, std::move(options));
+  }
+
+ private:
+  Node node_;
+  Material material_;
+  double voxel_size_ = 0.0;
+  MeshlessModel model_;
+};
+
+}  // namespace
+
+BodyKind meshless_kind() {
+  return {"meshless", check, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
+            return std::make_unique<MeshlessMaker>(n, c);
+          }};
+}
+
+}  // namespace brim
