@@ -189,6 +189,8 @@ async function main() {
     await browser.evaluate(`brim.app.setPose(${JSON.stringify(job.camera)})`);
     if (job.contacts) await browser.evaluate(`brim.app.panel.setContacts(${JSON.stringify(job.contacts)})`);
     if (job.tiles) await browser.evaluate('brim.app.panel.setTiles(true)');
+    if (job.slice)
+      await browser.evaluate(`brim.app.showSlice(${JSON.stringify(job.slice)}).then(() => true)`);
     const frames = await browser.evaluate('brim.app.player.frames');
     if (!(frames > 0)) throw new Error('this run has no frames');
     const picture = async (f) => Buffer.from(await browser.evaluate(`brim.app.png(${f})`), 'base64');

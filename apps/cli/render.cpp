@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 struct RenderOptions {
-  std::string run, out, size = "1280x720", camera = "fit", contacts;
+  std::string run, out, size = "1280x720", camera = "fit", contacts, slice;
   long long frame = 0;
   double fps = 0.0;  ///< 0: the run's own
   bool tiles = false;
@@ -81,6 +81,21 @@ Json camera_pose(const std::string& text) {
   return pose;
 }
 
+/// "y", "y=0.25" or either with ",body".
+Json slice_wish(const std::string& text) {
+  const std::string usage =
+      fmt::format("--slice {}: must be x, y or z, then perhaps =place in metres, then perhaps ,name of a body", text);
+  if (text.empty() || text[0] < 'x' || text[0] > 'z') throw InputError(usage);
+  Json wish = {{"axis", text[0] - 'x'}};
+  const std::size_t comma = std::min(text.find(','), text.size());
+  if (comma > 1) {
+    if (text[1] != '=') throw InputError(usage);
+    wish["at"] = numbers(text.substr(2, comma - 2), '\0', usage)[0];
+  }
+  if (comma < text.size()) wish["body"] = text.substr(comma + 1);
+  return wish;
+}
+
 /// Runs a program to its end and returns its exit code. No shell sees the arguments.
 int run_program(const std::string& program, const std::vector<std::string>& arguments) {
   std::vector<char*> argv = {const_cast<char*>(program.c_str())};
@@ -124,6 +139,7 @@ int render(const RenderOptions& options) {
   for (const double s : size)
     if (s < 16 || s > 8192 || s != std::floor(s)) throw InputError(usage);
   const Json pose = camera_pose(options.camera);
+  const Json slice = options.slice.empty() ? Json() : slice_wish(options.slice);
   const fs::path out = fs::absolute(options.out);
   if (out.extension() != ".png" && out.extension() != ".mp4")
     throw InputError(fmt::format("-o {}: must end in .png or .mp4", options.out));
@@ -143,6 +159,7 @@ int render(const RenderOptions& options) {
                     {"camera", pose},
                     {"contacts", options.contacts},
                     {"tiles", options.tiles},
+                    {"slice", slice},
                     {"fps", options.fps > 0 ? options.fps : run.frame_rate()}};
   const std::jthread serving([&server] { server.listen(); });
   const int code = run_program(tools.node, {script, job.dump()});
@@ -166,6 +183,8 @@ void add_render(CLI::App& app, int& code) {
       ->capture_default_str();
   command->add_option("--contacts", options->contacts, "show contacts: points, forces or all")
       ->check(CLI::IsMember({"points", "forces", "all"}));
+  command->add_option("--slice", options->slice,
+                      "show the densities on a plane: x, y or z, then perhaps =place [m], then perhaps ,body");
   command->add_flag("--tiles", options->tiles, "show active tiles");
   command->add_option("--fps", options->fps, "frames per second of a film; without it, the run plays in its own time")
       ->check(CLI::PositiveNumber);

@@ -18,6 +18,7 @@ using Json = nlohmann::json;
 namespace {
 
 constexpr std::size_t kWarningsShown = 1000;
+constexpr double kSilence = 600.0;  // [s]
 constexpr int kAttempts = 4;
 constexpr auto kPause = std::chrono::milliseconds(40);
 
@@ -31,6 +32,26 @@ const char* display_word(Display::Kind kind) {
       return "points";
   }
   return "points";
+}
+
+/// Totals of the touching pairs of parts.
+void add_pairs(const std::vector<PairReport>& pairs, ArrayMessage& message) {
+  std::vector<std::int32_t> parts, contacts;
+  std::vector<float> normal, friction, overlap, pressure;
+  for (const PairReport& p : pairs) {
+    parts.insert(parts.end(), {p.part_a, p.part_b});
+    contacts.push_back(p.contacts);
+    normal.push_back(static_cast<float>((p.force_on_a - p.friction_on_a).norm()));
+    friction.push_back(static_cast<float>(p.friction_on_a.norm()));
+    overlap.push_back(static_cast<float>(p.worst_overlap));
+    pressure.push_back(static_cast<float>(p.worst_pressure));
+  }
+  message.add("pairs/parts", parts.data(), pairs.size(), 2);
+  message.add("pairs/contacts", contacts.data(), pairs.size());
+  message.add("pairs/normal", normal.data(), pairs.size());
+  message.add("pairs/friction", friction.data(), pairs.size());
+  message.add("pairs/overlap", overlap.data(), pairs.size());
+  message.add("pairs/pressure", pressure.data(), pairs.size());
 }
 
 Json read_json(const fs::path& path) {
@@ -77,18 +98,37 @@ bool RecordedRun::fixed(std::size_t body) const {
   return reader_->bodies()[body].immobile && reader_->still(static_cast<int>(body));
 }
 
-bool RecordedRun::complete() const {
+void RecordedRun::find_end(Progress& progress) const {
   // The summary is written when a run ends; one that is older than the frames is of a run since resumed.
   std::error_code error;
   const auto summary = fs::last_write_time(folder_ / "summary.json", error);
-  return !error && summary >= seen_;
+  const bool ended = !error && summary >= seen_;
+  progress.stopped = !ended && writer_gone();
+  progress.complete = ended || progress.stopped;
+}
+
+bool RecordedRun::writer_gone() const {
+  switch (state_of(reader_->writer())) {
+    case ProcessState::Running:
+      return false;
+    case ProcessState::Gone:
+      return true;
+    case ProcessState::Unknown:
+      break;
+  }
+  // Of another machine, or of a version that left no mark: silence tells, measured by the pace of the frames so far.
+  const double silent = std::chrono::duration<double>(fs::file_time_type::clock::now() - seen_).count();
+  double pace = 0.0;
+  const std::vector<double> wall = reader_->series("wall");
+  for (const double seconds : wall) pace = std::max(pace, seconds);
+  return silent > std::max(kSilence, 20.0 * pace);
 }
 
 Progress RecordedRun::progress() {
   const std::lock_guard lock(mutex_);
   try {
     refresh();
-    progress_.complete = complete();
+    find_end(progress_);
   } catch (const InputError&) {
     // The file cannot be read at the moment: nothing new is known.
   }
@@ -121,12 +161,16 @@ Json RecordedRun::info() {
     for (Warning& w : reader_->warnings(warnings_read_)) warnings_.push_back(std::move(w));
   Json warnings = Json::array();
   for (const Warning& w : warnings_) warnings.push_back({{"time", w.time}, {"code", w.code}, {"message", w.message}});
+  Progress end;
+  find_end(end);
   const std::string folder_name = fs::absolute(folder_).lexically_normal().filename().string();
   return {{"name", folder_name.empty() ? reader_->scene_name() : folder_name},
           {"scene", reader_->scene_name()},
           {"brimVersion", reader_->brim_version()},
           {"frames", reader_->frames()},
-          {"complete", complete()},
+          {"complete", end.complete},
+          {"stopped", end.stopped},
+          {"slices", fs::exists(folder_ / "scene.json")},
           {"bodies", bodies},
           {"parts", parts},
           {"warnings", warnings},
@@ -187,6 +231,31 @@ std::string RecordedRun::frame(std::int64_t frame) {
   }
   message.add("tiles/key", key.data(), step.size(), 3);
   message.add("tiles/step", step.data(), step.size());
+  add_pairs(reader_->pairs(frame), message);
+  return message.bytes();
+}
+
+std::string RecordedRun::slice(std::int64_t frame, const SliceRequest& request) {
+  const std::lock_guard world_lock(world_mutex_);
+  const World* world = nullptr;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!reader_ || frame >= reader_->frames()) refresh();
+    if (!world_) world_ = std::make_unique<RebuiltWorld>(*reader_);
+    world = &world_->at(*reader_, frame);
+  }
+  const DensitySlice s = cut_densities(*world, request);
+  ArrayMessage message;
+  const double plane[] = {static_cast<double>(s.axis), s.at, s.step, s.lowest, s.highest};
+  const std::int32_t nodes[] = {s.first[0], s.first[1], s.count[0], s.count[1]};
+  const auto rows = static_cast<std::size_t>(s.count[1]), columns = static_cast<std::size_t>(s.count[0]);
+  message.add("plane", plane, 5);
+  message.add("nodes", nodes, 4);
+  message.add("density", s.density.data(), rows, columns);
+  message.add("body", s.body.data(), rows, columns);
+  message.add("second", s.second.data(), rows, columns);
+  message.add("second_body", s.second_body.data(), rows, columns);
+  message.add("overlap", s.overlap.data(), rows, columns);
   return message.bytes();
 }
 

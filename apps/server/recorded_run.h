@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "brim/record/run_reader.h"
+#include "server/rebuilt_world.h"
 #include "server/run_source.h"
 
 namespace brim::viewer {
@@ -22,6 +23,7 @@ class RecordedRun : public RunSource {
   nlohmann::json info() override;
   std::string topology(int body) override;
   std::string frame(std::int64_t frame) override;
+  std::string slice(std::int64_t frame, const SliceRequest& request) override;
   std::string series(std::int64_t from) override;
 
   /// Frames per second at which the run plays in its own time, at most 60.
@@ -31,7 +33,9 @@ class RecordedRun : public RunSource {
   /// Opens the file if it is not open or has changed. @throws InputError  when it cannot be read
   void refresh();
   bool fixed(std::size_t body) const;  ///< neither moved by the simulation nor animated
-  bool complete() const;
+  /// Fills in whether more frames are to be expected.
+  void find_end(Progress& progress) const;
+  bool writer_gone() const;
 
   std::filesystem::path folder_, file_;
   std::mutex mutex_;
@@ -40,6 +44,8 @@ class RecordedRun : public RunSource {
   Progress progress_;                       ///< last known
   std::vector<Warning> warnings_;           ///< of the frames read so far
   std::int64_t warnings_read_ = 0;          ///< frames whose warnings are in the list
+  std::mutex world_mutex_;                  ///< taken before mutex_ where both are
+  std::unique_ptr<RebuiltWorld> world_;     ///< made when the first slice is asked for
 };
 
 }  // namespace brim::viewer

@@ -4,12 +4,15 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "server/density_slice.h"
+
 namespace brim::viewer {
 
 /// How far a run has come.
 struct Progress {
   std::int64_t frames = 0;
   bool complete = false;  ///< no more frames are to be expected
+  bool stopped = false;   ///< and that is because the writer is gone without having ended the run
   bool operator==(const Progress&) const = default;
 };
 
@@ -22,6 +25,8 @@ class RunSource {
   virtual nlohmann::json info() = 0;
   virtual std::string topology(int body) = 0;
   virtual std::string frame(std::int64_t frame) = 0;
+  /// Densities on a plane at a frame.
+  virtual std::string slice(std::int64_t frame, const SliceRequest& request) = 0;
   /// Every recorded scalar from a frame on.
   virtual std::string series(std::int64_t from) = 0;
 };

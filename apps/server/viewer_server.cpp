@@ -47,6 +47,14 @@ std::int64_t number(const std::string& text) {
   return value;
 }
 
+double real(const std::string& text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size())
+    throw InputError(fmt::format("\"{}\" is not a number that can be used here", text));
+  return value;
+}
+
 }  // namespace
 
 struct ViewerServer::Impl {
@@ -86,7 +94,8 @@ struct ViewerServer::Impl {
         *quiet = 0;
         *told = now;
         const std::string text =
-            fmt::format("event: frames\ndata: {{\"frames\":{},\"complete\":{}}}\n\n", now.frames, now.complete);
+            fmt::format("event: frames\ndata: {{\"frames\":{},\"complete\":{},\"stopped\":{}}}\n\n", now.frames,
+                        now.complete, now.stopped);
         return to.write(text.data(), text.size());
       }
       if (++*quiet >= kQuietPolls) {
@@ -113,8 +122,17 @@ struct ViewerServer::Impl {
       binary(response, source.series(request.has_param("from") ? number(request.get_param_value("from")) : 0));
     });
     get("/api/events", [this](const auto&, auto& response) { events(response); });
-    get("/api/slice.*",
-        [](const auto&, auto& response) { refuse(response, 501, "slices of the densities are not served yet"); });
+    get(R"(/api/slice/(\d+))", [this, binary](const auto& request, auto& response) {
+      SliceRequest slice;
+      const auto given = [&](const char* name, auto fallback) {
+        return request.has_param(name) ? request.get_param_value(name) : std::string(fallback);
+      };
+      slice.axis = static_cast<int>(number(given("axis", "2")));
+      slice.body = static_cast<int>(number(given("body", "-1")));
+      slice.at = real(given("at", "0"));
+      slice.step = real(given("step", "0"));
+      binary(response, source.slice(number(request.matches[1]), slice));
+    });
     http.set_mount_point("/", page.string());
     http.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
       if (!loopback_only || is_loopback(host_name(request.get_header_value("Host"))))

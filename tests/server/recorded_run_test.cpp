@@ -151,6 +151,13 @@ void write_run(const fs::path& folder, int frames) {
   }
 }
 
+/// [s] of the slowest frame.
+double slowest_wall(const fs::path& folder) {
+  double slowest = 0.0;
+  for (const double x : RunReader(folder.string()).series("wall")) slowest = std::max(slowest, x);
+  return slowest;
+}
+
 class RecordedRunTest : public testing::Test {
  protected:
   fs::path folder_ = fs::temp_directory_path() / fmt::format("brim_recorded_{}", getpid());
@@ -208,7 +215,33 @@ TEST_F(RecordedRunTest, AGrowingRunIsNoticedAndItsSummaryEndsIt) {
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   std::ofstream(folder_ / "summary.json") << "{\"frames\": 5}";
   EXPECT_EQ(run.progress(), (Progress{5, true}));
+  EXPECT_FALSE(run.progress().stopped);
   EXPECT_EQ(run.info()["summary"]["frames"], 5);
+}
+
+TEST_F(RecordedRunTest, ARunWhoseWriterIsGoneDoesNotGrowForEver) {
+  write_run(folder_, 2);
+  const auto mark = [&](const ProcessMark& m) {
+    h5::File file((folder_ / "run.h5").string(), h5::File::Mode::Write);
+    file.attribute("/", "writer_pid", m.pid);
+    file.attribute("/", "writer_host", m.host);
+    file.attribute("/", "writer_started", m.started);
+  };
+  ProcessMark mine = this_process();
+  mark(mine);
+  EXPECT_EQ(RecordedRun(folder_.string()).progress(), (Progress{2, false, false})) << "its writer lives";
+  mine.started += "0";  // the number went to another process since
+  mark(mine);
+  EXPECT_EQ(RecordedRun(folder_.string()).progress(), (Progress{2, true, true}));
+  EXPECT_EQ(RecordedRun(folder_.string()).info()["stopped"], true);
+  // Another machine's: only silence tells.
+  mine.host += ".elsewhere";
+  mark(mine);
+  EXPECT_EQ(RecordedRun(folder_.string()).progress(), (Progress{2, false, false}));
+  fs::last_write_time(folder_ / "run.h5", fs::file_time_type::clock::now() - std::chrono::hours(1));
+  // Its slowest frame took 20 s: an hour without a word is long.
+  EXPECT_EQ(RecordedRun(folder_.string()).progress().stopped, RecordedRun(folder_.string()).progress().complete);
+  EXPECT_TRUE(RecordedRun(folder_.string()).progress().stopped || slowest_wall(folder_) * 20 > 3600);
 }
 
 TEST_F(RecordedRunTest, ARunWithoutFramesAndACutFileAreSurvived) {

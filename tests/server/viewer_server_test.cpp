@@ -35,6 +35,9 @@ class MadeUpRun : public RunSource {
     if (f == 2) throw std::runtime_error("the disk failed");
     return std::string("frame\0", 6) + std::to_string(f);
   }
+  std::string slice(std::int64_t f, const SliceRequest& r) override {
+    return fmt::format("slice {} {} {} {} {}", f, r.axis, r.at, r.body, r.step);
+  }
   std::string series(std::int64_t from) override { return "series from " + std::to_string(from); }
 };
 
@@ -80,6 +83,8 @@ TEST_F(ViewerServerTest, ServesThePageAndTheRun) {
   EXPECT_EQ(client_->Get("/api/frame/1")->body, std::string("frame\0", 6) + "1");
   EXPECT_EQ(client_->Get("/api/series?from=7")->body, "series from 7");
   EXPECT_EQ(client_->Get("/api/series")->body, "series from 0");
+  EXPECT_EQ(client_->Get("/api/slice/2?axis=0&at=-0.25&body=4&step=1e-2")->body, "slice 2 0 -0.25 4 0.01");
+  EXPECT_EQ(client_->Get("/api/slice/2")->body, "slice 2 2 0 -1 0");
   EXPECT_EQ(nlohmann::json::parse(client_->Get("/api/run")->body)["frames"], 3);
 }
 
@@ -93,7 +98,9 @@ TEST_F(ViewerServerTest, ErrorsSayWhatIsWrongAndTheServerGoesOn) {
   EXPECT_EQ(status("/api/frame/99999999999999999999999"), 404);
   EXPECT_EQ(status("/api/series?from=abc"), 404);
   EXPECT_EQ(status("/api/frame/-1"), 404);
-  EXPECT_EQ(status("/api/slice?z=0"), 501);
+  EXPECT_EQ(status("/api/slice"), 404);
+  EXPECT_EQ(status("/api/slice/1?at=high"), 404);
+  EXPECT_EQ(status("/api/slice/1?axis=1.5"), 404);
   EXPECT_EQ(status("/api/nothing"), 404);
   EXPECT_EQ(status("/api/frame/1"), 200);
 }
@@ -132,9 +139,9 @@ TEST_F(ViewerServerTest, EventsTellOfNewFrames) {
     return heard.find("true") == std::string::npos;
   });
   EXPECT_EQ(heard,
-            "event: frames\ndata: {\"frames\":3,\"complete\":false}\n\n"
-            "event: frames\ndata: {\"frames\":5,\"complete\":false}\n\n"
-            "event: frames\ndata: {\"frames\":5,\"complete\":true}\n\n");
+            "event: frames\ndata: {\"frames\":3,\"complete\":false,\"stopped\":false}\n\n"
+            "event: frames\ndata: {\"frames\":5,\"complete\":false,\"stopped\":false}\n\n"
+            "event: frames\ndata: {\"frames\":5,\"complete\":true,\"stopped\":false}\n\n");
 }
 
 TEST_F(ViewerServerTest, APortInUseIsAnInputError) {

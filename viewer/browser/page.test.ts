@@ -94,6 +94,41 @@ describe.skipIf(!chromiumPath)('the page', () => {
     await close(o);
   });
 
+  test('a slice follows its axis, its slider and the frame, and cuts the bodies open', async () => {
+    const o = await open(browser);
+    const slice = () =>
+      o.page.evaluate(() => {
+        const { slice } = window.brim.app.picture;
+        return { visible: slice.object.visible, axis: slice.shown?.axis, at: slice.shown?.at };
+      });
+    await o.page.evaluate(() => window.brim.app.showFrame(60));
+    expect((await slice()).visible).toBe(false);
+    await o.page.keyboard.press('d');
+    await until(o, () => window.brim.app.picture.slice.shown?.axis === 1);
+    await o.page.keyboard.press('z');
+    await until(o, () => window.brim.app.picture.slice.shown?.axis === 2);
+    await o.page.getByRole('slider', { name: 'place of the slice' }).fill('0.5');
+    await until(o, () => Math.abs(window.brim.app.picture.slice.shown!.at - 0.65) < 0.05);
+    expect(await o.page.locator('.facts').innerText()).toContain('nodes');
+    // The picture with the slice differs from the one without.
+    const shot = () => o.page.evaluate(() => window.brim.app.png(60));
+    const withSlice = await shot();
+    await o.page.keyboard.press('d');
+    expect((await slice()).visible).toBe(false);
+    expect(await shot()).not.toBe(withSlice);
+    expect(o.problems).toEqual([]);
+    await close(o);
+  });
+
+  test('a run whose writer is gone is called cut short', async () => {
+    const o = await open(browser, fakeRun(5, false));
+    expect(await o.page.locator('.status').innerText()).toContain('growing');
+    o.run.complete = o.run.stopped = true;
+    await until(o, () => window.brim.app.run!.stopped === true);
+    expect(await o.page.locator('.status').innerText()).toContain('cut short');
+    await close(o);
+  });
+
   test('a click on a body reads its numbers, a click on nothing closes them', async () => {
     const o = await open(browser);
     await o.page.evaluate(() => {

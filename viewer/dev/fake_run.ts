@@ -4,6 +4,7 @@
  */
 import { array, encodeArrays, type NamedArray } from '../src/codec';
 import type { RunInfo } from '../src/run';
+import type { SliceWish } from '../src/slice';
 import { box, sheet, sphere, type Shape } from './shapes';
 
 type Move = (time: number) => Float32Array<ArrayBuffer>;
@@ -22,10 +23,12 @@ interface FakeBody {
 export interface FakeRun {
   frames: number;
   complete: boolean;
+  stopped: boolean;
   broken: Set<number>; // frames that the server fails to read, like those of a damaged file
   info(): RunInfo;
   topology(body: number): ArrayBuffer | undefined;
   frame(f: number): ArrayBuffer | undefined;
+  slice(f: number, wish: SliceWish): ArrayBuffer | undefined;
   series(from: number): ArrayBuffer;
 }
 
@@ -177,6 +180,84 @@ function makeBodies(): FakeBody[] {
   ];
 }
 
+/** Densities on a plane of two made-up solids: the jelly ball as a ball, and everything below the floor. */
+function ballSlice(positions: (Float32Array | undefined)[], wish: SliceWish): ArrayBuffer {
+  const step = 0.04;
+  const ball = positions[2]!;
+  const middle = [0, 1, 2].map((k) => {
+    let sum = 0;
+    for (let i = k; i < ball.length; i += 3) sum += ball[i]!;
+    return sum / (ball.length / 3);
+  });
+  const low = [-1.2, -1.2, -0.2];
+  const high = [1.2, 1.2, 1.5];
+  const u = (wish.axis + 1) % 3;
+  const v = (wish.axis + 2) % 3;
+  const at = step * Math.round(Math.max(low[wish.axis]!, Math.min(high[wish.axis]!, wish.at)) / step);
+  const first = [u, v].map((k) => Math.floor(low[k]! / step));
+  const count = [u, v].map((k, i) => Math.ceil(high[k]! / step) - first[i]! + 1);
+  const n = count[0]! * count[1]!;
+  const [density, second, overlap] = [0, 0, 0].map(() => new Float32Array(n)) as [
+    Float32Array<ArrayBuffer>,
+    Float32Array<ArrayBuffer>,
+    Float32Array<ArrayBuffer>,
+  ];
+  const body = new Int32Array(n).fill(-1);
+  const secondBody = new Int32Array(n).fill(-1);
+  const ramp = (d: number) => {
+    const s = Math.max(0, Math.min(1, 0.5 - d / (3 * step)));
+    return s * s * (3 - 2 * s);
+  };
+  for (let i = 0; i < n; ++i) {
+    const x = [0, 0, 0];
+    x[wish.axis] = at;
+    x[u] = step * (first[0]! + (i % count[0]!));
+    x[v] = step * (first[1]! + Math.floor(i / count[0]!));
+    const d = Math.hypot(...x.map((c, k) => c - middle[k]!)) - 0.28;
+    const both = [
+      { rho: ramp(x[2]!), of: 0 },
+      { rho: ramp(d), of: 2 },
+    ].filter((b) => b.rho > 0 && (wish.body < 0 || wish.body === b.of));
+    both.sort((a, b) => b.rho - a.rho);
+    if (both[0]) [density[i], body[i]] = [both[0].rho, both[0].of];
+    if (both[1]) [second[i], secondBody[i]] = [both[1].rho, both[1].of];
+    overlap[i] = Math.max(0, density[i]! + second[i]! - 1);
+  }
+  return encodeArrays([
+    array('plane', new Float64Array([wish.axis, at, step, low[wish.axis]!, high[wish.axis]!])),
+    array('nodes', new Int32Array([...first, ...count])),
+    array('density', density, count[0]),
+    array('body', body, count[0]),
+    array('second', second, count[0]),
+    array('second_body', secondBody, count[0]),
+    array('overlap', overlap, count[0]),
+  ]);
+}
+
+interface FakeContacts {
+  force: number[];
+  friction: number[];
+  overlap: number[];
+  pair: number[];
+}
+
+/** The totals of every touching pair. */
+function pairArrays(c: FakeContacts): NamedArray[] {
+  const keys = [...new Set(c.overlap.map((_, i) => `${c.pair[2 * i]},${c.pair[2 * i + 1]}`))];
+  const of = (key: string) =>
+    c.overlap.flatMap((_, i) => (`${c.pair[2 * i]},${c.pair[2 * i + 1]}` === key ? [i] : []));
+  const total = (values: number[], key: string) =>
+    Math.hypot(...[0, 1, 2].map((k) => of(key).reduce((sum, i) => sum + values[3 * i + k]!, 0)));
+  return [
+    array('pairs/parts', new Int32Array(keys.flatMap((k) => k.split(',').map(Number))), 2),
+    array('pairs/contacts', new Int32Array(keys.map((k) => of(k).length))),
+    array('pairs/normal', new Float32Array(keys.map((k) => total(c.force, k)))),
+    array('pairs/friction', new Float32Array(keys.map((k) => total(c.friction, k)))),
+    array('pairs/overlap', new Float32Array(keys.map((k) => Math.max(...of(k).map((i) => c.overlap[i]!))))),
+    array('pairs/pressure', new Float32Array(keys.length).fill(0.1)),
+  ];
+}
+
 const phases = [
   'presence',
   'refine',
@@ -230,6 +311,7 @@ export function fakeRun(frames = 180, complete = true): FakeRun {
   const run: FakeRun = {
     frames,
     complete,
+    stopped: false,
     broken: new Set(),
     info: () => ({
       name: 'made-up run',
@@ -237,6 +319,8 @@ export function fakeRun(frames = 180, complete = true): FakeRun {
       brimVersion: '0.1.0',
       frames: run.frames,
       complete: run.complete,
+      stopped: run.stopped,
+      slices: true,
       bodies: bodies.map((b, index) => ({
         index,
         name: b.name,
@@ -287,9 +371,11 @@ export function fakeRun(frames = 180, complete = true): FakeRun {
         array('contacts/pair', new Int32Array(s.c.pair), 2),
         array('tiles/key', s.key, 3),
         array('tiles/step', new Float32Array(s.key.length / 3).fill(s.step)),
+        ...pairArrays(s.c),
       );
       return encodeArrays(arrays);
     },
+    slice: (f, wish) => (f < 0 || f >= run.frames ? undefined : ballSlice(sample(f).positions, wish)),
     series: (from) => {
       const count = Math.max(0, run.frames - from);
       const column = (value: (f: number) => number) => new Float64Array(count).map((_, i) => value(from + i));

@@ -30,7 +30,7 @@ function events(run: FakeRun, request: IncomingMessage, response: ServerResponse
   response.writeHead(200, { 'Content-Type': 'text/event-stream', 'Cache-Control': 'no-store' });
   let told = '';
   const tell = () => {
-    const now = JSON.stringify({ frames: run.frames, complete: run.complete });
+    const now = JSON.stringify({ frames: run.frames, complete: run.complete, stopped: run.stopped });
     if (now !== told) response.write(`event: frames\ndata: ${now}\n\n`);
     told = now;
   };
@@ -52,8 +52,12 @@ export function handleApi(run: FakeRun, request: IncomingMessage, response: Serv
     else binary(response, run.frame(Number(which)), `frame ${which}`);
   } else if (what === 'series')
     binary(response, run.series(Number(url.searchParams.get('from') ?? 0)), 'series');
-  else if (what === 'events') events(run, request, response);
-  else json(response, what === 'slice' ? 501 : 404, { error: `nothing at ${url.pathname}` });
+  else if (what === 'slice') {
+    const n = (name: string, otherwise: string) => Number(url.searchParams.get(name) ?? otherwise);
+    const wish = { axis: n('axis', '2'), at: n('at', '0'), body: n('body', '-1') };
+    binary(response, run.slice(Number(which), wish), `frame ${which}`);
+  } else if (what === 'events') events(run, request, response);
+  else json(response, 404, { error: `nothing at ${url.pathname}` });
   return true;
 }
 

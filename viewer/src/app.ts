@@ -1,10 +1,11 @@
 /** Ties the page together: what the server sends, what the person asks for, and what is drawn. */
-import { fetchFrame, fetchRun, fetchSeries, fetchTopology, watchProgress } from './client';
+import { fetchFrame, fetchRun, fetchSeries, fetchSlice, fetchTopology, watchProgress } from './client';
 import { FrameCache } from './frame_cache';
 import { Picture } from './picture';
 import { Player } from './player';
 import type { Frame, RunInfo, Series } from './run';
 import { defaultPose, type CameraPose } from './scene/stage';
+import type { Slice, SliceWish } from './slice';
 import { download, film, padded, pictureSequence, pngOf } from './ui/capture';
 import { h, human, iconButton } from './ui/dom';
 import { bindKeys } from './ui/keys';
@@ -38,6 +39,9 @@ export class App {
   private failed = -1; // frame the server could not give
   private recording: { stop(): void } | undefined;
   private capturing = false; // frames are shown one by one for pictures: the clock rests
+  private slice: Slice | undefined; // the last that came
+  private sliceKey = ''; // what was asked for it
+  private slicing: Promise<void> | undefined;
   private updating: Promise<void> | undefined;
   private updateAgain = false;
   private lastTick = 0;
@@ -51,9 +55,13 @@ export class App {
     this.plots = new Plots(this.player, hover);
     this.timeline = new Timeline(this.player, hover);
     this.panel = new Panel(this.player, {
-      look: (body, look) => this.picture.setLook(body, look),
+      look: (body, look) => {
+        this.picture.setLook(body, look);
+        this.drawSlice();
+      },
       contacts: (style, scale) => this.picture.setContacts(style, scale),
       tiles: (on) => this.picture.setTiles(on),
+      slice: () => void this.refreshSlice(),
     });
     this.view = h('main', { class: 'view' }, this.canvas, this.banner, this.pick.element);
     document.body.classList.toggle('bare', bare);
@@ -146,6 +154,7 @@ export class App {
     this.picture.setRun(run, topologies, samples);
     this.picture.stage.setPose(defaultPose);
     this.panel.setRun(run, this.picture.colours);
+    this.panel.slice.setRun(run.bodies, run.slices === true, this.picture.stage.center.toArray());
     this.describe();
     if (samples[0]) this.display(samples[0]);
   }
@@ -187,6 +196,7 @@ export class App {
       this.setSeries(appendSeries(this.series, await fetchSeries(known)));
       if (known === 0) {
         this.picture.frameScene(await this.samples());
+        this.panel.slice.setRun(run.bodies, run.slices === true, this.picture.stage.center.toArray());
         this.picture.stage.setPose(defaultPose);
       }
       if (following) this.player.seek(this.player.frames - 1);
@@ -264,6 +274,56 @@ export class App {
     this.picture.show(frame, (body) => this.panel.looks[body]?.visible ?? true);
     if (this.notices.has('frame') && frame.index === this.player.frame) this.notice('frame');
     if (!this.bare) this.panel.showFrame(frame);
+    if (this.panel.slice.on) void this.refreshSlice();
+  }
+
+  /** Asks for the plane that is wanted until it is there: only the latest wish counts while one is on its way. */
+  private refreshSlice(): Promise<void> {
+    const card = this.panel.slice;
+    if (!card.on || !this.picture.shown) {
+      this.drawSlice();
+      return Promise.resolve();
+    }
+    this.slicing ??= (async () => {
+      try {
+        for (;;) {
+          const { shown } = this.picture;
+          const wish = card.wish;
+          const key = `${shown?.index} ${JSON.stringify(wish)}`;
+          if (!card.on || !shown || key === this.sliceKey) break;
+          try {
+            this.slice = await fetchSlice(shown.index, wish);
+            card.show(this.slice);
+          } catch (error) {
+            this.slice = undefined;
+            card.fail((error as Error).message);
+          }
+          this.sliceKey = key;
+          this.drawSlice();
+        }
+      } finally {
+        this.slicing = undefined;
+      }
+      this.drawSlice();
+    })();
+    return this.slicing;
+  }
+
+  private drawSlice() {
+    const card = this.panel.slice;
+    const colours = this.panel.looks.map((l) => l.colour);
+    this.picture.setSlice(card.on ? this.slice : undefined, colours, card.wish.body >= 0, card.cut);
+  }
+
+  /** Shows the densities on a plane; a body is given by name. For pictures. */
+  async showSlice(wish: { axis: number; at?: number; body?: string }): Promise<void> {
+    const { body, ...rest } = wish;
+    const known = this.run?.bodies.find((b) => b.name === body)?.index;
+    if (body !== undefined && known === undefined) throw new Error(`no body is named "${body}"`);
+    if (!this.run?.slices) throw new Error('this run keeps no scene to make densities from');
+    const full: Partial<SliceWish> = body === undefined ? rest : { ...rest, body: known! };
+    this.panel.slice.set(full);
+    await this.refreshSlice();
   }
 
   /** Shows one frame and draws it before it returns: for pictures. */
@@ -271,6 +331,7 @@ export class App {
     this.player.playing = false;
     this.player.seek(index);
     if (this.player.frames > 0) this.display(await this.cache.get(this.player.frame));
+    await this.refreshSlice();
     this.picture.stage.draw(true);
   }
 

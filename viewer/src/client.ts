@@ -9,10 +9,12 @@ import {
   type Series,
   type Topology,
 } from './run';
+import { sliceFromArrays, type Slice, type SliceWish } from './slice';
 
 export interface Progress {
   frames: number;
   complete: boolean;
+  stopped?: boolean; // complete only because the writer is gone
 }
 
 /** The server answered, with an error that says what it could not do. */
@@ -54,6 +56,11 @@ export async function fetchFrame(index: number): Promise<Frame> {
 
 export const fetchSeries = async (from: number): Promise<Series> =>
   seriesFromArrays((await arrays(`api/series?from=${from}`)).list);
+
+export const fetchSlice = async (frame: number, wish: SliceWish): Promise<Slice> =>
+  sliceFromArrays(
+    (await arrays(`api/slice/${frame}?axis=${wish.axis}&at=${wish.at}&body=${wish.body}`)).list,
+  );
 
 /**
  * Listens to the run's progress. A lost server is reported once and asked for again until it answers; the browser's

@@ -6,7 +6,9 @@ import { boxOf, framing } from './scene/bounds';
 import { ContactView, type ContactStyle } from './scene/contact_view';
 import { defaultColours } from './scene/palette';
 import { Stage } from './scene/stage';
+import { SliceView } from './scene/slice_view';
 import { TileView } from './scene/tile_view';
+import type { Slice } from './slice';
 
 export interface Picked {
   at: THREE.Vector3;
@@ -19,6 +21,8 @@ export class Picture {
   readonly stage: Stage;
   contacts: ContactView | undefined;
   readonly tiles = new TileView();
+  readonly slice = new SliceView();
+  private cut = true; // bodies are cut open where the slice is
   colours: string[] = [];
   shown: Frame | undefined;
   private views: BodyView[] = [];
@@ -28,7 +32,8 @@ export class Picture {
 
   constructor(canvas: HTMLCanvasElement) {
     this.stage = new Stage(canvas);
-    this.stage.scene.add(this.tiles.object);
+    this.stage.scene.add(this.tiles.object, this.slice.object);
+    this.stage.beforeDraw = () => this.slice.face(this.stage.camera.position);
   }
 
   /** Takes the bodies; `samples` are a few frames over the run, to know how large it is. */
@@ -96,6 +101,23 @@ export class Picture {
     view.object.visible = look.visible && this.positions[body] !== undefined;
     view.setColour(look.colour);
     view.setWireframe(look.wireframe);
+    this.stage.invalidate();
+  }
+
+  /** Shows a plane of densities, or none. @param colours of the bodies @param single whether it is of one body */
+  setSlice(slice: Slice | undefined, colours: string[], single: boolean, cut: boolean): void {
+    const before = this.slice.object.visible && this.cut;
+    this.slice.object.visible = slice !== undefined;
+    this.cut = cut;
+    if (slice)
+      this.slice.update(
+        slice,
+        colours,
+        single,
+        this.shown?.tiles ?? { key: new Int32Array(0), step: new Float32Array(0) },
+      );
+    const now = slice !== undefined && cut;
+    if (now !== before) this.views.forEach((v) => v.setClipping(now ? [this.slice.clip] : null));
     this.stage.invalidate();
   }
 

@@ -26,7 +26,9 @@ export interface RunInfo {
   scene: string;
   brimVersion: string;
   frames: number;
-  complete: boolean; // the writer closed the file
+  complete: boolean; // no more frames are to be expected
+  stopped?: boolean; // because the writer is gone without having ended the run
+  slices?: boolean; // densities can be asked for
   bodies: BodyInfo[];
   parts: { name: string; body: number }[];
   warnings: Warning[];
@@ -52,6 +54,7 @@ export interface Frame {
   positions: Map<number, Float32Array>; // body -> (nv, 3) [m]
   contacts: Contacts;
   tiles: { key: Int32Array; step: Float32Array }; // (n, 3), (n) [m]
+  pairs: PairTotal[];
   bytes: number;
 }
 
@@ -80,8 +83,28 @@ export function frameFromArrays(index: number, arrays: NamedArray[], bytes: numb
       pair: ints(arrays, 'contacts/pair'),
     },
     tiles: { key: ints(arrays, 'tiles/key'), step: floats(arrays, 'tiles/step') },
+    pairs: pairsFromArrays(arrays),
     bytes,
   };
+}
+
+/** The totals of each touching pair, as the run recorded them. */
+function pairsFromArrays(arrays: NamedArray[]): PairTotal[] {
+  const parts = ints(arrays, 'pairs/parts');
+  const nodes = ints(arrays, 'pairs/contacts');
+  const normal = floats(arrays, 'pairs/normal');
+  const friction = floats(arrays, 'pairs/friction');
+  const overlap = floats(arrays, 'pairs/overlap');
+  const pressure = floats(arrays, 'pairs/pressure');
+  return Array.from(nodes, (count, i) => ({
+    a: parts[2 * i]!,
+    b: parts[2 * i + 1]!,
+    count,
+    normal: normal[i]!,
+    friction: friction[i]!,
+    worstOverlap: overlap[i]!,
+    pressure: pressure[i]!,
+  })).sort((x, y) => x.a - y.a || x.b - y.b);
 }
 
 export function topologyFromArrays(arrays: NamedArray[]): Topology {
@@ -99,35 +122,13 @@ export function seriesFromArrays(arrays: NamedArray[]): Series {
   return series;
 }
 
-/** Totals per pair of parts, from the contacts of a frame. */
+/** What two parts do to each other, all their contacts together. */
 export interface PairTotal {
   a: number;
   b: number;
-  count: number;
-  normal: number; // [N] magnitude of the summed normal force
-  friction: number; // [N] magnitude of the summed friction
+  count: number; // nodes
+  normal: number; // [N] magnitude
+  friction: number; // [N] magnitude
   worstOverlap: number; // [voxels]
-}
-
-export function pairTotals(c: Contacts): PairTotal[] {
-  const byKey = new Map<string, PairTotal & { n: number[]; f: number[] }>();
-  for (let i = 0; i < c.count; ++i) {
-    const a = c.pair[2 * i]!;
-    const b = c.pair[2 * i + 1]!;
-    const key = `${a},${b}`;
-    let t = byKey.get(key);
-    if (!t) {
-      t = { a, b, count: 0, normal: 0, friction: 0, worstOverlap: 0, n: [0, 0, 0], f: [0, 0, 0] };
-      byKey.set(key, t);
-    }
-    ++t.count;
-    t.worstOverlap = Math.max(t.worstOverlap, c.overlap[i] ?? 0);
-    for (let k = 0; k < 3; ++k) {
-      t.n[k]! += c.force[3 * i + k] ?? 0;
-      t.f[k]! += c.friction[3 * i + k] ?? 0;
-    }
-  }
-  return [...byKey.values()]
-    .map(({ n, f, ...t }) => ({ ...t, normal: Math.hypot(...n), friction: Math.hypot(...f) }))
-    .sort((x, y) => x.a - y.a || x.b - y.b);
+  pressure: number; // largest, as a fraction of the stiffness; saturates near 0.5
 }

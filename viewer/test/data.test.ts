@@ -1,6 +1,7 @@
 import { expect, test } from 'vitest';
 import { FrameCache } from '../src/frame_cache';
-import { frameFromArrays, pairTotals, type Contacts, type Frame } from '../src/run';
+import { array } from '../src/codec';
+import { frameFromArrays, type Frame } from '../src/run';
 import { roundLength } from '../src/scene/ground';
 import { tileEdges } from '../src/scene/tile_view';
 import { human } from '../src/ui/dom';
@@ -28,18 +29,18 @@ test('a frame that could not be had is asked for again', async () => {
   expect((await cache.get(5)).index).toBe(5);
 });
 
-test('pair totals are sums of vectors, not of magnitudes', () => {
-  const c: Contacts = {
-    count: 3,
-    position: new Float32Array(9),
-    force: new Float32Array([3, 0, 0, 0, 4, 0, 0, 0, 1]),
-    friction: new Float32Array([1, 0, 0, -1, 0, 0, 0, 0, 0]),
-    overlap: new Float32Array([0.5, 0.25, 2]),
-    pair: new Int32Array([0, 1, 0, 1, 0, 2]),
-  };
-  expect(pairTotals(c)).toEqual([
-    { a: 0, b: 1, count: 2, normal: 5, friction: 0, worstOverlap: 0.5 },
-    { a: 0, b: 2, count: 1, normal: 1, friction: 0, worstOverlap: 2 },
+test('pairs are read as the run recorded them, in the order of their parts', () => {
+  const arrays = [
+    array('pairs/parts', new Int32Array([1, 2, 0, 2]), 2),
+    array('pairs/contacts', new Int32Array([7, 3])),
+    array('pairs/normal', new Float32Array([5, 1])),
+    array('pairs/friction', new Float32Array([2, 0.5])),
+    array('pairs/overlap', new Float32Array([0.25, 2])),
+    array('pairs/pressure', new Float32Array([0.125, 0.5])),
+  ];
+  expect(frameFromArrays(0, arrays, 0).pairs).toEqual([
+    { a: 0, b: 2, count: 3, normal: 1, friction: 0.5, worstOverlap: 2, pressure: 0.5 },
+    { a: 1, b: 2, count: 7, normal: 5, friction: 2, worstOverlap: 0.25, pressure: 0.125 },
   ]);
 });
 

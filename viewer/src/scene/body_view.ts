@@ -11,7 +11,14 @@ export interface BodyView {
   update(positions: Float32Array): void;
   setColour(colour: string): void;
   setWireframe(on: boolean): void;
+  /** Hides what lies behind the planes, as the slice does to look inside. */
+  setClipping(planes: THREE.Plane[] | null): void;
   dispose(): void;
+}
+
+function clip(m: THREE.Material, planes: THREE.Plane[] | null) {
+  m.clippingPlanes = planes;
+  m.needsUpdate = true;
 }
 
 function material(colour: string, body: BodyInfo): THREE.MeshStandardMaterial {
@@ -64,6 +71,9 @@ class TriangleView implements BodyView {
   }
   setWireframe(on: boolean) {
     this.object.material.wireframe = on;
+  }
+  setClipping(planes: THREE.Plane[] | null) {
+    clip(this.object.material, planes);
   }
   dispose() {
     this.object.geometry.dispose();
@@ -123,6 +133,9 @@ class PointView implements BodyView {
   setWireframe(on: boolean) {
     this.material.wireframe = on;
   }
+  setClipping(planes: THREE.Plane[] | null) {
+    clip(this.material, planes);
+  }
   dispose() {
     this.object.geometry.dispose();
     this.object.dispose();
@@ -177,6 +190,10 @@ class LineView implements BodyView {
   setWireframe(on: boolean) {
     this.material.wireframe = on;
     this.joints.setWireframe(on);
+  }
+  setClipping(planes: THREE.Plane[] | null) {
+    clip(this.material, planes);
+    this.joints.setClipping(planes);
   }
   dispose() {
     this.tubes.geometry.dispose();

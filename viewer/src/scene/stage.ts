@@ -39,6 +39,8 @@ export class Stage {
   private readonly fill = new THREE.DirectionalLight('#dfeaff', 0.6);
   private readonly box = new THREE.Box3(new THREE.Vector3(-1, -1, 0), new THREE.Vector3(1, 1, 1));
   private readonly bounds = new THREE.Sphere();
+  /** Called before each drawing, when the camera is where it will be. */
+  beforeDraw: () => void = () => undefined;
   private dirty = true;
   private fitted = false; // the whole scene is shown; once a person moves the camera, it stays where it was put
 
@@ -48,6 +50,7 @@ export class Stage {
     // Keeps the hues, so that bodies look as their colour in the list does.
     this.renderer.toneMapping = THREE.NeutralToneMapping;
     this.renderer.toneMappingExposure = 1.0;
+    this.renderer.localClippingEnabled = true;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.VSMShadowMap;
 
@@ -98,6 +101,11 @@ export class Stage {
     this.controls.minDistance = r * 0.02;
     this.controls.maxDistance = r * 30;
     this.invalidate();
+  }
+
+  /** Middle of what is to be seen. */
+  get center(): THREE.Vector3 {
+    return this.bounds.center;
   }
 
   get radius(): number {
@@ -162,6 +170,7 @@ export class Stage {
     this.controls.update();
     if (!this.dirty && !force) return false;
     this.dirty = false;
+    this.beforeDraw();
     this.renderer.render(this.scene, this.camera);
     return true;
   }

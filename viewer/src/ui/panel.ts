@@ -1,9 +1,10 @@
 /** The side panel: bodies, contacts, tiles, touching pairs, warnings. */
 import type { Player } from '../player';
-import { pairTotals, type BodyInfo, type Frame, type RunInfo } from '../run';
+import type { BodyInfo, Frame, RunInfo } from '../run';
 import { frictionColour, normalColour, type ContactStyle } from '../scene/contact_view';
 import { h, human, iconButton, setIcon } from './dom';
 import { swatch } from './plots';
+import { SliceCard } from './slice_card';
 
 export interface BodyLook {
   visible: boolean;
@@ -15,6 +16,7 @@ export interface PanelEvents {
   look(body: number, look: BodyLook): void;
   contacts(style: ContactStyle, scale: number): void;
   tiles(on: boolean): void;
+  slice(): void;
 }
 
 const styles: [ContactStyle, string][] = [
@@ -30,6 +32,7 @@ export class Panel {
   contactStyle: ContactStyle = 'off';
   contactScale = 1;
   tilesShown = false;
+  readonly slice: SliceCard;
   private readonly status = h('p', { class: 'status' });
   private readonly bodies = h('ul', { class: 'bodies' });
   private readonly pairs = h('div', { class: 'pairs' });
@@ -43,6 +46,7 @@ export class Panel {
     private readonly player: Player,
     private readonly on: PanelEvents,
   ) {
+    this.slice = new SliceCard(() => this.on.slice());
     this.segments = styles.map(([style, label]) =>
       h('button', { type: 'button', 'data-style': style, onclick: () => this.setContacts(style) }, label),
     );
@@ -81,6 +85,7 @@ export class Panel {
         ),
         this.pairs,
       ),
+      this.slice.element,
       h(
         'section',
         { class: 'card' },
@@ -113,7 +118,14 @@ export class Panel {
         {},
         `${run.bodies.length} ${run.bodies.length === 1 ? 'body' : 'bodies'} · ${run.frames} frames · `,
       ),
-      h('span', { class: run.complete ? '' : 'growing' }, run.complete ? 'complete' : 'growing'),
+      h(
+        'span',
+        {
+          class: run.stopped ? 'stopped' : run.complete ? '' : 'growing',
+          title: run.stopped ? 'the program that wrote it is gone; brim run --resume goes on with it' : '',
+        },
+        run.stopped ? 'cut short' : run.complete ? 'complete' : 'growing',
+      ),
     );
     this.warnings.hidden = run.warnings.length === 0;
     this.warnings.replaceChildren(
@@ -239,7 +251,7 @@ export class Panel {
 
   /** The table of touching pairs of the frame shown. */
   showFrame(frame: Frame): void {
-    const totals = pairTotals(frame.contacts);
+    const totals = frame.pairs;
     if (!totals.length) {
       this.pairs.replaceChildren(h('p', { class: 'empty' }, 'Nothing touches in this frame.'));
       return;
@@ -267,7 +279,11 @@ export class Panel {
                 h('td', {}, String(t.count)),
                 h('td', {}, human(t.normal, 'N')),
                 h('td', {}, human(t.friction, 'N')),
-                h('td', { title: 'worst overlap in voxels' }, human(t.worstOverlap)),
+                h(
+                  'td',
+                  { title: `worst overlap in voxels; pressure ${human(t.pressure)} of the stiffness` },
+                  human(t.worstOverlap),
+                ),
               ),
             ),
         ),
@@ -313,6 +329,8 @@ const keys: [string, string][] = [
   ['w', 'wireframe'],
   ['c', 'contacts: off, points, arrows, both'],
   ['t', 'active tiles'],
+  ['d', 'slice through the densities'],
+  ['x y z', 'across which axis'],
   ['l', 'loop'],
   ['p', 'plots'],
   ['b', 'bodies'],
