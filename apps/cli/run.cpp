@@ -3,13 +3,16 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 #include "brim/record/runner.h"
 #include "brim/scene/scene.h"
 #include "commands.h"
+#include "live_view.h"
 #include "progress.h"
+#include "server/page_folder.h"
 
 #if defined(__unix__) || defined(__APPLE__)
 #include <unistd.h>
@@ -23,7 +26,7 @@ struct Options {
   std::string scene, folder, resume;
   std::int64_t frames = 0;
   int threads = 0;
-  bool check = false, json = false, force = false, quiet = false;
+  bool check = false, json = false, force = false, quiet = false, view = false;
 };
 
 bool on_terminal() {
@@ -52,6 +55,7 @@ int run(const Options& o) {
   plan.force = o.force;
   // Before the work of building, which may take a while.
   if (!plan.resume) check_run_folder(plan.folder, plan.force);
+  if (o.view) viewer::find_page_folder();
   World world = build_world(scene);
   plan.build_wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
@@ -59,6 +63,8 @@ int run(const Options& o) {
                     : on_terminal() && !o.quiet ? Progress::Style::Bar
                                                 : Progress::Style::Quiet);
   watch_interrupts();
+  std::optional<LiveView> live;
+  if (o.view) plan.started = [&] { live.emplace(plan.folder, o.json); };
   progress.start(scene.name, plan.folder, plan, world);
   const RunResult result = record_run(world, plan, [&](const RunProgress& p) {
     progress.frame(p);
@@ -66,6 +72,10 @@ int run(const Options& o) {
   });
   progress.end(result, plan.folder);
   if (!o.json && (o.check || !result.findings.empty())) std::fputs(findings_table(result.findings).c_str(), stdout);
+  if (live && result.end != RunEnd::Interrupted) {
+    fmt::print(stderr, "brim: the viewer goes on; Ctrl-C ends it\n");
+    live->stay();
+  }
   switch (result.end) {
     case RunEnd::Interrupted:
       return kInterrupted;
@@ -94,6 +104,7 @@ void add_run(CLI::App& app, int& code) {
   command->add_flag("--check", o->check, "exit with 1 when an expectation of the scene is not met");
   command->add_flag("--json", o->json, "report progress as lines of JSON on standard output");
   command->add_flag("--quiet", o->quiet, "no progress bar");
+  command->add_flag("--view", o->view, "serve the run to a browser while it is made, and after it until Ctrl-C");
   CLI::Option* force = command->add_flag("--force", o->force, "replace an old run in the folder");
   CLI::Option* resume =
       command->add_option("--resume", o->resume, "go on with the run in this folder after its last frame");

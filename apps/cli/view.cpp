@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
@@ -22,6 +23,7 @@ struct ViewOptions {
   std::string run;
   std::string host = "127.0.0.1";
   int port = -1;  ///< -1: the usual one, or any other if that is taken
+  int with = 0;   ///< process whose end is this one's too
 };
 
 int take_port(viewer::ViewerServer& server, const ViewOptions& options) {
@@ -43,7 +45,8 @@ int view(const ViewOptions& options) {
   std::fflush(stdout);
   watch_interrupts();
   std::jthread serving([&server] { server.listen(); });
-  while (!interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const auto alone = [&options] { return options.with > 0 && ::getppid() != options.with; };
+  while (!interrupted() && !alone()) std::this_thread::sleep_for(std::chrono::milliseconds(100));
   server.stop();
   return kGood;
 }
@@ -60,6 +63,7 @@ void add_view(CLI::App& app, int& code) {
       ->add_option("--host", options->host,
                    "address to listen on; any but this machine's own lets others on the network read the run")
       ->capture_default_str();
+  command->add_option("--with", options->with)->group("");  // for `brim run --view`
   command->callback([options, &code] { code = view(*options); });
 }
 

@@ -1,4 +1,7 @@
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -176,6 +179,82 @@ TEST_F(Program, KilledRunKeepsTheFramesFlushedBeforeAndCanBeGoneOnWith) {
   const std::int64_t frames = look();
   EXPECT_EQ(run("run good.json --resume made --frames " + std::to_string(frames + 2)).code, 0);
   EXPECT_EQ(RunReader((folder_ / "made").string()).frames(), frames + 3);
+}
+
+/// What a server on this machine answers to a GET, or nothing.
+std::string http_get(int port, const std::string& path) {
+  const int s = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(static_cast<std::uint16_t>(port));
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  std::string answer;
+  if (::connect(s, reinterpret_cast<const sockaddr*>(&to), sizeof to) == 0) {
+    const std::string ask = "GET " + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n";
+    if (::write(s, ask.data(), ask.size()) > 0) {
+      char buffer[4096];
+      for (ssize_t n; (n = ::read(s, buffer, sizeof buffer)) > 0;) answer.append(buffer, static_cast<std::size_t>(n));
+    }
+  }
+  ::close(s);
+  return answer;
+}
+
+TEST_F(Program, ViewServesTheRunWhileItIsMadeAndCtrlCEndsBoth) {
+  fs::create_directories(folder_ / "page");
+  write("page/index.html", "the page");
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::setenv("BRIM_VIEWER_DIR", (folder_ / "page").c_str(), 1);
+    const std::string command = "cd '" + folder_.string() + "' && exec '" + std::string(BRIM_BINARY_DIR) +
+                                "/brim' run good.json --frames 1000000 -o made --view > out.txt 2> err.txt";
+    ::execl("/bin/sh", "sh", "-c", command.c_str(), static_cast<char*>(nullptr));
+    ::_exit(127);
+  }
+  int port = 0;
+  for (int i = 0; i < 300 && port == 0; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    const std::string out = read(folder_ / "out.txt");
+    const std::size_t at = out.find("http://127.0.0.1:");
+    if (at != std::string::npos && out.find('/', at + 17) != std::string::npos) port = std::atoi(out.c_str() + at + 17);
+  }
+  EXPECT_GT(port, 0) << read(folder_ / "err.txt");
+  std::int64_t frames = 0;
+  for (int i = 0; i < 100 && frames < 3; ++i) {
+    const std::string answer = http_get(port, "/api/run");
+    const std::size_t body = answer.find("\r\n\r\n");
+    if (body != std::string::npos) {
+      const auto info = nlohmann::json::parse(answer.substr(body), nullptr, false);
+      if (info.is_object()) {
+        frames = info["frames"];
+        EXPECT_EQ(info["complete"], false);
+      }
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  EXPECT_GE(frames, 3) << "frames appear while the run goes on";
+  ::kill(child, SIGINT);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_EQ(nlohmann::json::parse(read(folder_ / "made/summary.json"))["end"], "interrupted");
+  EXPECT_EQ(http_get(port, "/api/run"), "") << "the server has ended with the run";
+}
+
+TEST_F(Program, ExportWritesARunAndRefusesInOneLine) {
+  ASSERT_EQ(run("run good.json -o made").code, 0);
+  const Outcome o = run("export made --format ply --frames 1:3");
+  EXPECT_EQ(o.code, 0) << o.err;
+  EXPECT_TRUE(fs::exists(folder_ / "made/export/ply/ball_00003.ply"));
+  for (const char* arguments : {"export made --format ply", "export made --format doc -o x", "export made",
+                                "export made --format obj -o x --frames 9", "export none --format obj -o x",
+                                "export made --format obj -o x --bodies bell"}) {
+    const Outcome bad = run(arguments);
+    EXPECT_EQ(bad.code, 2) << arguments;
+    EXPECT_EQ(std::count(bad.err.begin(), bad.err.end(), '\n'), 1) << bad.err;
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "x"));
 }
 
 TEST_F(Program, SchemaIsPrintedAndAccepted) {

@@ -90,6 +90,10 @@ RunResult record_run(World& world, const RunPlan& plan, const std::function<bool
     if (writer) writer->add(world, nothing, 0, measures.samples());
   }
 
+  if (writer && plan.started) {
+    writer->flush();
+    plan.started();
+  }
   Rate rate;
   double record_seconds = 0.0;
   const double build_and_start = since(start);

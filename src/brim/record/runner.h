@@ -18,9 +18,10 @@ struct RunPlan {
   std::int64_t frames = 0;        ///< recorded frames after the first, in all
   std::int64_t scene_frames = 0;  ///< of the scene: expectations without an end mean this one
   std::vector<Expectation> expect;
-  double build_wall = 0.0;  ///< [s]
-  bool force = false;       ///< replace an old run
-  bool resume = false;      ///< go on with the run in the folder
+  double build_wall = 0.0;          ///< [s]
+  bool force = false;               ///< replace an old run
+  bool resume = false;              ///< go on with the run in the folder
+  std::function<void()> started{};  ///< called once a first frame is on disk
 };
 
 /// Where a run stands, after each frame.
