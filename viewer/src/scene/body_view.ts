@@ -91,10 +91,13 @@ function instances(geometry: THREE.BufferGeometry, m: THREE.Material, count: num
   return mesh;
 }
 
-/** A ball with fewer triangles the more of them there are: about 10⁵ in all, as long as they still look round. */
+/**
+ * A ball with fewer triangles the more of them there are: about 10⁵ in all, as long as they still look round; where
+ * there are so many that each is small, its shading alone does.
+ */
 function ballGeometry(count: number): THREE.BufferGeometry {
   const detail = Math.round(Math.sqrt(100_000 / (20 * Math.max(1, count)))) - 1;
-  const ball = new THREE.IcosahedronGeometry(1, Math.max(1, Math.min(6, detail)));
+  const ball = new THREE.IcosahedronGeometry(1, Math.max(count > 12_000 ? 0 : 1, Math.min(6, detail)));
   ball.deleteAttribute('uv');
   ball.deleteAttribute('normal');
   const indexed = mergeVertices(ball);

@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""Runs scenes and renders one picture of each, docs/pictures/scenes/<scene>.png.
+
+  tools/scene_pictures.py                       every scene in scenes/
+  tools/scene_pictures.py bridge drape          these
+  tools/scene_pictures.py --reuse bridge        from the run of last time, if it is there
+
+What of a scene to look at (frame, camera, slice) is in the table below; the rest show their last frame. Runs stay in
+out/pictures/. A picture is reduced to a palette, to about 100 kB, where ffmpeg is installed.
+"""
+
+import argparse
+import pathlib
+import shutil
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SIZE = "960x540"
+
+# scene: options of brim render; "--frame" counts from the end when negative
+LOOKS = {
+    "bridge": ["--camera", "-70,16"],
+    "mixed_stack": ["--camera", "-62,24"],
+}
+
+
+def picture_of(brim, scene, runs, pictures, reuse, frames):
+    """Runs and renders one scene; returns a line that says how it went. Raises CalledProcessError."""
+    run, out = runs / scene.stem, pictures / f"{scene.stem}.png"
+    start = time.monotonic()
+    if not (reuse and (run / "summary.json").exists()):
+        length = ["--frames", str(frames)] if frames else []
+        subprocess.run([brim, "run", scene, "-o", run, "--force", "--quiet", *length], check=True,
+                       stdout=subprocess.DEVNULL)
+    ran = time.monotonic()
+    part = out.with_suffix(".part.png")
+    try:
+        subprocess.run([brim, "render", run, "-o", part, "--frame", "-1", "--size", SIZE, *LOOKS.get(scene.stem, [])],
+                       check=True)
+        if shutil.which("ffmpeg"):
+            subprocess.run(["ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-i", part, "-vf",
+                            "split[a][b];[a]palettegen=max_colors=160[p];[b][p]paletteuse=dither=sierra2_4a",
+                            "-update", "1", out], check=True)
+        else:
+            part.replace(out)
+    finally:
+        part.unlink(missing_ok=True)
+    return (f"{scene.stem}: run {ran - start:.0f} s, picture {time.monotonic() - ran:.0f} s, "
+            f"{out.stat().st_size / 1000:.0f} kB")
+
+
+def main(arguments):
+    parser = argparse.ArgumentParser(description="Runs scenes and renders one picture of each.")
+    parser.add_argument("scenes", nargs="*", help="names of scenes; default all")
+    parser.add_argument("--brim", default=ROOT / "build/release/brim", type=pathlib.Path)
+    parser.add_argument("--reuse", action="store_true", help="render runs of last time again where they are there")
+    parser.add_argument("--frames", type=int, help="at most so many frames, for a quick look")
+    options = parser.parse_args(arguments)
+    known = {path.stem: path for path in sorted((ROOT / "scenes").glob("*.json"))}
+    unknown = [name for name in options.scenes if name not in known]
+    if unknown:
+        parser.error(f"no such scene: {', '.join(unknown)}; there are {', '.join(known)}")
+    runs, pictures = ROOT / "out/pictures", ROOT / "docs/pictures/scenes"
+    runs.mkdir(parents=True, exist_ok=True)
+    pictures.mkdir(parents=True, exist_ok=True)
+    bad = 0
+    for name in options.scenes or known:
+        try:
+            print(picture_of(options.brim.resolve(), known[name], runs, pictures, options.reuse, options.frames),
+                  flush=True)
+        except subprocess.CalledProcessError as error:
+            bad += 1
+            print(f"{name}: {error.cmd[1]} failed with exit code {error.returncode}", file=sys.stderr, flush=True)
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
