@@ -9,6 +9,7 @@ BodyKind obstacle_kind();
 BodyKind rigid_kind();
 BodyKind finite_elements_kind();
 BodyKind cloth_kind();
+BodyKind particle_fluid_kind();
 BodyKind image_volume_kind();
 BodyKind articulated_kind();
 BodyKind mass_spring_kind();
@@ -23,6 +24,7 @@ const BodyKind& find_body_kind(const std::string& name) {
       rigid_kind(),            //
       finite_elements_kind(),  //
       cloth_kind(),            //
+      particle_fluid_kind(),   //
       image_volume_kind(),     //
       articulated_kind(),      //
       mass_spring_kind(),      //

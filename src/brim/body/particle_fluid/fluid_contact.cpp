@@ -1,0 +1,138 @@
+#include "brim/body/particle_fluid/fluid_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "brim/core/error.h"
+#include "brim/core/parallel.h"
+
+namespace brim {
+
+namespace {
+
+/// |Σ V ∇W| times the support at which the map follows the slopes alone. A plane surface has 1.4.
+constexpr double kSteepSlope = 0.7;
+/// Fill below which a particle counts for more than its volume.
+constexpr double kSparseFill = 0.7;
+/// Kernel sum that counts as empty: with it a flat wall of step h = spacing / 2 and a lattice that starts half a spacing
+/// from it just touch; the whole tail would reach far into walls, where nothing has a slope to push with.
+constexpr double kTail = 0.12;
+
+}  // namespace
+
+void FluidContact::begin(const ParticleCells& cells, std::span<const double> fill) {
+  cells_ = &cells;
+  batches_.clear();
+  volume_.resize(cells.size());
+  for (std::size_t i = 0; i < volume_.size(); ++i) volume_[i] = volume_of_one_ * std::max(1.0, kSparseFill / fill[i]);
+}
+
+void FluidContact::presence(double h, const Aabb& region, std::vector<TileKey>& out) const {
+  const auto x = cells_->positions();
+  const double H = kernel_.support();
+  Aabb box;
+  for (const Vec3& p : x) box.extend(p);
+  auto workspace = workspace_.borrow();
+  workspace->cover.begin(box.inflated(H).intersection(region), h);
+  workspace->cover.add(x.size(), [&](std::size_t i) { return Aabb{x[i], x[i]}.inflated(H); });
+  workspace->cover.append_to(out);
+}
+
+void FluidContact::rasterize(double h, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {
+  std::int32_t first_source = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!batches_.empty())
+      first_source =
+          batches_.back().first_source + kBlockNodes * static_cast<std::int32_t>(batches_.back().tiles.size());
+    batches_.push_back({first_source, h, {tiles.begin(), tiles.end()}});
+  }
+  const auto x = cells_->positions();
+  const double H = kernel_.support();
+  auto workspace = workspace_.borrow();
+  workspace->index.build(tiles);
+  workspace->bins.build(workspace->index, tiles.size(), h, x.size(), [&](std::size_t i) {
+    return Aabb{x[i], x[i]}.inflated(H);
+  });
+  const TileBins& bins = workspace->bins;
+  parallel_for(tiles.size(), [&](std::size_t t) {
+    DensityBlock& block = out[t];
+    std::fill(std::begin(block.rho), std::end(block.rho), 0.0);
+    const Vec3 origin = block_origin(tiles[t], h);
+    for (const std::int32_t p : bins.of(t)) {
+      const NodeRange n = nodes_in_box(Aabb{x[p], x[p]}.inflated(H), origin, h);
+      const double volume = volume_[p];
+      for (int k = n.lo[2]; k <= n.hi[2]; ++k)
+        for (int j = n.lo[1]; j <= n.hi[1]; ++j)
+          for (int i = n.lo[0]; i <= n.hi[0]; ++i) {
+            const double r2 = (origin + h * Vec3(i, j, k) - x[p]).squaredNorm();
+            if (r2 < H * H) block.rho[block_index(i, j, k)] += volume * kernel_.value(std::sqrt(r2));
+          }
+    }
+    for (int n = 0; n < kBlockNodes; ++n) {
+      block.rho[n] = std::clamp((block.rho[n] - kTail) / (1.0 - kTail), 0.0, 1.0);
+      block.source[n] =
+          block.rho[n] > 0.0 ? first_source + kBlockNodes * static_cast<std::int32_t>(t) + n : std::int32_t{-1};
+    }
+  });
+}
+
+Vec3 FluidContact::node_of(std::int32_t source) const {
+  auto batch = std::upper_bound(batches_.begin(), batches_.end(), source,
+                                [](std::int32_t s, const Batch& b) { return s < b.first_source; });
+  BRIM_CHECK(batch != batches_.begin(), ==, true);
+  --batch;
+  const std::int32_t local = source - batch->first_source, node = local % kBlockNodes;
+  const TileKey& tile = batch->tiles.at(static_cast<std::size_t>(local / kBlockNodes));
+  return block_origin(tile, batch->h) +
+         batch->h * Vec3(node % kBlockSize, node / kBlockSize % kBlockSize, node / (kBlockSize * kBlockSize));
+}
+
+void FluidContact::make_map(std::span<const std::int32_t> sources, FluidMap& map) const {
+  const auto x = cells_->positions();
+  const auto order = cells_->order();
+  const double H = kernel_.support();
+  // Rows of any length: blocks of points gather their own, then all are put together in order.
+  constexpr std::size_t kBlock = 256;
+  const std::size_t n = sources.size(), blocks = (n + kBlock - 1) / kBlock;
+  std::vector<std::vector<FluidMap::Entry>> entries(blocks);
+  std::vector<std::int32_t> length(n);
+  std::vector<Vec3> direction(n);
+  parallel_for(blocks, [&](std::size_t b) {
+    struct Near {
+      std::int32_t particle;
+      double value;
+      Vec3 slope;
+    };
+    std::vector<Near> near;
+    for (std::size_t p = b * kBlock; p < std::min(n, (b + 1) * kBlock); ++p) {
+      const Vec3 node = node_of(sources[p]);
+      near.clear();
+      Vec3 slope = Vec3::Zero();
+      double value = 0.0;
+      cells_->near(node, H, [&](std::int32_t first, std::int32_t last) {
+        for (std::int32_t i = first; i < last; ++i) {
+          const Vec3 d = node - x[i];
+          const double r2 = d.squaredNorm();
+          if (r2 >= H * H) continue;
+          const double r = std::sqrt(r2);
+          near.push_back({i, volume_[i] * kernel_.value(r), volume_[i] * kernel_.slope_over_r(r) * d});
+          value += near.back().value;
+          slope += near.back().slope;
+        }
+      });
+      // Slopes as far as they add up, kernel weights for what is missing.
+      const double size = slope.norm(), scale = std::max(size, kSteepSlope / H);
+      direction[p] = size > 0.0 ? Vec3(slope / size) : Vec3::UnitZ();
+      for (const Near& e : near) {
+        const double w = e.value / value;
+        const Vec3 a = e.slope / scale + (w * (1.0 - size / scale)) * direction[p];
+        entries[b].push_back({order[e.particle], w, a});
+      }
+      length[p] = static_cast<std::int32_t>(near.size());
+    }
+  });
+  map.assign(cells_->size(), entries, length, direction);
+}
+
+}  // namespace brim

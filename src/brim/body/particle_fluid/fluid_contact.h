@@ -1,0 +1,61 @@
+#pragma once
+
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include "brim/body/particle_fluid/fluid_kernel.h"
+#include "brim/body/particle_fluid/fluid_map.h"
+#include "brim/body/particle_fluid/particle_cells.h"
+#include "brim/core/workspace_pool.h"
+#include "brim/grid/tile.h"
+#include "brim/raster/tile_bins.h"
+#include "brim/raster/tile_cover.h"
+
+namespace brim {
+
+/// Density and map of a particle fluid on the grid.
+///   ρ(r) = (Σ_p V_p W(r − x_p) − 0.12) / 0.88 within [0, 1],   V_p = V max(1, 0.7/φ_p)
+/// ρ = 1/2 lies half a spacing outside of the outermost particles of a body of fluid. Particles with few neighbours
+/// count for more than their volume, so that a lone drop is as solid to contact as a pool: its centre has 0.7.
+/// The kernel is narrow on purpose: the layer at a wall carries what the wall presses with, and the map must see it.
+/// Steps h of half the spacing hold a pool still; at the whole spacing the roughness of the particles against the nodes
+/// stirs it, above that it leaks.
+class FluidContact {
+ public:
+  /// @param volume  [m³] of a particle
+  FluidContact(const FluidKernel& kernel, double volume) : kernel_(kernel), volume_of_one_(volume) {}
+  /// Refers to the particles from here on. @param fill  φ in cell order
+  void begin(const ParticleCells& cells, std::span<const double> fill);
+
+  /// Forgets the nodes of earlier calls of rasterize; the particles stay.
+  void forget_nodes() { batches_.clear(); }
+
+  void presence(double h, const Aabb& region, std::vector<TileKey>& out) const;
+  void rasterize(double h, std::span<const TileKey> tiles, std::span<DensityBlock> out) const;
+  /// @param sources  as written by rasterize since the last begin
+  void make_map(std::span<const std::int32_t> sources, FluidMap& map) const;
+
+ private:
+  struct Batch {  ///< tiles of one call of rasterize; a node's source is first_source + 1000 tile + node
+    std::int32_t first_source;
+    double h;
+    std::vector<TileKey> tiles;
+  };
+  struct Workspace {
+    TileCover cover;
+    TileIndex index;
+    TileBins bins;
+  };
+  Vec3 node_of(std::int32_t source) const;
+
+  const ParticleCells* cells_ = nullptr;
+  FluidKernel kernel_;
+  double volume_of_one_;
+  std::vector<double> volume_;  ///< V_p in cell order, [m³]
+  mutable std::mutex mutex_;
+  mutable std::vector<Batch> batches_;
+  mutable WorkspacePool<Workspace> workspace_;
+};
+
+}  // namespace brim

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "brim/map/map.h"
+#include "brim/map/row_transpose.h"
+
+namespace brim {
+
+/// Map of a part whose density is a sum of kernels, ρ_j = Σ_p V_p W(r_j − x_p). With u = ∇ρ/|∇ρ| at the node,
+///   J v = u Σ_p a_p · v_p + (I − u uᵀ) Σ_p w_p v_p,    a_p = V_p ∇W_jp / g + (1 − |∇ρ|/g) w_p u
+/// g = max(|∇ρ|, least slope), w_p kernel weights, Σ w = 1
+/// Along u the velocity is the rate of the density itself, so that the force of a penalty on the density is the exact
+/// gradient of its energy, particle by particle; Σ a_p = u, so uniform motion is reproduced and linear momentum is
+/// exact. Angular momentum is not: Σ x_p × (Jᵀ f)_p differs from r × f where particles lie unevenly about the node.
+/// Products are parallel and give the same bits for any number of threads.  Tests: tests/body/fluid_map_test.cpp
+class FluidMap final : public Map {
+ public:
+  struct Entry {
+    std::int32_t particle;
+    double weight;  ///< w
+    Vec3 slope;     ///< a
+  };
+
+  /// @param rows  entries of consecutive points, block by block @param length  entries of each point, shape (points)
+  /// @param direction  u, unit, shape (points)
+  void assign(std::size_t particles, std::span<const std::vector<Entry>> rows, std::span<const std::int32_t> length,
+              std::span<const Vec3> direction);
+
+  std::size_t points() const override { return direction_.size(); }
+  void velocity(std::span<const double> v, std::span<Vec3> u) const override;
+  void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
+  void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
+
+ private:
+  std::size_t particles_ = 0;
+  std::vector<std::int32_t> row_start_, particle_;
+  std::vector<Entry> entry_;        ///< by point
+  std::vector<Entry> by_particle_;  ///< by particle; `particle` is the point
+  std::vector<Vec3> direction_;
+  RowTranspose transpose_;
+};
+
+}  // namespace brim

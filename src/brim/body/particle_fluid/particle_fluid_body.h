@@ -1,0 +1,114 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "brim/body/body.h"
+#include "brim/body/particle_fluid/fluid_contact.h"
+#include "brim/body/particle_fluid/fluid_pairs.h"
+
+namespace brim {
+
+/// What a particle fluid is made of.
+struct ParticleFluidOptions {
+  double spacing = 0.05;                 ///< [m] of the particles at rest, > 0: each stands for spacing³ of fluid
+  double density = 1000.0;               ///< [kg/m³]
+  double viscosity = 0.0;                ///< [Pa s] dynamic, >= 0; implicit, so it does not limit the time step
+  double bulk_modulus = 0.0;             ///< [Pa] κ; 0: ρ g L / compression, L the diagonal of the fluid as it starts
+  double compression = 0.01;             ///< [-] allowed where κ is chosen, (0, 0.1]
+  Vec3 gravity = Vec3(0, 0, -9.81);      ///< [m/s²] that the choice of κ expects
+  Vec3 initial_velocity = Vec3::Zero();  ///< [m/s]
+  Vec3 initial_spin = Vec3::Zero();      ///< [rad/s] about the centre of mass
+  double voxel_size = 0.0;               ///< [m] grid step for contact, at most the spacing; 0: half of it
+  Material material;
+};
+
+/// Liquid of particles (smoothed particle hydrodynamics) whose incompressibility is part of the common implicit solve
+/// (docs/bodies/particle_fluid.md): pressure, viscosity and the contact with bodies of every kind are found together.
+///
+///   E = Σ ½ κ V (φ_i − 1)₊²      φ_i = Σ_j V W(x_i − x_j), the fraction of space filled
+///   K = Σ s_i κ V ∇φ_i ∇φ_iᵀ     s_i from 0 at φ = 0.90 to 1 at 0.98: particles inside of the fluid, full or nearly
+///
+/// K without the sign of φ − 1 keeps the density of the inside from changing either way, which is what the velocity
+/// step of divergence-free SPH does (Bender and Koschier 2017); E takes compression back. Both are linearly implicit
+/// (energy and its treatment: Weiler, Koschier and Bender 2016), so κ does not limit the time step.
+/// Tests: tests/body/particle_fluid_test.cpp
+class ParticleFluidBody final : public Body {
+ public:
+  /// @param x  particles at the start, world frame, [m]
+  /// @throws InputError  when a number is out of range or there are no particles
+  ParticleFluidBody(std::vector<Vec3> x, ParticleFluidOptions options);
+
+  std::string_view kind() const override { return "particle_fluid"; }
+  std::size_t q_size() const override { return 3 * start_.size(); }
+  std::size_t v_size() const override { return 3 * start_.size(); }
+  void initial_state(std::span<double> q, std::span<double> v) const override;
+  void update(double time, std::span<const double> q, std::span<const double> v) override;
+  void advance(double dt, std::span<double> q, std::span<const double> v) const override;
+
+  void add_forces(const Environment& env, std::span<double> Q) const override;
+  void apply_mass(std::span<const double> x, std::span<double> y) const override;
+  void apply_stiffness(std::span<const double> x, std::span<double> y) const override;
+  void apply_damping(std::span<const double> x, std::span<double> y) const override;
+  void apply_system(std::span<const double> x, std::span<double> y) const override;
+  std::vector<int> block_sizes() const override { return std::vector<int>(start_.size(), 3); }
+  void add_system_diagonal(std::size_t first, BlockDiagonal& D) const override;
+
+  PartInfo part(int) const override { return part_; }
+  Aabb bounds(int p) const override;
+  Vec3 carrier_velocity(int p, std::span<const double> v) const override;
+  double relative_speed_bound(int p, std::span<const double> v) const override;
+  void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
+  void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
+  void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
+                std::unique_ptr<Map>& map) const override;
+
+  double mass() const override { return particle_mass_ * static_cast<double>(start_.size()); }
+  double potential_energy(const Environment& env) const override;
+  Vec3 linear_momentum(std::span<const double> v) const override;
+  Vec3 angular_momentum(std::span<const double> v) const override;
+  bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
+
+  const Display& display() const override { return display_; }
+  void display_positions(std::span<Vec3f> x) const override;
+
+  // ---- for tests and tools ---------------------------------------------------------------------------------------
+  double bulk_modulus() const { return bulk_modulus_; }
+  double particle_mass() const { return particle_mass_; }
+  /// φ of the last updated state in the order of the particles, [-].
+  std::vector<double> fill() const;
+  /// Pressure κ (φ − 1)₊ likewise, [Pa].
+  std::vector<double> pressure() const;
+
+ private:
+  using Vec4 = FluidPairs::Vec4;
+  struct Product {  ///< workspace of one product, cell order
+    std::vector<Vec4> v;
+    std::vector<float> rate, pressure;
+    std::vector<Vec3> y;
+  };
+  void gather(std::span<const double> x, Product& p) const;
+  void scatter(const Product& p, double scale, std::span<double> y) const;
+  /// y += scale (pressure_factor κ-part + viscous_factor viscous part) x
+  void multiply(double pressure_factor, double viscous_factor, std::span<const double> x, std::span<double> y) const;
+
+  std::vector<Vec3> start_;
+  ParticleFluidOptions options_;
+  FluidKernel kernel_;
+  double volume_, particle_mass_, bulk_modulus_;
+  PartInfo part_;
+  Display display_;
+
+  std::vector<Vec3> x_;    ///< of the last update, the caller's order
+  std::vector<double> v_;  ///< likewise
+  ParticleCells cells_;
+  FluidPairs pairs_;
+  FluidContact contact_;
+  std::vector<float> inside_;  ///< s_i, cell order
+  mutable WorkspacePool<Product> products_;
+};
+
+/// Centres of the cells of a cubic lattice that lie in a box, [m]: a start for a body of fluid.
+std::vector<Vec3> lattice_in_box(const Vec3& lo, const Vec3& hi, double spacing);
+
+}  // namespace brim

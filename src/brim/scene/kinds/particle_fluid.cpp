@@ -1,0 +1,83 @@
+#include "brim/body/particle_fluid/particle_fluid_body.h"
+#include "brim/mesh/topology.h"
+#include "brim/scene/kinds.h"
+#include "brim/scene/limits.h"
+#include "brim/scene/solid.h"
+
+namespace brim {
+
+BodyKind particle_fluid_kind();
+
+namespace {
+
+/// [bytes] that a particle with its neighbours, solver blocks and state takes.
+constexpr double kBytesPerParticle = 2000.0;
+
+void check(const Node& n) {
+  if (n.at("shape").string("kind") == "plane")
+    throw n.at("shape").at("kind").error("\"plane\" has no finite volume; only an obstacle can be one");
+  check_shape(n.at("shape"));
+  const double spacing = n.at("transform").number("scale") * n.number("spacing");
+  if (n.number("voxel_size") > spacing * (1.0 + 1e-9))
+    throw n.at("voxel_size")
+        .error(fmt::format("{} is not allowed; must be at most the spacing, {:.6g} m: the fluid would leak",
+                           n.number("voxel_size"), spacing));
+}
+
+class ParticleFluidMaker final : public BodyMaker {
+ public:
+  ParticleFluidMaker(const Node& n, const BuildContext& context)
+      : node_(n), material_(context.material), gravity_(context.world.environment.gravity) {
+    const double scale = n.at("transform").number("scale"), limit = context.world.memory_limit;
+    spacing_ = scale * n.number("spacing");
+    if (context.world.voxel_size > spacing_ * (1.0 + 1e-9))
+      throw n.at("spacing").error(fmt::format(
+          "{:.6g} m is not allowed; must be at least the world's voxel_size, {:.6g} m: the fluid would leak", spacing_,
+          context.world.voxel_size));
+    const Solid solid = read_solid(n, limit);
+    const Aabb box = bounds(solid.surface.vertices);
+    const Node at = n.at("spacing");
+    if (spacing_ > box.extent().minCoeff())
+      throw at.error(fmt::format("{:.6g} m is not allowed; must be at most the shape's smallest extent, {:.6g} m",
+                                 spacing_, box.extent().minCoeff()));
+    check_count(at, box.extent().prod() / (spacing_ * spacing_ * spacing_), kBytesPerParticle, limit, "particles");
+    const Vec3 room = spacing_ * (box.extent() / spacing_).array().round().matrix();
+    for (const Vec3& x : lattice_in_box(box.center() - 0.5 * room, box.center() + 0.5 * room, spacing_))
+      if (solid.shape->distance(x) < 0.0) particles_.push_back(x);
+    if (particles_.empty()) throw at.error(fmt::format("{:.6g} m is too large: no particle fits", spacing_));
+  }
+
+  std::unique_ptr<Body> body(const Placement& place) const override {
+    std::vector<Vec3> x = particles_;
+    for (Vec3& p : x) p = place.position + place.rotation * p;
+    ParticleFluidOptions options;
+    options.spacing = spacing_;
+    options.density = node_.number("density");
+    options.viscosity = node_.number("viscosity");
+    options.bulk_modulus = node_.number("bulk_modulus");
+    options.compression = node_.number("compression");
+    options.gravity = gravity_;
+    options.initial_velocity = place.velocity;
+    options.initial_spin = place.angular_velocity;
+    options.voxel_size = node_.number("voxel_size");
+    options.material = material_;
+    return std::make_unique<ParticleFluidBody>(std::move(x), std::move(options));
+  }
+
+ private:
+  Node node_;
+  Material material_;
+  Vec3 gravity_;
+  double spacing_ = 0.0;         ///< [m]
+  std::vector<Vec3> particles_;  ///< scaled, not placed
+};
+
+}  // namespace
+
+BodyKind particle_fluid_kind() {
+  return {"particle_fluid", check, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
+            return std::make_unique<ParticleFluidMaker>(n, c);
+          }};
+}
+
+}  // namespace brim

@@ -1,0 +1,63 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "brim/core/error.h"
+#include "brim/scene/scene.h"
+
+namespace brim {
+namespace {
+
+std::string scene_with(const std::string& fluid, const std::string& world = R"({"voxel_size": 0.05})") {
+  return R"({"brim": 1, "name": "s", "duration": 0.1, "world": )" + world + R"(, "bodies": [
+    {"kind": "particle_fluid", "name": "water", )" +
+         fluid + "}]}";
+}
+
+std::string message(const std::string& text) {
+  try {
+    build_world(parse_scene(text));
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+constexpr const char* kBox = R"("shape": {"kind": "box", "size": [1, 0.5, 0.5]}, "spacing": 0.1)";
+
+TEST(ParticleFluidScene, FillsAShapeWithOneParticleForEachCube) {
+  const World box = build_world(parse_scene(scene_with(kBox)));
+  EXPECT_EQ(box.v(0).size(), 3u * 250u);
+  EXPECT_NEAR(box.body(0).mass(), 250.0, 1e-9);
+  const World ball = build_world(
+      parse_scene(scene_with(R"("shape": {"kind": "sphere", "radius": 0.5}, "spacing": 0.05, "density": 800)")));
+  EXPECT_NEAR(ball.body(0).mass(), 800 * 4.18879 * 0.125, 0.03 * 419);
+}
+
+TEST(ParticleFluidScene, ScaleMovesAndTurnsTheParticlesWithTheShape) {
+  const World w = build_world(parse_scene(scene_with(
+      std::string(kBox) +
+      R"(, "transform": {"scale": 2, "position": [0, 0, 5], "rotation": {"axis": [0, 1, 0], "degrees": 90}})")));
+  EXPECT_NEAR(w.body(0).mass(), 2000.0, 1e-6);
+  EXPECT_NEAR(w.body(0).bounds(0).extent().z(), 2.0, 1e-9);
+  EXPECT_NEAR(w.body(0).bounds(0).center().z(), 5.0, 1e-9);
+}
+
+TEST(ParticleFluidScene, RefusesWhatWouldLeakOrHasNoVolume) {
+  EXPECT_NE(message(scene_with(kBox, R"({"voxel_size": 0.2})")).find("/bodies/0/spacing"), std::string::npos);
+  EXPECT_NE(message(scene_with(std::string(kBox) + R"(, "voxel_size": 0.2)")).find("leak"), std::string::npos);
+  EXPECT_NE(message(scene_with(R"("shape": {"kind": "plane"}, "spacing": 0.1)")).find("volume"), std::string::npos);
+  EXPECT_NE(
+      message(scene_with(R"("shape": {"kind": "sphere", "radius": 0.1}, "spacing": 0.5)")).find("/bodies/0/spacing"),
+      std::string::npos);
+  EXPECT_NE(message(scene_with(R"("shape": {"kind": "sphere", "radius": 0.1})")).find("spacing"), std::string::npos);
+  EXPECT_NE(message(scene_with(std::string(kBox) + R"(, "viscosity": -1)")).find("/bodies/0/viscosity"),
+            std::string::npos);
+  EXPECT_NE(message(scene_with(R"("shape": {"kind": "box", "size": [10, 10, 10]}, "spacing": 0.01)",
+                               R"({"memory_limit": 1e8})"))
+                .find("particles"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace brim
