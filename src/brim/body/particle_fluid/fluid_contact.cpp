@@ -14,9 +14,9 @@ namespace {
 constexpr double kSteepSlope = 0.7;
 /// Fill below which a particle counts for more than its volume.
 constexpr double kSparseFill = 0.7;
-/// Kernel sum that counts as empty: with it a flat wall of step h = spacing / 2 and a lattice that starts half a spacing
-/// from it just touch; the whole tail would reach far into walls, where nothing has a slope to push with.
-constexpr double kTail = 0.12;
+/// Kernel sum that counts as empty. The whole tail would reach far into walls, where nothing has a slope to push with;
+/// more would let the layer at a wall sink into it (0.12: 0.15 spacings).
+constexpr double kTail = 0.09;
 
 }  // namespace
 
