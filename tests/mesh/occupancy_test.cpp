@@ -92,6 +92,18 @@ TEST(Occupancy, TheLargestPieceIsKeptAndSpecksGo) {
   EXPECT_NEAR(m.volume, volume, 0.03 * volume);
 }
 
+TEST(Occupancy, JoinedCellsHoldTheSameMatterInTheSamePlace) {
+  const auto lump = [](const Vec3& x) { return (x - Vec3(0.01, 0.02, 0)).norm() - 0.07; };
+  const OccupancyGrid fine =
+      sample_occupancy(testing::scan({Vec3::Constant(-0.1), Vec3::Constant(0.1)}, 0.01, lump), kWindow, 0.007);
+  const MassProperties a = mass_properties(fine, 1.0);
+  for (const int f : {1, 2, 3}) {
+    const MassProperties b = mass_properties(joined_cells(fine, f), 1.0);
+    EXPECT_NEAR(b.volume, a.volume, 2e-3 * a.volume) << "shares are rounded to 1/255";
+    EXPECT_LT((b.center - a.center).norm(), 1e-4);
+  }
+}
+
 TEST(Occupancy, DisplaySurfaceIsClosedAndWhereTheMatterEnds) {
   const OccupancyGrid grid = sample_occupancy(
       testing::scan({Vec3::Constant(-0.12), Vec3::Constant(0.12)}, 0.01, [](const Vec3& x) { return x.norm() - 0.1; }),

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -73,6 +74,18 @@ TEST_F(ImageVolumes, ScaleUnitMassAndOwnPlaceAreHeeded) {
   EXPECT_NEAR(w.q(0)[2], 2.0, 0.005);
 }
 
+TEST_F(ImageVolumes, ADeformableOneHoldsTheSameMatterAndMayBeHeld) {
+  const World w = build(R"("file": "ball.nii", "window": [0, 100], "density": 700, "motion": "deformable",
+                           "voxel_size": 0.02, "lattice_spacing": 0.06,
+                           "constraints": [{"select": {"kind": "plane", "point": [0, 0, -0.05], "normal": [0, 0, 1]}}])");
+  EXPECT_EQ(w.body(0).kind(), "image_volume");
+  EXPECT_NEAR(w.body(0).mass(), 700.0 * 4.0 / 3.0 * 3.14159265358979 * 1e-3, 0.02 * 2.93);
+  EXPECT_GT(w.body(0).v_size(), 30u);
+  std::vector<double> v(w.body(0).v_size(), 1.0);
+  w.body(0).filter(v);
+  EXPECT_GT(std::count(v.begin(), v.end(), 0.0), 0);
+}
+
 TEST_F(ImageVolumes, BadInputIsRefusedWithAMessage) {
   const auto expect = [](const std::string& body, const std::vector<std::string>& words) {
     const std::string text = message(body);
@@ -105,6 +118,11 @@ TEST_F(ImageVolumes, BadInputIsRefusedWithAMessage) {
       {"/bodies/0/raw/spacing/1", "above 0"});
   expect(R"("file": "ball.raw", "window": [0, 1])", {"must end in .nii"});
   expect(good + R"(, "lattice_spacing": 0.1)", {"lattice_spacing", "deformable"});
+  const std::string soft = good + R"(, "motion": "deformable")";
+  expect(soft, {"\"lattice_spacing\" is missing"});
+  expect(soft + R"(, "lattice_spacing": 9)", {"/bodies/0/lattice_spacing", "largest extent"});
+  expect(soft + R"(, "lattice_spacing": 1e-4)", {"/bodies/0/lattice_spacing", "memory_limit"});
+  expect(soft + R"(, "lattice_spacing": 0.1, "mass": 2)", {"/bodies/0/mass", "\"density\""});
 }
 
 }  // namespace

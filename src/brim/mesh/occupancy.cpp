@@ -75,6 +75,28 @@ OccupancyGrid sample_occupancy(const VoxelImage& image, const IntensityWindow& w
   return grid;
 }
 
+OccupancyGrid joined_cells(const OccupancyGrid& grid, int f) {
+  BRIM_CHECK(f, >=, 1);
+  OccupancyGrid out;
+  out.spacing = f * grid.spacing;
+  out.cells = ((grid.cells.array() + f - 1) / f + 2).matrix();
+  out.origin = grid.origin + Vec3::Constant(0.5 * (f - 1) * grid.spacing - out.spacing);
+  out.share.assign(static_cast<std::size_t>(out.cells.x()) * out.cells.y() * out.cells.z(), 0);
+  parallel_for(static_cast<std::size_t>(out.cells.z() - 2), [&](std::size_t slab) {
+    const int k = static_cast<int>(slab) + 1;
+    for (int j = 1; j + 1 < out.cells.y(); ++j)
+      for (int i = 1; i + 1 < out.cells.x(); ++i) {
+        double sum = 0.0;
+        for (int c = 0; c < f * f * f; ++c) {
+          const Vec3i at = f * (Vec3i(i, j, k) - Vec3i::Ones()) + Vec3i(c % f, c / f % f, c / (f * f));
+          if ((at.array() < grid.cells.array()).all()) sum += grid.share[grid.index(at.x(), at.y(), at.z())];
+        }
+        out.share[out.index(i, j, k)] = static_cast<std::uint8_t>(std::lround(sum / (f * f * f)));
+      }
+  });
+  return out;
+}
+
 std::size_t keep_largest_piece(OccupancyGrid& grid) {
   const std::ptrdiff_t step[6] = {-1,
                                   1,
@@ -149,26 +171,12 @@ MassProperties mass_properties(const OccupancyGrid& grid, double density) {
 TriMesh display_surface(const OccupancyGrid& grid, std::size_t max_nodes) {
   int f = 1;
   while ((grid.cells.cast<double>() / f).prod() > static_cast<double>(max_nodes)) ++f;
-  // One ring of empty nodes, so that the surface closes whatever the factor.
-  const Vec3i n = ((grid.cells.array() + f - 1) / f + 2).matrix();
-  std::vector<float> value(static_cast<std::size_t>(n.x()) * n.y() * n.z(), 0.5f);
-  parallel_for(static_cast<std::size_t>(n.z() - 2), [&](std::size_t slab) {
-    const int k = static_cast<int>(slab) + 1;
-    for (int j = 1; j + 1 < n.y(); ++j)
-      for (int i = 1; i + 1 < n.x(); ++i) {
-        double sum = 0.0;
-        for (int c = 0; c < f * f * f; ++c) {
-          const Vec3i at = f * (Vec3i(i, j, k) - Vec3i::Ones()) + Vec3i(c % f, c / f % f, c / (f * f));
-          if ((at.array() < grid.cells.array()).all()) sum += grid.share[grid.index(at.x(), at.y(), at.z())];
-        }
-        value[static_cast<std::size_t>(i) +
-              static_cast<std::size_t>(n.x()) * (j + static_cast<std::size_t>(n.y()) * k)] =
-            static_cast<float>(0.5 - sum / (255.0 * f * f * f));
-      }
-  });
-  const double step = f * grid.spacing;
-  const Vec3 origin = grid.origin + Vec3::Constant(0.5 * (f - 1) * grid.spacing - step);
-  return isosurface({origin, step, n, value});
+  // The ring of empty cells closes the surface whatever the factor.
+  const OccupancyGrid coarse = joined_cells(grid, f);
+  std::vector<float> value(coarse.share.size());
+  std::transform(coarse.share.begin(), coarse.share.end(), value.begin(),
+                 [](std::uint8_t s) { return 0.5f - static_cast<float>(s) / 255.0f; });
+  return isosurface({coarse.origin, coarse.spacing, coarse.cells, value});
 }
 
 }  // namespace brim

@@ -36,6 +36,9 @@ struct OccupancyGrid {
 OccupancyGrid sample_occupancy(const VoxelImage& image, const IntensityWindow& window, double spacing,
                                std::size_t max_cells = std::size_t{1} << 30);
 
+/// The same matter in cells `factor` times as wide, their mean; one ring of empty cells stays around.
+OccupancyGrid joined_cells(const OccupancyGrid& grid, int factor);
+
 /// Empties all cells but those of the largest piece (cells at least half filled, joined across faces) and their
 /// neighbours. @return number of pieces there were
 std::size_t keep_largest_piece(OccupancyGrid& grid);
@@ -46,6 +49,6 @@ MassProperties mass_properties(const OccupancyGrid& grid, double density);
 
 /// The surface where half is filled, for display: closed, outward. The grid is reduced by whole factors until it has at
 /// most max_nodes nodes.
-TriMesh display_surface(const OccupancyGrid& grid, std::size_t max_nodes = 250'000);
+TriMesh display_surface(const OccupancyGrid& grid, std::size_t max_nodes = 1'000'000);
 
 }  // namespace brim

@@ -148,8 +148,8 @@ WeightRows VolumeLayer::weights(std::span<const Vec3> points, std::span<const st
   double most = 0.0;
   for (std::size_t i = 0; i < x_.size(); ++i) most = std::max(most, wider * influence(i, widest));
 
-  // Tiles twice as wide as the reach, with the particles near each.
-  const double step = 0.25 * most, side = kTileSize * step;
+  // Tiles half as wide as the reach, with the particles near each.
+  const double step = most / 16.0, side = kTileSize * step;
   const auto tile_of = [&](const Vec3& r) {
     return TileKey{static_cast<std::int32_t>(std::floor(r.x() / side)),
                    static_cast<std::int32_t>(std::floor(r.y() / side)),

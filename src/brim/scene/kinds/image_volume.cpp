@@ -17,8 +17,8 @@ namespace {
 
 /// Cells of a rigid image along a voxel of contact: a ramp of three voxels spans six.
 constexpr double kRigidCells = 2.0;
-/// Particles of a deformable image along a voxel of contact.
-constexpr double kSoftCells = 1.0;
+/// Of a deformable image, for the display; each particle takes as many along each axis, and so is as wide as a voxel.
+constexpr int kSoftCells = 2;
 /// [bytes] that a tetrahedron, and a particle with its weights, take.
 constexpr double kBytesPerTet = 1000.0, kBytesPerParticle = 400.0;
 
@@ -95,9 +95,10 @@ class SoftImageMaker final : public BodyMaker {
       throw at.error(fmt::format("{:.6g} m is not allowed; must be at most the matter's largest extent, {:.6g} m",
                                  spacing_, box.extent().maxCoeff()));
     const double volume = mass_properties(solid_.grid, 1.0).volume;
+    surface_ = display_surface(solid_.grid);
+    solid_.grid = joined_cells(solid_.grid, kSoftCells);
     check_count(at, 12.0 * volume / (spacing_ * spacing_ * spacing_), kBytesPerTet, limit, "tetrahedra");
     check_count(n, volume / std::pow(solid_.grid.spacing, 3), kBytesPerParticle, limit, "particles");
-    surface_ = display_surface(solid_.grid);
   }
 
   std::unique_ptr<Body> body(const Placement& place) const override {

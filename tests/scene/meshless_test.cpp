@@ -1,0 +1,54 @@
+#include <gtest/gtest.h>
+
+#include "brim/core/error.h"
+#include "brim/scene/scene.h"
+
+namespace brim {
+namespace {
+
+World build(const std::string& keys) {
+  return build_world(parse_scene(R"({"brim": 1, "name": "frames", "duration": 1, "bodies": [
+      {"kind": "meshless", "name": "soft", )" +
+                                     keys + "}]}",
+                                 "scene.json"));
+}
+
+std::string message(const std::string& keys) {
+  try {
+    build(keys);
+    return "";
+  } catch (const InputError& e) {
+    return e.what();
+  }
+}
+
+const std::string kBox = R"("shape": {"kind": "box", "size": [0.4, 0.3, 0.2]})";
+
+TEST(MeshlessScenes, ABoxIsFilledWithFramesThatCarryItsMass) {
+  const World w = build(kBox + R"(, "frame_spacing": 0.1, "voxel_size": 0.04, "density": 500,
+                                   "transform": {"position": [0, 0, 3]})");
+  EXPECT_EQ(w.body(0).kind(), "meshless");
+  EXPECT_NEAR(w.body(0).mass(), 500 * 0.024, 0.03 * 12);
+  EXPECT_NEAR(w.body(0).bounds(0).center().z(), 3.0, 1e-6);
+  EXPECT_GT(w.body(0).display().triangles.size(), 10u);
+}
+
+TEST(MeshlessScenes, BadInputIsRefusedWithAMessage) {
+  const auto expect = [](const std::string& keys, const std::vector<std::string>& words) {
+    const std::string text = message(keys);
+    for (const std::string& word : words)
+      EXPECT_NE(text.find(word), std::string::npos) << keys << ": \"" << text << "\" lacks \"" << word << "\"";
+  };
+  expect(R"("frame_spacing": 0.1)", {"\"shape\" is missing"});
+  expect(kBox, {"\"frame_spacing\" is missing"});
+  expect(kBox + R"(, "frame_spacing": 0)", {"/bodies/0/frame_spacing", "above 0"});
+  expect(kBox + R"(, "frame_spacing": 2)", {"/bodies/0/frame_spacing", "largest extent"});
+  expect(kBox + R"(, "frame_spacing": 1e-4)", {"/bodies/0/frame_spacing", "memory_limit"});
+  expect(kBox + R"(, "frame_spacing": 0.1, "voxel_size": 1e-5)", {"/bodies/0", "memory_limit"});
+  expect(kBox + R"(, "frame_spacing": 0.1, "poisson_ratio": 0.5)", {"poisson_ratio", "below 0.5"});
+  expect(R"("shape": {"kind": "plane"}, "frame_spacing": 0.1)", {"no finite volume"});
+  expect(kBox + R"(, "frame_spacing": 0.1, "lattice_spacing": 0.1)", {"unknown key"});
+}
+
+}  // namespace
+}  // namespace brim
