@@ -27,7 +27,7 @@ MeshlessModel fill_with_frames(const std::function<double(const Vec3&)>& distanc
                                double cell);
 
 /// Deformable solid without a mesh (paper, section 5.4): frames whose smooth shape functions (moving least squares)
-/// move all matter, elastic energy at samples, density by the volume layer. Tests: tests/body/meshless_body_test.cpp
+/// move all matter, elastic energy at samples, density by the volume layer. Tests: tests/body/carried_body_test.cpp
 class MeshlessBody final : public CarriedBody {
  public:
   /// @throws InputError  when a number is out of range or the points do not make a body

@@ -17,7 +17,7 @@ struct ShapeFunctions {
 /// @param frames  [m] X_k
 /// @param reach   [m] R; widened point by point where fewer than four frames, or only frames in a plane, are in reach
 /// @throws InputError  when all frames lie in one plane
-/// Tests: tests/body/meshless_body_test.cpp
+/// Tests: tests/body/carried_body_test.cpp
 ShapeFunctions moving_least_squares(std::span<const Vec3> frames, std::span<const Vec3> points, double reach);
 
 }  // namespace brim

@@ -19,7 +19,7 @@ struct Carriage {
   double radius = 0.0;         ///< [m] least radius of influence
 };
 
-/// Tests: tests/body/carried_volume_test.cpp
+/// Tests: tests/body/carried_body_test.cpp
 class CarriedVolume {
  public:
   explicit CarriedVolume(Carriage carriage, LayerWeights kind = LayerWeights::DensityRate);

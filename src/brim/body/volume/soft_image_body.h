@@ -9,7 +9,7 @@ namespace brim {
 /// Deformable raw volume (paper, section 5.4): voxels of matter ride in a lattice of tetrahedra that deform as finite
 /// elements do; the voxels make the density, and forces go from grid to voxels to lattice.
 /// Each tetrahedron that holds matter is as stiff as if it were full.
-/// Tests: tests/body/soft_image_body_test.cpp
+/// Tests: tests/body/carried_body_test.cpp
 class SoftImageBody final : public CarriedBody {
  public:
   /// @param matter   cells about as wide as a voxel of contact, in the body's own frame
