@@ -186,19 +186,21 @@ async function main() {
   try {
     await browser.open(`${job.url}?bare`, width, height);
     await browser.evaluate(`brim.app.setSize(${width}, ${height})`);
+    const frames = await browser.evaluate('brim.app.player.frames');
+    if (!(frames > 0)) throw new Error('this run has no frames');
+    const frame = job.frame < 0 ? frames + job.frame : job.frame;
+    if (!movie && !(frame >= 0 && frame < frames))
+      throw new Error(`frame ${job.frame} is not there; the run has ${frames}`);
+    // A film shows all that happens; a picture fits its own frame.
+    if (!movie) await browser.evaluate(`brim.app.frameOn(${frame})`);
     await browser.evaluate(`brim.app.setPose(${JSON.stringify(job.camera)})`);
     if (job.contacts) await browser.evaluate(`brim.app.panel.setContacts(${JSON.stringify(job.contacts)})`);
     if (job.tiles) await browser.evaluate('brim.app.panel.setTiles(true)');
     if (job.slice)
       await browser.evaluate(`brim.app.showSlice(${JSON.stringify(job.slice)}).then(() => true)`);
-    const frames = await browser.evaluate('brim.app.player.frames');
-    if (!(frames > 0)) throw new Error('this run has no frames');
     const picture = async (f) => Buffer.from(await browser.evaluate(`brim.app.png(${f})`), 'base64');
     mkdirSync(dirname(job.out), { recursive: true });
     if (!movie) {
-      const frame = job.frame < 0 ? frames + job.frame : job.frame;
-      if (!(frame >= 0 && frame < frames))
-        throw new Error(`frame ${job.frame} is not there; the run has ${frames}`);
       writeFileSync(job.out, await picture(frame));
       return;
     }

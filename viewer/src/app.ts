@@ -91,7 +91,7 @@ export class App {
       h('b', { class: 'logo' }, 'brim'),
       h('span', { class: 'title' }),
       h('span', { class: 'spacer' }),
-      iconButton('fit', 'fit the view (f)', () => this.picture.stage.fit()),
+      iconButton('fit', 'fit the view (f)', () => this.fit()),
       iconButton('camera', 'save a picture (s)', () => void this.savePicture()),
       record,
       h(
@@ -344,6 +344,17 @@ export class App {
   async png(index: number): Promise<string> {
     await this.showFrame(index);
     return this.canvas.toDataURL('image/png').split(',')[1]!;
+  }
+
+  /** Brings what is shown now into the picture, and the light with it. */
+  fit(): void {
+    if (this.picture.shown) this.picture.frameScene([this.picture.shown]);
+    this.picture.stage.fit();
+  }
+
+  /** Fits light and ground to one frame instead of the whole run: for a picture of it. */
+  async frameOn(index: number): Promise<void> {
+    if (this.player.frames > 0) this.picture.frameScene([await this.cache.get(index)]);
   }
 
   setPose(pose: CameraPose): void {

@@ -42,6 +42,7 @@ export class Picture {
       this.stage.scene.remove(view.object);
       view.dispose();
     }
+    this.views = [];
     if (this.contacts) this.stage.scene.remove(this.contacts.object);
     this.bodies = run.bodies;
     this.colours = defaultColours(run.bodies);
@@ -62,6 +63,7 @@ export class Picture {
       this.views[i]!.update(t.positions);
       this.views[i]!.object.visible = true;
     });
+    this.findFloors();
     this.shown = undefined;
     this.stage.invalidate();
   }
@@ -79,6 +81,31 @@ export class Picture {
     const box = framing(boxes, this.fixedBoxes);
     if (box.isEmpty()) return;
     this.stage.setBounds(box);
+    this.findFloors();
+  }
+
+  /** Fixed bodies that are flat, level and wider than the scene stand for endless floors. */
+  private findFloors() {
+    let height: number | undefined;
+    this.positions.forEach((p, i) => {
+      if (!p || !this.bodies[i]?.fixed || !this.views[i]?.asFloor) return;
+      const size = boxOf(p).getSize(new THREE.Vector3());
+      if (!(size.z < 1e-5 * Math.min(size.x, size.y)) || Math.min(size.x, size.y) < 1.5 * this.stage.radius)
+        return;
+      const middle = this.stage.center;
+      const box = boxOf(p);
+      const reach = Math.min(
+        5 * this.stage.radius,
+        middle.x - box.min.x,
+        box.max.x - middle.x,
+        middle.y - box.min.y,
+        box.max.y - middle.y,
+      );
+      if (reach < this.stage.radius) return;
+      this.views[i].asFloor(new THREE.Vector3(middle.x, middle.y, p[2]!), reach);
+      height = Math.max(height ?? -Infinity, p[2]!);
+    });
+    this.stage.setFloor(height);
   }
 
   show(frame: Frame, visible: (body: number) => boolean): void {

@@ -13,6 +13,8 @@ export interface BodyView {
   setWireframe(on: boolean): void;
   /** Hides what lies behind the planes, as the slice does to look inside. */
   setClipping(planes: THREE.Plane[] | null): void;
+  /** Only surfaces can be floors. */
+  asFloor?(center: THREE.Vector3, reach: number): void;
   dispose(): void;
 }
 
@@ -29,6 +31,40 @@ function material(colour: string, body: BodyInfo): THREE.MeshStandardMaterial {
     side: THREE.DoubleSide, // a look inside shows the inside, and open surfaces have two sides
     shadowSide: THREE.DoubleSide,
   });
+}
+
+/**
+ * Lets a surface end in nothing, between two distances from a point, and makes it paler: a floor that stands for an
+ * endless one should not show where its picture stops, nor be taken for one of the things on it.
+ */
+function fadeOut(m: THREE.MeshStandardMaterial, center: THREE.Vector3, from: number, to: number) {
+  m.transparent = true;
+  m.onBeforeCompile = (shader) => {
+    Object.assign(shader.uniforms, {
+      fadeCenter: { value: center.clone() },
+      fadeRange: { value: new THREE.Vector2(from, to) },
+    });
+    shader.vertexShader = shader.vertexShader
+      .replace('#include <common>', '#include <common>\nvarying vec3 fadeAt;')
+      .replace(
+        '#include <begin_vertex>',
+        '#include <begin_vertex>\nfadeAt = (modelMatrix * vec4(position, 1.0)).xyz;',
+      );
+    shader.fragmentShader = shader.fragmentShader
+      .replace(
+        '#include <common>',
+        '#include <common>\nvarying vec3 fadeAt;\nuniform vec3 fadeCenter;\nuniform vec2 fadeRange;',
+      )
+      .replace(
+        '#include <color_fragment>',
+        '#include <color_fragment>\ndiffuseColor.rgb = mix(diffuseColor.rgb, vec3(1.0), 0.4);',
+      )
+      .replace(
+        '#include <opaque_fragment>',
+        '#include <opaque_fragment>\ngl_FragColor.a *= 1.0 - smoothstep(fadeRange.x, fadeRange.y, distance(fadeAt, fadeCenter));',
+      );
+  };
+  m.needsUpdate = true;
 }
 
 class TriangleView implements BodyView {
@@ -66,6 +102,13 @@ class TriangleView implements BodyView {
     geometry.boundingBox = null;
   }
 
+  /** Draws the surface as a floor without an end, under everything else. */
+  asFloor(center: THREE.Vector3, reach: number) {
+    fadeOut(this.object.material, center, 0.3 * reach, reach);
+    this.object.material.depthWrite = false;
+    this.object.renderOrder = -3;
+    this.object.castShadow = false;
+  }
   setColour(colour: string) {
     this.object.material.color.set(colour);
   }

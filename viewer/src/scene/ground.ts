@@ -11,7 +11,7 @@ const gridVertex = `
 
 // Lines are as wide as a pixel at any distance: the distance to the next line is measured in its own screen derivative.
 const gridFragment = `
-  uniform float spacing, reach;
+  uniform float spacing, reach, strength;
   uniform vec2 middle;
   uniform vec3 ink;
   varying vec2 at;
@@ -24,7 +24,7 @@ const gridFragment = `
   }
   void main() {
     float fade = 1.0 - smoothstep(0.15, 1.0, length(at - middle) / reach);
-    float a = max(0.16 * lines(at / spacing, 1.2), 0.30 * lines(at / (5.0 * spacing), 1.5));
+    float a = strength * max(0.16 * lines(at / spacing, 1.2), 0.30 * lines(at / (5.0 * spacing), 1.5));
     gl_FragColor = vec4(ink, a * fade);
   }`;
 
@@ -59,6 +59,7 @@ export class Ground {
         uniforms: {
           spacing: { value: 0.1 },
           reach: { value: 1 },
+          strength: { value: 1 },
           middle: { value: new THREE.Vector2() },
           ink: { value: new THREE.Color('#24384d') },
         },
@@ -66,6 +67,13 @@ export class Ground {
     );
     this.grid.renderOrder = -1;
     this.object.add(this.shadow, this.grid);
+  }
+
+  /** With a floor the shadows fall on that, and only the grid is drawn, just above it. */
+  setFloor(height: number | undefined, radius: number): void {
+    this.shadow.visible = height === undefined;
+    this.grid.material.uniforms.strength!.value = height === undefined ? 1 : 0.6;
+    if (height !== undefined) this.object.position.z = height + 0.0005 * radius;
   }
 
   place(center: THREE.Vector3, radius: number, height: number): void {

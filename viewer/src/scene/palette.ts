@@ -11,7 +11,7 @@ export const bodyColours = [
   '#7b5a3a', // umber
 ] as const;
 
-export const fixedColour = '#bfc3c4';
+export const fixedColour = '#b4babd';
 
 /** Default colours of a run's bodies: grey for what never moves, the list in order for the rest. */
 export function defaultColours(bodies: { fixed: boolean }[]): string[] {

@@ -103,6 +103,12 @@ export class Stage {
     this.invalidate();
   }
 
+  /** A floor of the scene's own, at a height, takes the place of the studio's; the grid lies on it. */
+  setFloor(height: number | undefined): void {
+    this.ground.setFloor(height, this.bounds.radius);
+    this.invalidate();
+  }
+
   /** Middle of what is to be seen. */
   get center(): THREE.Vector3 {
     return this.bounds.center;

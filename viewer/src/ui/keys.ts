@@ -8,7 +8,7 @@ export function bindKeys(app: App): void {
     ArrowRight: (shift) => app.player.step(shift ? 10 : 1),
     Home: () => app.player.step(-app.player.frames),
     End: () => app.player.step(app.player.frames),
-    f: () => app.picture.stage.fit(),
+    f: () => app.fit(),
     1: () => app.setPose({ azimuth: -90, elevation: 4 }),
     2: () => app.setPose({ azimuth: 0, elevation: 4 }),
     3: () => app.setPose({ azimuth: -90, elevation: 89 }),

@@ -324,7 +324,7 @@ const keys: [string, string][] = [
   ['space', 'play or pause'],
   ['← →', 'one frame back or on (shift: ten)'],
   ['home, end', 'first or last frame'],
-  ['f', 'fit the view to the scene'],
+  ['f', 'fit the view to what is shown'],
   ['1 2 3', 'view from the front, the side, above'],
   ['w', 'wireframe'],
   ['c', 'contacts: off, points, arrows, both'],

@@ -36,7 +36,7 @@ Vec3f linear(int rgb) {
 
 // The same as in viewer/src/scene/palette.ts, so that a body keeps its colour from program to program.
 constexpr int kColours[] = {0x4f83b5, 0xe2a03f, 0xb8455f, 0x43a88c, 0xe8c9a0, 0x6b4f8f, 0x8cc7dd, 0x7b5a3a};
-constexpr int kFixedColour = 0xbfc3c4;
+constexpr int kFixedColour = 0xb4babd;
 
 }  // namespace
 
