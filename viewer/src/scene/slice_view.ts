@@ -34,7 +34,7 @@ const fragment = `
     colour = mix(colour, ink, 0.62 * level(rho, 0.5, 1.7));
     // Overlap.
     vec3 hot = o < 0.5 ? mix(touch, middle, 2.0 * o) : mix(middle, deep, 2.0 * o - 1.0);
-    float hit = smoothstep(0.0, 0.06, o);
+    float hit = smoothstep(0.08, 0.5, o); // light touches glow, deep ones burn
     colour = mix(colour, hot, 0.92 * hit);
     // Nodes, once they are far enough apart to be told one from another.
     vec2 apart = 1.0 / max(fwidth(at), vec2(1e-6));
