@@ -42,22 +42,30 @@ TEST(LatticeAround, OnePointTakesOneTetrahedronOfTheLattice) {
   EXPECT_NEAR(tet_volume(x[0], x[1], x[2], x[3]), 1e-3 / 12.0, 1e-12);
 }
 
-TEST(LatticeAround, FilledCubeIsHeldWithLittleMore) {
+TEST(LatticeAround, CubesOfMatterAreHeldWithoutGapsAndWithLittleMore) {
   std::vector<Vec3> points;
   for (int k = 0; k < 20; ++k)
     for (int j = 0; j < 20; ++j)
       for (int i = 0; i < 20; ++i) points.push_back(0.05 * Vec3(i + 0.5, j + 0.5, k + 0.5));
-  const MassProperties m = mass_properties(lattice_around(points, 0.1).mesh, 1.0);
-  EXPECT_GT(m.volume, 1.0 - 0.15);
+  const std::vector<double> edges(points.size(), 0.05);
+  const TetMesh mesh = lattice_around(points, 0.1, edges).mesh;
+  // Whatever lies deeper than a tetrahedron is held.
+  std::mt19937 rng(kSeed);
+  std::uniform_real_distribution<double> u(0.1, 0.9);
+  std::vector<Vec3> inside;
+  for (int i = 0; i < 3000; ++i) inside.push_back(Vec3(u(rng), u(rng), u(rng)));
+  EXPECT_LT(embed(mesh, inside).farthest, 1e-9);
+  const MassProperties m = mass_properties(mesh, 1.0);
   EXPECT_LT(m.volume, std::pow(1.2, 3));
   EXPECT_LT((m.center - Vec3::Constant(0.5)).norm(), 0.02);
+  EXPECT_LT(mass_properties(lattice_around(points, 0.1).mesh, 1.0).volume, 0.5) << "points alone leave gaps";
 }
 
 TEST(LatticeAround, NothingAndTooMuchAreRefused) {
   const std::vector<Vec3> none, two = {Vec3::Zero(), Vec3::Ones()};
   EXPECT_THROW(lattice_around(none, 0.1), InputError);
   EXPECT_THROW(lattice_around(two, 0.0), InputError);
-  EXPECT_THROW(lattice_around(two, 1e-4, 1000), InputError);
+  EXPECT_THROW(lattice_around(two, 1e-4, {}, 1000), InputError);
 }
 
 }  // namespace

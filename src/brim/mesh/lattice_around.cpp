@@ -9,7 +9,8 @@
 
 namespace brim {
 
-HeldPoints lattice_around(std::span<const Vec3> points, double spacing, std::size_t max_tets) {
+HeldPoints lattice_around(std::span<const Vec3> points, double spacing, std::span<const double> edges,
+                          std::size_t max_tets) {
   if (points.empty()) throw InputError("lattice: there are no points to hold");
   if (!(spacing > 0.0) || !std::isfinite(spacing))
     throw InputError(fmt::format("lattice: a spacing of {} m is not allowed; must be positive and finite", spacing));
@@ -23,6 +24,17 @@ HeldPoints lattice_around(std::span<const Vec3> points, double spacing, std::siz
   std::vector<std::int64_t> place(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) place[i] = lattice.tet_at(points[i]);
   std::vector<std::int64_t> wanted = place;
+  BRIM_CHECK((edges.empty() || edges.size() == points.size()), ==, true);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    // Samples a fifth of the spacing apart leave no ball empty that is as large as a tetrahedron's inner one (radius
+    // 0.177 spacings): none is missed.
+    const int n = std::max(1, static_cast<int>(std::ceil(5.0 * edges[i] / spacing)));
+    if (n == 1) continue;
+    for (int c = 0; c < n * n * n; ++c) {
+      const Vec3 at = Vec3(c % n, c / n % n, c / (n * n)) + Vec3::Constant(0.5 - 0.5 * n);
+      wanted.push_back(lattice.tet_at(points[i] + edges[i] / n * at));
+    }
+  }
   std::sort(wanted.begin(), wanted.end());
   wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
 

@@ -45,7 +45,10 @@ SoftImageBody::Parts SoftImageBody::build(const OccupancyGrid& matter, const Tri
         parts.carriage.volume.push_back(cell * share / 255.0);
         parts.carriage.mass.push_back(options.density * parts.carriage.volume.back());
       }
-  HeldPoints held = lattice_around(x, spacing);
+  // Cells that are mostly full hold tetrahedra all over.
+  std::vector<double> edges;
+  for (const double v : parts.carriage.volume) edges.push_back(v > 0.5 * cell ? matter.spacing : 0.0);
+  HeldPoints held = lattice_around(x, spacing, edges);
   parts.mesh = std::move(held.mesh);
   parts.carriage.weights = rows_of(parts.mesh, held.embedding);
   parts.surface.triangles = surface.triangles;
