@@ -16,6 +16,7 @@ BodyKind mass_spring_kind();
 BodyKind rod_kind();
 BodyKind points_kind();
 BodyKind meshless_kind();
+BodyKind grid_fluid_kind();
 
 const BodyKind& find_body_kind(const std::string& name) {
   // One a line, so that two who add a kind do not meet.
@@ -31,6 +32,7 @@ const BodyKind& find_body_kind(const std::string& name) {
       rod_kind(),              //
       points_kind(),           //
       meshless_kind(),         //
+      grid_fluid_kind(),       //
   };
   for (const BodyKind& kind : kinds)
     if (kind.name == name) return kind;

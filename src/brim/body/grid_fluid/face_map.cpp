@@ -1,0 +1,177 @@
+#include "brim/body/grid_fluid/face_map.h"
+
+#include <cmath>
+
+#include "brim/core/error.h"
+
+namespace brim {
+
+namespace {
+
+/// [cells] standard deviation of the kernel K, and where it is cut off.
+constexpr double kWidth = 0.6, kReach = 2.0;
+/// [cells] depth below the surface at which a point belongs to the matter, not to the surface.
+constexpr double kDeep = 2.0;
+/// ε of the class: below it the surface around a point is too ragged to have a normal.
+constexpr double kLeastArea = 0.1;
+
+/// Calls f(face, weight) for the wet faces across axis a around x, Σ weight = 1, and returns whether there are any.
+template <class F>
+bool interpolate(const MacGrid& g, const WetFaces& wet, int a, const Vec3& x, const F& f) {
+  const Vec3i count = g.face_count(a);
+  const Vec3 s = (x - g.origin) / g.dx - g.face_offset(a);
+  const SamplePlace place[3] = {{s.x(), count.x()}, {s.y(), count.y()}, {s.z(), count.z()}};
+  const Vec3i low(place[0].low, place[1].low, place[2].low);
+  std::array<int, 8> face;
+  std::array<double, 8> weight;
+  double sum = 0.0;
+  for (int c = 0; c < 8; ++c) {
+    face[c] = g.face(a, low);
+    weight[c] = 1.0;
+    for (int b = 0; b < 3; ++b) {
+      const bool high = (c >> b) & 1;
+      face[c] += high ? place[b].step * g.face_stride(b) : 0;
+      weight[c] *= high ? place[b].t : 1.0 - place[b].t;
+    }
+    weight[c] *= wet.share[face[c]];  // zero where dry
+    sum += weight[c];
+  }
+  if (sum > 1e-6) {
+    for (int c = 0; c < 8; ++c)
+      if (weight[c] > 0.0) f(face[c], weight[c] / sum);
+    return true;
+  }
+  // Nothing wet around: the nearest wet face.
+  double nearest = std::numeric_limits<double>::infinity();
+  int best = -1;
+  const Vec3i first = (low - Vec3i::Constant(2)).cwiseMax(0),
+              last = (low + Vec3i::Constant(3)).cwiseMin(count - Vec3i::Ones());
+  for (int k = first.z(); k <= last.z(); ++k)
+    for (int j = first.y(); j <= last.y(); ++j)
+      for (int i = first.x(); i <= last.x(); ++i) {
+        const int candidate = g.face(a, i, j, k);
+        if (wet.kind[candidate] == WetFaces::Kind::Dry) continue;
+        const double d = (g.face_position(a, i, j, k) - x).squaredNorm();
+        if (d < nearest) nearest = d, best = candidate;
+      }
+  if (best >= 0) f(best, 1.0);
+  return best >= 0;
+}
+
+/// Calls f(face, axis, weight) for the surface faces around x: weight K, signed towards the dry cell.
+template <class F>
+void surface_faces(const MacGrid& g, const WetFaces& wet, std::span<const double> phi, const Vec3& x, const F& f) {
+  const Vec3 s = (x - g.origin) / g.dx - Vec3::Constant(0.5);
+  const double reach = kReach + 1.0;  // from the dry cell to where the surface cuts the line to the wet one
+  const Vec3i first = (s.array() - reach).ceil().cast<int>().max(0);
+  const Vec3i last = (s.array() + reach).floor().cast<int>().min(g.n.array() - 1);
+  for (int k = first.z(); k <= last.z(); ++k)
+    for (int j = first.y(); j <= last.y(); ++j)
+      for (int i = first.x(); i <= last.x(); ++i) {
+        const Vec3i c(i, j, k);
+        const int cell = g.cell(c);
+        if (wet.cell[cell] || phi[cell] > 2.0 * g.dx) continue;
+        const Vec3 away = c.cast<double>() - s;
+        for (int a = 0; a < 3; ++a)
+          for (const int side : {-1, 1}) {
+            if (c[a] + side < 0 || c[a] + side >= g.n[a]) continue;
+            const int other = cell + side * g.cell_stride(a);
+            if (!wet.cell[other]) continue;
+            Vec3 cut = away;
+            cut[a] += side * phi[cell] / (phi[cell] - phi[other]);
+            const double t2 = cut.squaredNorm();
+            if (t2 > kReach * kReach) continue;
+            const double t = std::exp(-t2 / (2.0 * kWidth * kWidth));
+            f(side < 0 ? g.face(a, c) : g.face(a, c + Vec3i::Unit(a)), a, side < 0 ? t : -t);
+          }
+      }
+}
+
+}  // namespace
+
+void surface_row(const MacGrid& g, const WetFaces& wet, std::span<const double> phi, bool slip, const Vec3& x,
+                 std::vector<FaceWeight>& row) {
+  row.clear();
+  // The point of the surface nearest to x, and the mean normal around it.
+  Vec3 slope, n = Vec3::Zero();
+  for (int a = 0; a < 3; ++a) {
+    const Vec3 e = 0.5 * g.dx * Vec3::Unit(a);
+    slope[a] = sample_cells(g, phi, x + e) - sample_cells(g, phi, x - e);
+  }
+  slope /= std::max(slope.norm(), 1e-12 * g.dx);
+  const double depth = sample_cells(g, phi, x);
+  for (int o = 0; o < 27; ++o) {
+    const Vec3 e(o % 3 - 1, o / 3 % 3 - 1, o / 9 - 1);
+    n += sample_cells(g, phi, x + g.dx * e) * e;
+  }
+  n /= std::max(n.norm(), 1e-12 * g.dx);
+  // Deep inside, at the walls of the box, the fluid has no surface: its matter is asked there, with shear and all.
+  const bool deep = depth < -kDeep * g.dx;
+  const Vec3 at = deep ? x : Vec3(x - depth * slope);
+
+  Vec3 area = Vec3::Zero();
+  if (!deep)
+    surface_faces(g, wet, phi, at, [&](int face, int a, double k) {
+      area[a] += k;
+      row.push_back({face, Vec3(k, 0.0, 0.0)});
+    });
+  const double along = std::max(area.dot(n), 0.0);
+  const double part = along * along / (along * along + kLeastArea * kLeastArea);
+  for (FaceWeight& e : row) e.weight = (part * e.weight.x() / std::max(along, 1e-12)) * n;
+  // What the flow through the surface does not tell, the matter does. Where g and n differ, a fluid that slips is
+  // better left alone: the difference would stir it.
+  const Mat3 rest = slip && !deep ? Mat3((1.0 - part) * n * n.transpose())
+                                  : Mat3(Mat3::Identity() - (part / std::max(along, 1e-12)) * n * area.transpose());
+  bool found = true;
+  for (int a = 0; a < 3; ++a)
+    found = interpolate(g, wet, a, at, [&](int face, double w) { row.push_back({face, w * rest.col(a)}); }) && found;
+  if (!found) row.clear();
+}
+
+void FaceMap::reset(const MacGrid& g, const WetFaces& wet, std::span<const double> phi, bool slip,
+                    std::span<const Vec3> points) {
+  const std::size_t n = points.size();
+  if (row_.size() < n) row_.resize(n);
+  parallel_for(
+      n, [&](std::size_t p) { surface_row(g, wet, phi, slip, points[p], row_[p]); }, 64);
+  row_start_.assign(n + 1, 0);
+  for (std::size_t p = 0; p < n; ++p) row_start_[p + 1] = row_start_[p] + row_[p].size();
+  entry_.resize(row_start_.back());
+  for (std::size_t p = 0; p < n; ++p)
+    std::copy(row_[p].begin(), row_[p].end(), entry_.begin() + static_cast<std::ptrdiff_t>(row_start_[p]));
+}
+
+void FaceMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
+  BRIM_CHECK(u.size(), ==, points());
+  parallel_for(
+      points(),
+      [&](std::size_t p) {
+        Vec3 sum = Vec3::Zero();
+        for (std::size_t e = row_start_[p]; e < row_start_[p + 1]; ++e) sum += v[entry_[e].face] * entry_[e].weight;
+        u[p] = sum;
+      },
+      256);
+}
+
+void FaceMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
+  BRIM_CHECK(f.size(), ==, points());
+  // In the order of the points, on one thread: the same bits always.
+  for (std::size_t p = 0; p < points(); ++p)
+    for (std::size_t e = row_start_[p]; e < row_start_[p + 1]; ++e) Q[entry_[e].face] += entry_[e].weight.dot(f[p]);
+}
+
+void FaceMap::add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const {
+  BRIM_CHECK(K.size(), ==, points());
+  for (std::size_t p = 0; p < points(); ++p) {
+    if (K[p].isZero(0.0)) continue;
+    for (std::size_t e = row_start_[p]; e < row_start_[p + 1]; ++e) {
+      const int place = entry_[e].face / 3;
+      const Vec3 Kw = K[p] * entry_[e].weight;
+      auto block = D.block(first + place);
+      for (std::size_t o = row_start_[p]; o < row_start_[p + 1]; ++o)
+        if (entry_[o].face / 3 == place) block(entry_[o].face % 3, entry_[e].face % 3) += entry_[o].weight.dot(Kw);
+    }
+  }
+}
+
+}  // namespace brim

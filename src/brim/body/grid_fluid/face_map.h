@@ -1,0 +1,53 @@
+#pragma once
+
+#include <vector>
+
+#include "brim/body/grid_fluid/mac_grid.h"
+#include "brim/body/grid_fluid/wet_faces.h"
+#include "brim/map/map.h"
+
+namespace brim {
+
+/// Velocity of a point per velocity of a face.
+struct FaceWeight {
+  std::int32_t face;
+  Vec3 weight;
+};
+
+/// The velocity of the surface at the point nearest to x, as a sum over faces. A force on the surface of a fluid is a
+/// pressure: it must reach the faces as the pressure of the air beyond the surface would, or it stirs the fluid
+/// (balanced forces, Francois et al. 2006). So along the normal n the velocity is the flow through the surface,
+///   s_f = ±K(|x − x_f|)  for faces f between a wet and a dry cell, signed towards the dry one;   g = Σ_f s_f e_f
+///   u = β n/(g·n) Σ_f s_f v_f + R Σ_f w_f v_f,     β = (g·n)²/((g·n)² + ε²)
+/// with x_f where the surface cuts the line between the two cells' centres, K a Gaussian of 0.6 cells, n the mean ∇φ
+/// over two cells, w the trilinear weights among wet faces, each times how much fluid it moves (Σ w = 1), and
+///   R = (1 − β) n nᵀ             for a fluid that slips,
+///   R = I − β n gᵀ/(g·n)         for one that does not; it reproduces a constant field.
+/// A fluid that knows no shear must take none, else a contact normal that is not quite that of the surface would drive
+/// it along the wall for ever. More than two cells below the surface (at the walls of the box) u is Σ w v. Both contact
+/// and the motion of the level set use this velocity: were they to differ, contact would do work on a surface that does
+/// not move. Empty far from any wet face.
+/// @param slip  the fluid slips along solids
+void surface_row(const MacGrid& grid, const WetFaces& wet, std::span<const double> phi, bool slip, const Vec3& x,
+                 std::vector<FaceWeight>& row);
+
+/// Map of a grid fluid: points move as the surface nearest to them. The linear momentum of contact is exact for a fluid
+/// that does not slip; one that slips takes the part of each force along its normal. Angular momentum is not exact.
+/// Constant during a step.  Tests: tests/body/face_map_test.cpp
+class FaceMap final : public Map {
+ public:
+  void reset(const MacGrid& grid, const WetFaces& wet, std::span<const double> phi, bool slip,
+             std::span<const Vec3> points);
+
+  std::size_t points() const override { return row_start_.empty() ? 0 : row_start_.size() - 1; }
+  void velocity(std::span<const double> v, std::span<Vec3> u) const override;
+  void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
+  void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
+
+ private:
+  std::vector<std::size_t> row_start_;
+  std::vector<FaceWeight> entry_;             ///< by point
+  std::vector<std::vector<FaceWeight>> row_;  ///< workspace
+};
+
+}  // namespace brim

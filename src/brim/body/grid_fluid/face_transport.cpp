@@ -1,0 +1,90 @@
+#include "brim/body/grid_fluid/face_transport.h"
+
+#include <cmath>
+
+namespace brim {
+
+namespace {
+
+constexpr unsigned char kUnknown = 0, kKnown = 1, kHeld = 2;
+
+/// True for faces on the sides of the box.
+bool on_side(const MacGrid& g, int a, const Vec3i& at) { return at[a] == 0 || at[a] == g.n[a]; }
+
+/// Smallest and largest of the samples that a trilinear value comes from.
+void range_at(const MacGrid& g, std::span<const double> u, int a, const Vec3& x, double& low, double& high) {
+  const Vec3 s = (x - g.origin) / g.dx - g.face_offset(a);
+  const Vec3i count = g.face_count(a);
+  const SamplePlace X(s.x(), count.x()), Y(s.y(), count.y()), Z(s.z(), count.z());
+  const int at = g.face(a, X.low, Y.low, Z.low);
+  low = high = u[at];
+  for (int c = 1; c < 8; ++c) {
+    const double v = u[at + (c & 1) * X.step * g.face_stride(0) + ((c >> 1) & 1) * Y.step * g.face_stride(1) +
+                       (c >> 2) * Z.step * g.face_stride(2)];
+    low = std::min(low, v);
+    high = std::max(high, v);
+  }
+}
+
+}  // namespace
+
+void extend_velocity(const MacGrid& g, const WetFaces& wet, const std::array<bool, 6>& open, int layers,
+                     std::span<double> u, ExtensionMarks& marks) {
+  marks.known.assign(g.faces(), 0);
+  for (int a = 0; a < 3; ++a)
+    for_places(g.face_count(a), [&](int i, int j, int k) {
+      const int f = g.face(a, i, j, k);
+      const Vec3i at(i, j, k);
+      const bool side = on_side(g, a, at), closed = side && !open[2 * a + (at[a] > 0 ? 1 : 0)];
+      if (wet.kind[f] != WetFaces::Kind::Dry) marks.known[f] = kKnown;
+      // A closed side holds the flow through it; it does not drag the faces in front of it.
+      if (closed && wet.kind[f] == WetFaces::Kind::Dry) marks.known[f] = kHeld;
+      if (closed || marks.known[f] != kKnown) u[f] = 0.0;
+    });
+  for (int layer = 0; layer < layers; ++layer) {
+    marks.next = marks.known;
+    for (int a = 0; a < 3; ++a) {
+      const Vec3i count = g.face_count(a);
+      for_places(count, [&](int i, int j, int k) {
+        const int f = g.face(a, i, j, k);
+        if (marks.known[f] != kUnknown) return;
+        const std::array<int, 3> at = {i, j, k};
+        double sum = 0.0;
+        int found = 0;
+        for (int b = 0; b < 3; ++b)
+          for (const int side : {-1, 1}) {
+            if (at[b] + side < 0 || at[b] + side >= count[b]) continue;
+            const int other = f + side * g.face_stride(b);
+            if (marks.known[other] != kKnown) continue;
+            sum += u[other];
+            ++found;
+          }
+        if (found == 0) return;
+        u[f] = sum / found;
+        marks.next[f] = kKnown;
+      });
+    }
+    std::swap(marks.known, marks.next);
+  }
+}
+
+void advect_velocity(const MacGrid& g, std::span<const double> u, double dt, std::span<double> out,
+                     std::vector<double>& scratch) {
+  scratch.assign(g.faces(), 0.0);
+  for (int a = 0; a < 3; ++a)
+    for_places(g.face_count(a), [&](int i, int j, int k) {
+      scratch[g.face(a, i, j, k)] = sample_face(g, u, a, trace_back(g, u, g.face_position(a, i, j, k), dt));
+    });
+  for (int a = 0; a < 3; ++a)
+    for_places(g.face_count(a), [&](int i, int j, int k) {
+      const int f = g.face(a, i, j, k);
+      const Vec3 x = g.face_position(a, i, j, k);
+      const double forth = scratch[f];
+      const double back = sample_face(g, scratch, a, trace_back(g, u, x, -dt));
+      double low, high;
+      range_at(g, u, a, trace_back(g, u, x, dt), low, high);
+      out[f] = std::clamp(forth + 0.5 * (u[f] - back), low, high);
+    });
+}
+
+}  // namespace brim

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "brim/body/grid_fluid/mac_grid.h"
+#include "brim/body/grid_fluid/wet_faces.h"
+
+namespace brim {
+
+/// Scratch of extend_velocity, kept between calls.
+struct ExtensionMarks {
+  std::vector<unsigned char> known, next;
+};
+
+/// Extends face velocities beyond the surface: layer by layer each dry face takes the mean of its known neighbours of
+/// the same axis. Faces farther than the layers become zero; faces on closed sides are zero.
+void extend_velocity(const MacGrid& grid, const WetFaces& wet, const std::array<bool, 6>& open, int layers,
+                     std::span<double> u, ExtensionMarks& marks);
+
+/// Carries a velocity field along itself for a time dt, by the scheme of MacCormack (Selle et al. 2008): a
+/// semi-Lagrangian step there and back finds the error of the first; the result is kept within the samples it came
+/// from. Second order in space and time where the field is smooth.
+/// @param u    extended beyond the surface
+/// @param out  shape (faces); scratch likewise
+void advect_velocity(const MacGrid& grid, std::span<const double> u, double dt, std::span<double> out,
+                     std::vector<double>& scratch);
+
+}  // namespace brim

@@ -1,0 +1,121 @@
+#pragma once
+
+#include <functional>
+
+#include "brim/body/body.h"
+#include "brim/body/grid_fluid/face_transport.h"
+#include "brim/body/grid_fluid/level_set.h"
+#include "brim/body/grid_fluid/mac_grid.h"
+#include "brim/body/grid_fluid/pressure_projection.h"
+#include "brim/body/grid_fluid/wet_faces.h"
+
+namespace brim {
+
+/// What a grid fluid is made of.
+struct GridFluidModel {
+  MacGrid grid;
+  std::array<bool, 6> open{};  ///< sides −x, +x, −y, +y, −z, +z of the box through which fluid may leave
+  /// Signed distance to the fluid at the start, negative inside, [m]; need not be exact away from the surface.
+  std::function<double(const Vec3&)> distance;
+  std::function<Vec3(const Vec3&)> velocity;  ///< [m/s] at the start; empty: at rest
+  double density = 1000.0;                    ///< [kg/m³]
+  double viscosity = 0.0;                     ///< [Pa s] dynamic
+  double voxel_size = 0.0;                    ///< [m] 0: the side of a cell
+  Material material;
+};
+
+/// Incompressible fluid on a staggered grid in a box, with a free surface at zero pressure.
+///   q = level set at the cells, then the volume that is to be kept [m³];   v = face velocities [m/s]
+/// Volume is kept twice. In the common solve: the body's preconditioner maps any impulse to velocities that keep the
+/// volume of every wet cell, so conjugate gradients never leave these, and pressure, contact and all solids are solved
+/// together. After it: the level set is moved, and shifted along its normal by what moving it has lost.
+/// The box's closed sides let fluid slip.
+class GridFluidBody final : public Body {
+ public:
+  /// @throws InputError for a grid without cells, or numbers out of range
+  explicit GridFluidBody(GridFluidModel model);
+
+  std::string_view kind() const override { return "grid_fluid"; }
+  std::size_t q_size() const override { return model_.grid.cells() + 1; }
+  std::size_t v_size() const override { return model_.grid.faces(); }
+  void initial_state(std::span<double> q, std::span<double> v) const override;
+  void update(double time, std::span<const double> q, std::span<const double> v) override;
+  void advance(double dt, std::span<double> q, std::span<const double> v) const override;
+  void finish_step(double time, double dt, std::span<double> q, std::span<double> v) override;
+
+  void add_forces(const Environment& env, std::span<double> Q) const override;
+  void apply_mass(std::span<const double> x, std::span<double> y) const override;
+  void apply_damping(std::span<const double> x, std::span<double> y) const override;
+  std::vector<int> block_sizes() const override { return std::vector<int>(model_.grid.faces() / 3, 3); }
+  void add_system_diagonal(std::size_t first, BlockDiagonal& D) const override;
+  void prepare_preconditioner(std::size_t first, const BlockDiagonal& D) override;
+  void precondition(std::size_t first, const BlockDiagonal& D, std::span<const double> r,
+                    std::span<double> z) const override;
+  void filter(std::span<double> x) const override;
+
+  PartInfo part(int) const override { return part_; }
+  Aabb bounds(int) const override { return bounds_; }
+  Vec3 carrier_velocity(int, std::span<const double> v) const override;
+  double relative_speed_bound(int, std::span<const double> v) const override;
+  void presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
+  void rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
+  void make_map(int, std::span<const Vec3> points, std::span<const std::int32_t> sources,
+                std::unique_ptr<Map>& map) const override;
+
+  double mass() const override { return model_.density * start_volume_; }
+  double potential_energy(const Environment& env) const override;
+  Vec3 linear_momentum(std::span<const double> v) const override;
+  Vec3 angular_momentum(std::span<const double> v) const override;
+  bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
+
+  const Display& display() const override { return display_; }
+  void display_positions(std::span<Vec3f> x) const override;
+
+  // ---- of the last update, for tests and tools -------------------------------------------------------------------
+  const MacGrid& grid() const { return model_.grid; }
+  const WetFaces& wet() const { return wet_; }
+  std::span<const double> level_set() const { return phi_; }
+  /// Distance to the fluid at x: the level set within the box, [m].
+  double distance(const Vec3& x) const;
+  /// [m³]
+  double volume() const;
+  /// [Pa] per cell, found by the last solve; zero in dry cells.
+  double pressure(int cell) const { return dt_ > 0.0 ? impulse_[cell] / dt_ : 0.0; }
+  /// Largest flow out of a wet cell over its size, [1/s].
+  double divergence(std::span<const double> v) const;
+  /// Conjugate gradient iterations on the pressure, last prepare until now.
+  int pressure_iterations() const { return pressure_iterations_; }
+
+ private:
+  void take_level_set(std::span<const double> phi);
+  double face_mass(int f) const { return cell_mass_ * wet_.share[f]; }
+  bool slips() const { return model_.material.friction == 0.0; }
+  void make_surface() const;
+
+  GridFluidModel model_;
+  double cell_mass_ = 0.0;  ///< [kg] of a full cell
+  double start_volume_ = 0.0;
+  PartInfo part_;
+  Display display_;
+
+  // Of the last update:
+  std::vector<double> phi_;
+  WetFaces wet_;
+  Aabb bounds_;
+  std::vector<double> v_;
+  PressureProjection projection_;
+
+  // Of the solve:
+  mutable PressureProjection solver_;
+  mutable std::vector<double> impulse_;  ///< [Pa s] pressure, the first guess of the next
+  mutable int pressure_iterations_ = 0;
+  std::vector<double> mass_;
+
+  // Workspace:
+  mutable LevelSet level_;
+  mutable std::vector<double> extended_, scratch_;
+  mutable ExtensionMarks marks_;
+  mutable std::vector<Vec3f> surface_;  ///< corners of the display's triangles
+};
+
+}  // namespace brim

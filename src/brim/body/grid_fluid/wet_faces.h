@@ -1,0 +1,29 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "brim/body/grid_fluid/mac_grid.h"
+
+namespace brim {
+
+/// Which cells and faces of a grid hold fluid, and how much fluid each face moves.
+///   wet cell   φ < 0 at its centre
+///   free face  between a wet cell and another cell, or the air beyond an open side; it can move
+///   wall face  between a wet cell and a closed side of the box; its velocity is zero
+///   share θ    of the distance between two centres that is fluid: 1 between two wet cells, φ_in/(φ_in − φ_out) at the
+///              surface, so that the pressure is zero at the surface and not at a centre (Gibou et al. 2002); 1/2 at
+///              sides
+/// The mass of a face is ρ dx³ θ.
+struct WetFaces {
+  enum class Kind : unsigned char { Dry, Free, Wall };
+  std::vector<unsigned char> cell;  ///< 1 where wet, shape (cells)
+  std::vector<Kind> kind;           ///< shape (faces)
+  std::vector<double> share;        ///< θ, [-], 0 where dry, shape (faces)
+  std::size_t wet_cells = 0;
+
+  /// @param open  sides −x, +x, −y, +y, −z, +z beyond which there is air
+  void find(const MacGrid& grid, std::span<const double> phi, const std::array<bool, 6>& open);
+};
+
+}  // namespace brim
