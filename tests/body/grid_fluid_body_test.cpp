@@ -206,6 +206,31 @@ TEST(GridFluidBody, PresenceHoldsEveryTileWithDensity) {
   }
 }
 
+TEST(GridFluidBody, WaterAroundABallHeldStillHardlyMoves) {
+  // Every force of contact must be one that a pressure balances; what is not starts to stir the water.
+  const double dx = 1.0 / 16.0;
+  GridFluidModel m = pool({16, 16, 16}, dx, 0.0);
+  m.distance = [](const Vec3& x) { return std::max(x.z() - 0.5, 0.2 - (x - Vec3(0.5, 0.5, 0.25)).norm()); };
+  World w(options(dx, 0.01));
+  w.add(fluid(std::move(m)));
+  w.add(testing::obstacle("ball", make_sphere(0.2), 0.0, Vec3(0.5, 0.5, 0.25)));
+  double energy = 0.0, lift = 0.0;
+  for (int s = 0; s < 60; ++s) {
+    const StepReport r = w.step();
+    energy = r.kinetic_energy;
+    if (s >= 30 && !r.pairs.empty()) lift += r.pairs[0].force_on_a.z() / 30.0;
+  }
+  const double speed = std::sqrt(2.0 * energy / w.body(0).mass());
+  RecordProperty("speed", std::to_string(speed));
+  RecordProperty("lift", std::to_string(lift));
+  EXPECT_LT(speed, 0.1);
+  // Archimedes: the weight of what the ball displaces. The normals of contact, smoothed over 3h, turn part of the
+  // pressure on the sides of a ball this small into lift: 1.57 of it (1.006 with normals that are not smoothed).
+  const double weight = 9810.0 * 4.0 / 3.0 * std::numbers::pi * 0.008;
+  EXPECT_GT(-lift, 0.97 * weight);
+  EXPECT_LT(-lift, 1.7 * weight);
+}
+
 /// A slab of half the water's density let go at the surface of a pool; its draft, [m], is the mean of the last second.
 struct Floating {
   double draft = 0.0, volume = 0.0, worst_volume = 0.0;
