@@ -3,7 +3,7 @@ include(CMakePackageConfigHelpers)
 
 set(BRIM_CONFIG_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/brim)
 
-install(TARGETS brim EXPORT brimTargets)
+install(TARGETS brim brim_plugin EXPORT brimTargets)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/src/brim DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
 install(EXPORT brimTargets NAMESPACE brim:: DESTINATION ${BRIM_CONFIG_DIR})
 if(TARGET brim_cli)

@@ -16,6 +16,10 @@ void add_schema(CLI::App& app, int& code);
 void add_view(CLI::App& app, int& code);
 void add_render(CLI::App& app, int& code);
 void add_export(CLI::App& app, int& code);
+void add_pairs(CLI::App& app, int& code);
+
+/// Adds --plugin, before or after any command.
+void add_plugins(CLI::App& app);
 
 /// True once Ctrl-C or a request to end has come. The first is taken in; a second ends the process at once.
 void watch_interrupts();

@@ -8,6 +8,8 @@ int main(int argc, char** argv) {
   CLI::App app("brim: bodies of any kind in contact through a grid of densities", "brim");
   app.set_version_flag("--version", BRIM_VERSION);
   app.require_subcommand(1);
+  app.fallthrough();
+  brim::cli::add_plugins(app);
   int code = brim::cli::kGood;
   brim::cli::add_run(app, code);
   brim::cli::add_validate(app, code);
@@ -16,6 +18,7 @@ int main(int argc, char** argv) {
   brim::cli::add_view(app, code);
   brim::cli::add_render(app, code);
   brim::cli::add_export(app, code);
+  brim::cli::add_pairs(app, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

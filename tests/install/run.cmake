@@ -1,4 +1,4 @@
-# cmake -D build=<brim's build folder> -D source=<this folder> -D work=<scratch> -D compiler=<c++> -P run.cmake
+# cmake -D build=<brim's build folder> -D source=<this folder> -D example=<examples/user_body> -D work=<scratch> -D compiler=<c++> -P run.cmake
 # Installs brim into an empty prefix, then configures, builds and runs the consumer against it alone.
 file(REMOVE_RECURSE ${work})
 set(prefix ${work}/prefix)
@@ -19,3 +19,9 @@ must(${CMAKE_COMMAND} -G Ninja -S ${source} -B ${work}/build -D CMAKE_CXX_COMPIL
 must(${CMAKE_COMMAND} --build ${work}/build)
 must(${work}/build/consumer)
 must(${work}/build/everything)
+
+# The example of a body of one's own: a plugin for the installed program.
+must(${CMAKE_COMMAND} -G Ninja -S ${example} -B ${work}/example -D CMAKE_CXX_COMPILER=${compiler} -D CMAKE_BUILD_TYPE=Release
+  -D CMAKE_PREFIX_PATH=${work}/moved)
+must(${CMAKE_COMMAND} --build ${work}/example)
+must(${work}/moved/bin/brim --plugin ${work}/example/jelly.so run ${example}/jelly.json --frames 2 --quiet -o ${work}/run)

@@ -1,6 +1,7 @@
 #include "brim/scene/kinds.h"
 
-#include <vector>
+#include <list>
+#include <utility>
 
 namespace brim {
 
@@ -18,9 +19,12 @@ BodyKind points_kind();
 BodyKind meshless_kind();
 BodyKind grid_fluid_kind();
 
-const BodyKind& find_body_kind(const std::string& name) {
+namespace {
+
+/// In a list, so that references stay good when kinds are added.
+std::list<BodyKind>& all_kinds() {
   // One a line, so that two who add a kind do not meet.
-  static const std::vector<BodyKind> kinds = {
+  static std::list<BodyKind> kinds = {
       obstacle_kind(),         //
       rigid_kind(),            //
       finite_elements_kind(),  //
@@ -34,7 +38,15 @@ const BodyKind& find_body_kind(const std::string& name) {
       meshless_kind(),         //
       grid_fluid_kind(),       //
   };
-  for (const BodyKind& kind : kinds)
+  return kinds;
+}
+
+}  // namespace
+
+void add_body_kind(BodyKind kind) { all_kinds().push_back(std::move(kind)); }
+
+const BodyKind& find_body_kind(const std::string& name) {
+  for (const BodyKind& kind : all_kinds())
     if (kind.name == name) return kind;
   throw ProgrammingError("the schema allows the body kind \"" + name + "\" but kinds.cpp does not list it");
 }

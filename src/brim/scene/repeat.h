@@ -6,22 +6,11 @@
 
 #include "brim/math/types.h"
 #include "brim/scene/node.h"
+#include "brim/scene/placement.h"
 
 namespace brim {
 
 inline constexpr std::size_t kMaxBodies = 1'000'000;
-
-/// Where one copy of a body starts: x = position + rotation · (scale x).
-struct Placement {
-  std::string name;
-  Vec3 position = Vec3::Zero();  ///< [m]
-  Quat rotation = Quat::Identity();
-  double scale = 1.0;                    ///< [-]
-  Vec3 velocity = Vec3::Zero();          ///< [m/s]
-  Vec3 angular_velocity = Vec3::Zero();  ///< [rad/s], world frame
-
-  Vec3 apply(const Vec3& x) const { return position + rotation * (scale * x); }
-};
 
 /// Numbers that are the same on every machine (SplitMix64, Steele, Lea and Flood 2014).
 class SceneRandom {

@@ -298,9 +298,22 @@ void validate(Document& document, const Json& schema) {
   document.root = std::move(root);
 }
 
-const Json& scene_schema() {
-  static const Json schema = Json::parse(scene_schema_text());
+namespace {
+
+Json& changeable_schema() {
+  static Json schema = Json::parse(scene_schema_text());
   return schema;
+}
+
+}  // namespace
+
+const Json& scene_schema() { return changeable_schema(); }
+
+void add_body_branch(const std::string& name, Json branch) {
+  Json& defs = changeable_schema().at("$defs");
+  if (defs.contains(name)) throw InputError(fmt::format("kind \"{}\": the name is taken; choose another", name));
+  defs[name] = std::move(branch);
+  defs.at("body").at("oneOf").push_back({{"$ref", "#/$defs/" + name}});
 }
 
 }  // namespace brim

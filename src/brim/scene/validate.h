@@ -20,7 +20,11 @@ namespace brim {
 ///   nearest known one
 void validate(Document& document, const Json& schema);
 
-/// The schema of scene files, parsed.
+/// The schema of scene files, parsed, with the branches that were added.
 const Json& scene_schema();
+
+/// Adds a kind of body to the schema. @param branch  schema of an entry of "bodies" of that kind
+/// @throws InputError  when the name is taken
+void add_body_branch(const std::string& name, Json branch);
 
 }  // namespace brim

@@ -1,0 +1,87 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "brim/core/error.h"
+#include "brim/core/parallel.h"
+#include "brim/scene/pairs/pair_report.h"
+#include "brim/scene/pairs/pair_trial.h"
+#include "commands.h"
+
+namespace brim::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PairOptions {
+  std::vector<std::string> only, with;
+  std::string out, table, scenes;
+  int threads = 0;
+  bool json = false;
+};
+
+PairTable read_table(const std::string& path) {
+  if (path.empty()) return standard_pairs();
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw InputError(fmt::format("{}: the file cannot be read", path));
+  return read_pair_table(std::string(std::istreambuf_iterator<char>(file), {}), path);
+}
+
+void write_text(const fs::path& path, const std::string& text) {
+  if (path.has_parent_path()) fs::create_directories(path.parent_path());
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) throw InputError(fmt::format("{}: the file cannot be written", path.string()));
+}
+
+int pairs(const PairOptions& o) {
+  const ThreadLimit limit(o.threads);
+  PairTable table = read_table(o.table);
+  for (const std::string& file : o.with) table.add_kinds(read_table(file));
+  watch_interrupts();
+  if (!o.json) fmt::print("{}\n", pair_line_head());
+  std::vector<PairResult> results = run_pairs(table, o.only, [&](const PairResult& r) {
+    if (!o.json) {
+      fmt::print("{}\n", pair_line(r));
+      std::fflush(stdout);
+    }
+    if (!o.scenes.empty() && r.run)
+      write_text(fs::path(o.scenes) / fmt::format("{}_on_{}.json", r.upper, r.lower),
+                 pair_scene_text(table, table.find(r.lower), table.find(r.upper)));
+    return !interrupted();
+  });
+  if (o.json) std::fputs(pairs_json(table, results).c_str(), stdout);
+  if (interrupted()) return kInterrupted;
+  if (!o.out.empty()) write_text(o.out, pairs_markdown(table, results));
+  std::size_t run = 0, good = 0;
+  for (const PairResult& r : results) {
+    run += r.run ? 1 : 0;
+    good += r.run && r.ok() ? 1 : 0;
+  }
+  fmt::print(stderr, "brim: {} of {} pairs are good\n", good, run);
+  return good == run ? kGood : kFailed;
+}
+
+}  // namespace
+
+void add_pairs(CLI::App& app, int& code) {
+  CLI::App* command = app.add_subcommand("pairs", "drop every kind of body on every other and tell how each pair does");
+  auto o = std::make_shared<PairOptions>();
+  command->add_option("--only", o->only, "only pairs that hold one of these kinds, separated by commas")
+      ->delimiter(',');
+  command->add_option("-o,--output", o->out, "write the table as a Markdown page");
+  command->add_option("--kinds", o->table, "table of kinds to take (JSON) instead of brim's own");
+  command->add_option("--with", o->with, "table (JSON) whose kinds are added, such as one's own (--plugin)");
+  command->add_option("--scenes", o->scenes, "write the scene of each pair into this folder, for brim run");
+  command->add_option("--threads", o->threads, "use at most this many threads; default all cores")
+      ->check(CLI::Range(1, 4096));
+  command->add_flag("--json", o->json, "print the figures as JSON");
+  command->callback([o, &code] { code = pairs(*o); });
+}
+
+}  // namespace brim::cli

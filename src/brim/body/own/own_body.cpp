@@ -1,0 +1,226 @@
+#include "brim/body/own/own_body.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "brim/core/error.h"
+#include "brim/core/parallel.h"
+#include "brim/math/ramp.h"
+#include "brim/mesh/mass_properties.h"
+#include "brim/mesh/tet_lattice.h"
+
+namespace brim {
+
+namespace {
+
+using Vector = Eigen::VectorXd;
+
+/// Steps of central differences: of place, and of the energy's first and second derivatives.
+constexpr double kPlaceStep = 1e-5, kForceStep = 1e-5, kStiffnessStep = 1e-4;
+/// [-] of the extent by which matter may bulge beyond the corners of its surface.
+constexpr double kBulge = 0.02;
+
+double step_at(double q, double relative) { return relative * std::max(1.0, std::abs(q)); }
+
+Eigen::Map<const Vector> vector(std::span<const double> x) { return {x.data(), static_cast<Eigen::Index>(x.size())}; }
+Eigen::Map<Vector> writable(std::span<double> x) { return {x.data(), static_cast<Eigen::Index>(x.size())}; }
+
+/// −∂E/∂q.
+Vector force_of(const OwnBody& body, std::vector<double> q) {
+  Vector f(static_cast<Eigen::Index>(q.size()));
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    const double at = q[i], d = step_at(at, kForceStep);
+    q[i] = at + d;
+    const double up = body.energy(q);
+    q[i] = at - d;
+    f[static_cast<Eigen::Index>(i)] = -(up - body.energy(q)) / (2.0 * d);
+    q[i] = at;
+  }
+  return f;
+}
+
+}  // namespace
+
+OwnBody::OwnBody(OwnModel model) : model_(std::move(model)) {
+  if (model_.v.empty()) model_.v.assign(model_.q.size(), 0.0);
+  if (model_.q.empty() || model_.v.size() != model_.q.size())
+    throw InputError(fmt::format("own body: {} coordinates and {} velocities; one of each at least, and as many",
+                                 model_.q.size(), model_.v.size()));
+  const auto finite = [](double x) { return std::isfinite(x); };
+  if (!std::all_of(model_.q.begin(), model_.q.end(), finite) || !std::all_of(model_.v.begin(), model_.v.end(), finite))
+    throw InputError("own body: its state at the start is not finite");
+  const MassProperties whole = mass_properties(model_.surface, model_.density);
+  mass_ = whole.mass;
+  Aabb box;
+  for (const Vec3& x : model_.surface.vertices) box.extend(x);
+  const double spacing = model_.mass_spacing > 0.0 ? model_.mass_spacing
+                                                   : std::min(box.extent().maxCoeff() / 8.0, box.extent().minCoeff());
+  const TetMesh tets = tet_lattice(model_.surface, spacing);
+  double total = 0.0;
+  for (const Tetrahedron& t : tets.tets) {
+    const Vec3 &a = tets.vertices[t[0]], &b = tets.vertices[t[1]], &c = tets.vertices[t[2]], &d = tets.vertices[t[3]];
+    piece_.push_back(0.25 * (a + b + c + d));
+    piece_mass_.push_back(tet_volume(a, b, c, d));
+    total += piece_mass_.back();
+  }
+  for (double& m : piece_mass_) m *= mass_ / total;
+  part_.voxel_size = model_.voxel_size > 0.0 ? model_.voxel_size : box.extent().minCoeff() / 8.0;
+  part_.areal_mass = 6.0 * mass_ / surface_area(model_.surface);
+  part_.thickness = box.extent().minCoeff();
+  part_.material = model_.material;
+  display_.vertices = model_.surface.vertices.size();
+  display_.triangles = model_.surface.triangles;
+}
+
+void OwnBody::jacobian(Coordinates q, const Vec3& X, Eigen::Ref<Jacobian> J) const {
+  std::vector<double> moved(q.begin(), q.end());
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    const double d = step_at(q[i], kPlaceStep);
+    moved[i] = q[i] + d;
+    const Vec3 up = place(moved, X);
+    moved[i] = q[i] - d;
+    J.col(static_cast<Eigen::Index>(i)) = (up - place(moved, X)) / (2.0 * d);
+    moved[i] = q[i];
+  }
+}
+
+void OwnBody::initial_state(std::span<double> q, std::span<double> v) const {
+  std::copy(model_.q.begin(), model_.q.end(), q.begin());
+  std::copy(model_.v.begin(), model_.v.end(), v.begin());
+}
+
+void OwnBody::update(double, std::span<const double> q, std::span<const double> v) {
+  q_.assign(q.begin(), q.end());
+  v_.assign(v.begin(), v.end());
+  vertex_.resize(model_.surface.vertices.size());
+  bounds_ = Aabb();
+  for (std::size_t i = 0; i < vertex_.size(); ++i) bounds_.extend(vertex_[i] = place(q_, model_.surface.vertices[i]));
+  bounds_ = bounds_.inflated(kBulge * bounds_.extent().maxCoeff());
+  measure_matter();
+  measure_energy();
+}
+
+void OwnBody::measure_matter() {
+  const auto n = static_cast<Eigen::Index>(q_.size());
+  M_.setZero(n, n);
+  linear_.setZero(3, n);
+  angular_.setZero(3, n);
+  bias_.setZero(n);
+  first_moment_.setZero();
+  // J̇ v by a difference along the motion.
+  const double d = kPlaceStep / std::max(1.0, vector(v_).lpNorm<Eigen::Infinity>());
+  std::vector<double> ahead(q_), behind(q_);
+  for (std::size_t i = 0; i < q_.size(); ++i) ahead[i] += d * v_[i], behind[i] -= d * v_[i];
+  Jacobian J(3, n), J_ahead(3, n), J_behind(3, n);
+  for (std::size_t k = 0; k < piece_.size(); ++k) {
+    const double m = piece_mass_[k];
+    const Vec3 x = place(q_, piece_[k]);
+    jacobian(q_, piece_[k], J);
+    jacobian(ahead, piece_[k], J_ahead);
+    jacobian(behind, piece_[k], J_behind);
+    M_ += m * J.transpose() * J;
+    linear_ += m * J;
+    angular_ += m * skew(x) * J;
+    bias_ += m * J.transpose() * ((J_ahead - J_behind) * vector(v_)) / (2.0 * d);
+    first_moment_ += m * x;
+  }
+}
+
+void OwnBody::measure_energy() {
+  const auto n = static_cast<Eigen::Index>(q_.size());
+  force_ = force_of(*this, q_);
+  K_.resize(n, n);
+  std::vector<double> q = q_;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    double& at = q[static_cast<std::size_t>(i)];
+    const double start = at, d = step_at(start, kStiffnessStep);
+    at = start + d;
+    const Vector up = force_of(*this, q);
+    at = start - d;
+    K_.col(i) = (up - force_of(*this, q)) / (2.0 * d);
+    at = start;
+  }
+  // The solve needs a definite matrix: keep what resists.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (K_ + K_.transpose()));
+  K_ = eigen.eigenvectors() * eigen.eigenvalues().cwiseMin(0.0).asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+void OwnBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
+  for (std::size_t i = 0; i < q.size(); ++i) q[i] += dt * v[i];
+}
+
+void OwnBody::add_forces(const Environment& env, std::span<double> Q) const {
+  writable(Q) += force_ - bias_ + linear_.transpose() * env.gravity + model_.stiffness_damping * (K_ * vector(v_));
+}
+
+void OwnBody::apply_mass(std::span<const double> x, std::span<double> y) const { writable(y) += M_ * vector(x); }
+
+void OwnBody::apply_stiffness(std::span<const double> x, std::span<double> y) const { writable(y) += K_ * vector(x); }
+
+void OwnBody::apply_damping(std::span<const double> x, std::span<double> y) const {
+  writable(y) += model_.stiffness_damping * (K_ * vector(x));
+}
+
+void OwnBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) const {
+  D.block(first) += M_ - dt_ * (dt_ + model_.stiffness_damping) * K_;
+}
+
+double OwnBody::relative_speed_bound(int, std::span<const double> v) const {
+  const Vec3 mean = carrier_velocity(0, v);
+  const double d = kPlaceStep / std::max(1.0, vector(v).lpNorm<Eigen::Infinity>());
+  std::vector<double> ahead(q_), behind(q_);
+  for (std::size_t i = 0; i < q_.size(); ++i) ahead[i] += d * v[i], behind[i] -= d * v[i];
+  double most = 0.0;
+  for (const Vec3& X : model_.surface.vertices)
+    most = std::max(most, ((place(ahead, X) - place(behind, X)) / (2.0 * d) - mean).norm());
+  return (1.0 + kBulge) * most;
+}
+
+void OwnBody::presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const {
+  const Aabb where = region.intersection(bounds_.inflated(0.5 * w));
+  if (where.empty()) return;
+  const TileRange range = tiles_meeting(where.inflated(h), h);
+  for (int z = range.lo.z; z <= range.hi.z; ++z)
+    for (int y = range.lo.y; y <= range.hi.y; ++y)
+      for (int x = range.lo.x; x <= range.hi.x; ++x) out.push_back({x, y, z});
+}
+
+void OwnBody::rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {
+  parallel_for(tiles.size(), [&](std::size_t t) {
+    const Vec3 origin = block_origin(tiles[t], h);
+    std::fill(std::begin(out[t].source), std::end(out[t].source), 0);
+    double* rho = out[t].rho;
+    for (int k = 0; k < kBlockSize; ++k)
+      for (int j = 0; j < kBlockSize; ++j)
+        for (int i = 0; i < kBlockSize; ++i) *rho++ = ramp(distance(q_, origin + h * Vec3(i, j, k)), w);
+  });
+}
+
+void OwnBody::make_map(int, std::span<const Vec3> points, std::span<const std::int32_t>,
+                       std::unique_ptr<Map>& map) const {
+  if (!map) map = std::make_unique<DenseMap>();
+  auto& dense = static_cast<DenseMap&>(*map);
+  dense.reset(points.size(), q_.size());
+  parallel_for(
+      points.size(), [&](std::size_t p) { jacobian(q_, rest(q_, points[p]), dense.row(p)); }, 16);
+}
+
+double OwnBody::potential_energy(const Environment& env) const { return energy(q_) - env.gravity.dot(first_moment_); }
+
+Vec3 OwnBody::linear_momentum(std::span<const double> v) const { return linear_ * vector(v); }
+
+Vec3 OwnBody::angular_momentum(std::span<const double> v) const { return angular_ * vector(v); }
+
+bool OwnBody::rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const {
+  // The coordinates' best try, by least squares over the matter: exact where such a motion is possible.
+  writable(v) = M_.ldlt().solve(linear_.transpose() * t + angular_.transpose() * w);
+  return true;
+}
+
+void OwnBody::display_positions(std::span<Vec3f> x) const {
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = vertex_[i].cast<float>();
+}
+
+}  // namespace brim

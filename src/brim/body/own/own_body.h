@@ -1,0 +1,102 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "brim/body/body.h"
+#include "brim/map/dense_map.h"
+
+namespace brim {
+
+/// What a body of one's own starts from.
+struct OwnModel {
+  std::vector<double> q;      ///< coordinates at the start, any units, shape (n)
+  std::vector<double> v;      ///< dq/dt at the start, shape (n); empty: at rest
+  TriMesh surface;            ///< [m] at rest, closed: matter, for mass and display
+  double density = 1000.0;    ///< [kg/m³]
+  double mass_spacing = 0.0;  ///< [m] between the pieces of matter whose motion is summed; 0: an eighth of the extent
+  double stiffness_damping = 0.0;  ///< [s] Rayleigh damping of stiffness
+  double voxel_size = 0.0;         ///< [m] 0: an eighth of the smallest extent
+  Material material;
+};
+
+/// A body of a few coordinates q by someone who says only where its matter is, how far its surface is, and what
+/// energy it holds; all that contact and the solver want follows from that (docs/bodies/your_own.md):
+///   J = ∂place/∂q,  M = Σ m JᵀJ,  Q = −∂E/∂q + Σ m Jᵀ g − Σ m Jᵀ J̇ v,  K = −∂²E/∂q² without its positive part
+/// with derivatives by central differences unless they are overridden, and sums over pieces of the matter at rest.
+/// Every cost grows with n² or n³: for up to some dozens of coordinates.
+///
+/// Momentum of contact is exact in so far as place() can move as a rigid body can: translations of all matter give
+/// exact linear momentum, rotations exact angular momentum.
+/// Tests: tests/body/own_body_test.cpp
+class OwnBody : public Body {
+ public:
+  using Coordinates = std::span<const double>;
+  using Jacobian = DenseMap::Jacobian;
+
+  // ---- what the author says; called from several threads -----------------------------------------------------------
+  /// Where the matter is that is at X at rest, [m].
+  virtual Vec3 place(Coordinates q, const Vec3& X) const = 0;
+  /// The inverse: which matter is at x, [m]; wanted within some voxels of the surface.
+  virtual Vec3 rest(Coordinates q, const Vec3& x) const = 0;
+  /// Signed distance from x to the surface, negative inside, [m]; wanted within some voxels of the surface, far from it
+  /// only its sign.
+  virtual double distance(Coordinates q, const Vec3& x) const = 0;
+  /// Energy of the body's own forces, [J].
+  virtual double energy(Coordinates q) const { return static_cast<void>(q), 0.0; }
+  /// ∂place/∂q, shape (3, n). The default takes central differences.
+  virtual void jacobian(Coordinates q, const Vec3& X, Eigen::Ref<Jacobian> J) const;
+
+  // ---- what follows ------------------------------------------------------------------------------------------------
+  std::size_t q_size() const override { return model_.q.size(); }
+  std::size_t v_size() const override { return model_.q.size(); }
+  void initial_state(std::span<double> q, std::span<double> v) const override;
+  void update(double time, std::span<const double> q, std::span<const double> v) override;
+  void advance(double dt, std::span<double> q, std::span<const double> v) const override;
+  void add_forces(const Environment& env, std::span<double> Q) const override;
+  void apply_mass(std::span<const double> x, std::span<double> y) const override;
+  void apply_stiffness(std::span<const double> x, std::span<double> y) const override;
+  void apply_damping(std::span<const double> x, std::span<double> y) const override;
+  std::vector<int> block_sizes() const override { return {static_cast<int>(model_.q.size())}; }
+  void add_system_diagonal(std::size_t first, BlockDiagonal& D) const override;
+  PartInfo part(int) const override { return part_; }
+  Aabb bounds(int) const override { return bounds_; }
+  Vec3 carrier_velocity(int, std::span<const double> v) const override { return linear_momentum(v) / mass_; }
+  double relative_speed_bound(int, std::span<const double> v) const override;
+  void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
+  void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
+  void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
+                std::unique_ptr<Map>& map) const override;
+  double mass() const override { return mass_; }
+  double potential_energy(const Environment& env) const override;
+  Vec3 linear_momentum(std::span<const double> v) const override;
+  Vec3 angular_momentum(std::span<const double> v) const override;
+  bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
+  const Display& display() const override { return display_; }
+  void display_positions(std::span<Vec3f> x) const override;
+
+ protected:
+  /// @throws InputError  for a surface that is not closed, numbers that are not finite, sizes that do not fit
+  explicit OwnBody(OwnModel model);
+
+ private:
+  void measure_matter();
+  void measure_energy();
+
+  OwnModel model_;
+  PartInfo part_;
+  Display display_;
+  std::vector<Vec3> piece_;         // [m] at rest
+  std::vector<double> piece_mass_;  // [kg]
+  double mass_ = 0.0;
+  // Of the last update:
+  std::vector<double> q_, v_;
+  std::vector<Vec3> vertex_;
+  Aabb bounds_;
+  Vec3 first_moment_ = Vec3::Zero();  // Σ m x
+  Eigen::MatrixXd M_, K_;
+  Jacobian linear_, angular_;     // Σ m J and Σ m x × J
+  Eigen::VectorXd force_, bias_;  // −∂E/∂q and Σ m Jᵀ J̇ v
+};
+
+}  // namespace brim

@@ -1,0 +1,112 @@
+#include "brim/scene/pairs/pair_table.h"
+
+#include <fmt/format.h>
+
+#include <set>
+
+#include "brim/core/error.h"
+#include "brim/scene/document.h"
+#include "brim/scene/node.h"
+#include "brim/scene/validate.h"
+
+namespace brim {
+
+const std::string& standard_pairs_text();
+const std::string& pairs_schema_text();
+
+namespace {
+
+PairKind read_kind(const Node& n) {
+  PairKind kind;
+  kind.name = n.string("name");
+  kind.about = n.string("about");
+  kind.lowest = n.number("lowest");
+  kind.highest = n.number("highest");
+  if (kind.lowest >= kind.highest) throw n.at("highest").error("must be above \"lowest\"");
+  kind.linear = n.number("linear");
+  kind.lever = n.number("lever");
+  for (const char* key : {"name", "velocity", "repeat"})
+    if (n.at("body").has(key)) throw n.at("body").at(key).error("is for brim pairs to choose; leave it out");
+  kind.body = n.at("body").json().dump();
+  return kind;
+}
+
+/// The kind's entry with a name, moved along, at a velocity.
+Json placed_body(const PairKind& kind, const char* name, const std::array<double, 3>& move, double speed) {
+  Json body = Json::parse(kind.body);
+  body["name"] = name;
+  Json& position = body["transform"]["position"];
+  for (std::size_t a = 0; a < 3; ++a)
+    position[a] = (position[a].is_number() ? position[a].get<double>() : 0.0) + move[a];
+  if (speed != 0.0) body["velocity"] = {0, 0, -speed};
+  return body;
+}
+
+}  // namespace
+
+const PairKind& PairTable::find(const std::string& name) const {
+  std::set<std::string> names;
+  std::string list;
+  for (const PairKind& kind : kinds) {
+    if (kind.name == name) return kind;
+    names.insert(kind.name);
+    list += (list.empty() ? "" : ", ") + kind.name;
+  }
+  const std::string near = nearest_word(name, names);
+  throw InputError(fmt::format("\"{}\" is no kind of the table; must be one of: {}{}", name, list,
+                               near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
+}
+
+void PairTable::add_kinds(const PairTable& other) {
+  for (const PairKind& kind : other.kinds) {
+    for (const PairKind& mine : kinds)
+      if (mine.name == kind.name)
+        throw InputError(fmt::format("\"{}\" is already a kind of the table; choose another name", kind.name));
+    kinds.push_back(kind);
+  }
+}
+
+const PairTable& standard_pairs() {
+  static const PairTable table = read_pair_table(standard_pairs_text(), "scenes/pairs/kinds.json");
+  return table;
+}
+
+PairTable read_pair_table(std::string_view text, const std::string& file) {
+  static const Json schema = Json::parse(pairs_schema_text());
+  Document document = parse_document(text, file);
+  validate(document, schema);
+  const Node root(document, document.root, "");
+  PairTable table;
+  const Node drop = root.at("drop"), bounds = root.at("bounds");
+  table.drop.speed = drop.number("speed");
+  table.drop.gap = drop.number("gap");
+  for (std::size_t a = 0; a < 2; ++a) table.drop.offset[a] = drop.at("offset").at(a).number();
+  table.drop.steps = static_cast<int>(drop.integer("steps"));
+  table.bounds = {bounds.number("overlap"), bounds.number("energy"), bounds.number("drift"), bounds.number("leak")};
+  table.world = root.at("world").json().dump();
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < root.at("kinds").size(); ++i) {
+    const Node n = root.at("kinds").at(i);
+    table.kinds.push_back(read_kind(n));
+    if (!names.insert(table.kinds.back().name).second)
+      throw n.at("name").error(fmt::format("\"{}\" is given twice; names must be unique", table.kinds.back().name));
+  }
+  return table;
+}
+
+std::string pair_scene_text(const PairTable& table, const PairKind& lower, const PairKind& upper) {
+  const double rise = lower.highest - upper.lowest + table.drop.gap;
+  Json scene;
+  scene["brim"] = 1;
+  scene["name"] = upper.name + "_on_" + lower.name;
+  scene["description"] = fmt::format("{} flies down on {}.", upper.about.empty() ? upper.name : upper.about,
+                                     lower.about.empty() ? lower.name : lower.about);
+  scene["frames"] = table.drop.steps;
+  scene["world"] = Json::parse(table.world);
+  scene["bodies"] =
+      Json::array({placed_body(lower, "lower", {0, 0, 0}, 0.0),
+                   placed_body(upper, "upper", {table.drop.offset[0], table.drop.offset[1], rise}, table.drop.speed)});
+  return scene.dump(2);
+}
+
+}  // namespace brim

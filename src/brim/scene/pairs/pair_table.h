@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace brim {
+
+/// One row and column of the table of pairs: a body of some kind, as a scene would give it.
+struct PairKind {
+  std::string name;
+  std::string about;                   ///< what is dropped, in a few words
+  double lowest = 0.0, highest = 0.0;  ///< [m] of the body's matter where it stands in its entry
+  double linear = 0.0;                 ///< [-] relative error of momentum that the map of its contacts may make
+  double lever = 0.0;                  ///< [m] lever on which it may lose a force's torque, for want of spin
+  std::string body;                    ///< an entry of a scene's "bodies" (JSON), without name and velocity
+};
+
+/// What every pair goes through: the upper body flies down on the lower one, which is at rest.
+struct PairDrop {
+  double speed = 1.0;              ///< [m/s] of the upper body, downwards
+  double gap = 0.0;                ///< [m] between the two at the start
+  std::array<double, 2> offset{};  ///< [m] of the upper body along x and y
+  int steps = 0;
+};
+
+/// What a pair must keep to.
+struct PairBounds {
+  double overlap = 1.0;  ///< [voxels]
+  double energy = 0.01;  ///< [-] growth over the energy at the start
+  double drift = 0.01;   ///< [-] momentum that does not come from contact, over the whole impulse
+  double leak = 0.01;    ///< [-] share of a body on the wrong side of the other
+};
+
+struct PairTable {
+  PairDrop drop;
+  PairBounds bounds;
+  std::string world;  ///< a scene's "world" (JSON)
+  std::vector<PairKind> kinds;
+
+  /// @throws InputError  naming the nearest kind
+  const PairKind& find(const std::string& name) const;
+  /// Takes the kinds of another table in, under this table's drop, world and bounds.
+  /// @throws InputError  when a name is already here
+  void add_kinds(const PairTable& other);
+};
+
+/// The table that brim brings along (scenes/pairs/kinds.json).
+const PairTable& standard_pairs();
+
+/// Reads a table (schema/pairs.schema.json). @throws InputError  "file:line: pointer: value and what is allowed"
+PairTable read_pair_table(std::string_view text, const std::string& file);
+
+/// The scene in which one kind, "upper", is dropped on another, "lower".
+std::string pair_scene_text(const PairTable& table, const PairKind& lower, const PairKind& upper);
+
+}  // namespace brim

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "brim/math/types.h"
+
+namespace brim {
+
+/// Where one copy of a body starts: x = position + rotation · (scale x).
+struct Placement {
+  std::string name;
+  Vec3 position = Vec3::Zero();  ///< [m]
+  Quat rotation = Quat::Identity();
+  double scale = 1.0;                    ///< [-]
+  Vec3 velocity = Vec3::Zero();          ///< [m/s]
+  Vec3 angular_velocity = Vec3::Zero();  ///< [rad/s], world frame
+
+  Vec3 apply(const Vec3& x) const { return position + rotation * (scale * x); }
+};
+
+}  // namespace brim

@@ -1,0 +1,85 @@
+#include "brim/scene/own_kind.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "../../examples/user_body/jelly.cpp"
+#include "brim/scene/pairs/pair_report.h"
+#include "brim/scene/pairs/pair_trial.h"
+#include "brim/scene/scene.h"
+
+/// The example of docs/bodies/your_own.md, whose source is compiled into this test.
+namespace brim {
+namespace {
+
+const std::string kExample = std::string(BRIM_SOURCE_DIR) + "/examples/user_body/";
+
+std::string read(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string message_of(const std::string& body) {
+  try {
+    parse_scene(R"({"brim": 1, "name": "s", "frames": 1, "bodies": [)" + body + "]}");
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+TEST(OwnKind, TheExampleIsShort) {
+  const std::string text = read(kExample + "jelly.cpp");
+  EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 60);
+  EXPECT_GT(std::count(text.begin(), text.end(), '\n'), 20);
+}
+
+TEST(OwnKind, TheSceneOfTheExampleRuns) {
+  const Scene scene = load_scene(kExample + "jelly.json");
+  World world = build_world(scene);
+  ASSERT_EQ(world.body(3).kind(), "jelly");
+  double contacts = 0.0, error = 0.0;
+  for (int step = 0; step < 24; ++step) {
+    const StepReport r = world.step();
+    ASSERT_TRUE(r.ok);
+    contacts = std::max(contacts, static_cast<double>(r.contacts));
+    error = std::max({error, r.momentum_error, r.angular_error});
+    EXPECT_LT(r.worst_overlap, 1.0);
+  }
+  EXPECT_GT(contacts, 100.0);
+  EXPECT_LT(error, 1e-9);
+}
+
+TEST(OwnKind, MeetsAPlaneARigidBallAndASoftBlock) {
+  PairTable table = standard_pairs();
+  table.add_kinds(read_pair_table(read(kExample + "pair.json"), "pair.json"));
+  for (const char* lower : {"plane", "rigid", "finite_elements", "user_body"}) {
+    const PairResult r = run_pair(table, table.find(lower), table.find("user_body"));
+    EXPECT_TRUE(r.ok()) << pair_line(r);
+  }
+  EXPECT_THROW(table.add_kinds(standard_pairs()), InputError);
+}
+
+TEST(OwnKind, ItsKeysAreCheckedLikeAnyKinds) {
+  EXPECT_EQ(message_of(R"({"kind": "jelly", "name": "j", "radius": 0.1})"), "no error");
+  EXPECT_NE(message_of(R"({"kind": "jelly", "name": "j"})").find("\"radius\" is missing"), std::string::npos);
+  EXPECT_NE(message_of(R"({"kind": "jelly", "name": "j", "radius": -1})").find("must be a number above 0"),
+            std::string::npos);
+  EXPECT_NE(
+      message_of(R"({"kind": "jelly", "name": "j", "radius": 1, "stifness": 2})").find("did you mean \"stiffness\""),
+      std::string::npos);
+  EXPECT_NE(message_of(R"({"kind": "jellie", "name": "j"})").find("did you mean \"jelly\""), std::string::npos);
+}
+
+TEST(OwnKind, NamesAndKeysThatAreTakenAreRefused) {
+  const OwnMaker none = [](const OwnEntry&) { return std::unique_ptr<Body>(); };
+  EXPECT_THROW(add_body_kind("rigid", "{}", none), InputError);
+  EXPECT_THROW(add_body_kind("jelly", "{}", none), InputError);
+  EXPECT_THROW(add_body_kind("other", "[]", none), InputError);
+  EXPECT_THROW(add_body_kind("other", R"({"name": {"type": "string"}})", none), InputError);
+}
+
+}  // namespace
+}  // namespace brim
