@@ -258,7 +258,7 @@ TEST(Penalty, NoContactsAreNoWork) {
   Penalty p;
   p.begin(set, std::vector<PairState>(1), {}, {}, {});
   p.right_hand_side({});
-  EXPECT_EQ(p.update_loads(set, {}), 0u);
+  EXPECT_EQ(p.update_loads(set, {}), 0.0);
   EXPECT_EQ(p.energy(), 0.0);
 }
 

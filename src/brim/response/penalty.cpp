@@ -37,7 +37,7 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
   direction_.resize(n), normal_.resize(n), force_.resize(n), relative_.resize(n);
   lead_.resize(n), load_.resize(n), active_.resize(n), rate_.resize(n), stiffness_.resize(n), scale_.resize(n),
       drag_.resize(n), mu_.resize(n);
-  bend_.resize(contacts.pairs.size());
+  bend_.resize(contacts.pairs.size()), slip_.resize(contacts.pairs.size());
 
   choose_normals(contacts);
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
@@ -63,8 +63,10 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const double after = contacts.overlap[c] - lead_[c] * rate_[c];
       active_[c] = scale_[c] > 0.0 && (contacts.overlap[c] > 0.0 || after + slack > 0.0);
-      set_friction(c, scale_[c] * after, relative_[c] - normal_[c] * normal_[c].dot(relative_[c]));
+      load_[c] = scale_[c] * after;
+      set_friction(c, load_[c], relative_[c] - normal_[c] * normal_[c].dot(relative_[c]));
     }
+    slip_[p] = {mean_slip(pair, {}), 0.0, 0.0};
   });
 
   energy_ = 0.0;
@@ -216,8 +218,8 @@ Mat3 Penalty::block(std::size_t c) const {
   return (dt * lead_[c] * stiffness_[c] - drag) * normal_[c] * normal_[c].transpose() + drag * Mat3::Identity();
 }
 
-std::size_t Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> delta) {
-  std::vector<std::size_t> idle(contacts.pairs.size(), 0);
+double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> delta) {
+  std::vector<double> change(contacts.pairs.size(), 0.0), total(contacts.pairs.size(), 0.0);
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
     // Nodes that pull are let go; until the next solve they still carry part of the net load, so friction is scaled
@@ -234,17 +236,48 @@ std::size_t Penalty::update_loads(const ContactSet& contacts, std::span<const Ve
         active_[c] = load_[c] > 0.0;  // scale 0: no load
       else if (load_[c] < 0.0 && separation > options_.release_speed)
         active_[c] = 0;
-      idle[p] += !active_[c];
+      if (was_active != static_cast<bool>(active_[c])) change[p] += std::abs(load_[c]);
     }
+    total[p] = push;
     const double share = push > 0.0 ? std::max(0.0, net) / push : 1.0;
+    const double jump = expected_slip(pair, p, delta);
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const Vec3 after = relative_[c] + delta[c];
-      set_friction(c, share * load_[c], after - normal_[c] * normal_[c].dot(after));
+      const Vec3 slip = after - normal_[c] * normal_[c].dot(after);
+      const double before = drag_[c];
+      set_friction(c, share * load_[c], jump * slip);
+      if (active_[c]) change[p] += std::abs(drag_[c] - before) * slip.norm();
     }
   });
-  std::size_t released = 0;
-  for (std::size_t n : idle) released += n;
-  return released;
+  double changed = 0.0, load = 0.0;
+  for (std::size_t p = 0; p < contacts.pairs.size(); ++p) changed += change[p], load += total[p];
+  return load > 0.0 ? changed / load : changed > 0.0 ? 1.0 : 0.0;
+}
+
+double Penalty::mean_slip(const ContactPair& pair, std::span<const Vec3> delta) const {
+  double load = 0.0, sum = 0.0;
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    if (!active_[c] || !(load_[c] > 0.0)) continue;
+    const Vec3 after = delta.empty() ? relative_[c] : Vec3(relative_[c] + delta[c]);
+    load += load_[c];
+    sum += load_[c] * (after - normal_[c] * normal_[c].dot(after)).norm();
+  }
+  return load > 0.0 ? sum / load : 0.0;
+}
+
+double Penalty::expected_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta) {
+  SlipHistory& h = slip_[p];
+  const double u1 = h.assumed, v1 = mean_slip(pair, delta), u0 = h.assumed_before, v0 = h.found_before;
+  double next = v1;
+  const bool slides = std::min({u0, u1, v0, v1}) > options_.friction_speed;
+  if (slides && std::abs(v1 - u1) > 1e-3 * u1) {
+    // What slides at the assumed speed u is left with v = A u / (u + B) by the drag μN/u: two solves tell A and B,
+    // and v = u at A − B, where it slides on, or below zero, where it sticks.
+    const double B = (v1 - v0) / (v0 / u0 - v1 / u1);
+    if (B > 0.0 && std::isfinite(B)) next = std::max(0.0, v1 + B * (v1 / u1 - 1.0));
+  }
+  h = {next, u1, v1};
+  return v1 > 0.0 ? next / v1 : 1.0;
 }
 
 void Penalty::forces(std::span<const Vec3> delta, std::span<Vec3> normal, std::span<Vec3> friction) const {

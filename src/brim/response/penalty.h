@@ -51,8 +51,9 @@ class Penalty {
   Mat3 block(std::size_t c) const;
 
   /// After a solve: lets go of nodes that would pull, and sets the friction to the predicted loads.
-  /// @param delta  relative velocity changes found by the solve  @return number of nodes let go
-  std::size_t update_loads(const ContactSet& contacts, std::span<const Vec3> delta);
+  /// @param delta  relative velocity changes found by the solve
+  /// @return change of the contact forces by it, over the sum of the loads: how far another solve would differ
+  double update_loads(const ContactSet& contacts, std::span<const Vec3> delta);
 
   /// Forces on part a over the step, [N], given the final relative velocity changes.
   void forces(std::span<const Vec3> delta, std::span<Vec3> normal, std::span<Vec3> friction) const;
@@ -67,6 +68,17 @@ class Penalty {
   void advect_rates(const ContactSet& contacts, std::span<const PairState> pairs, std::span<const Vec3> velocity_a,
                     std::span<const Vec3> velocity_b);
   void set_friction(std::size_t c, double load, const Vec3& tangential);
+  /// Speed of slip of a pair, the mean weighted by load, [m/s]. @param delta  velocity changes, none at the start
+  double mean_slip(const ContactPair& pair, std::span<const Vec3> delta) const;
+  /// Ratio of the slip that the next solve should assume to the one that the last has found.
+  double expected_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta);
+
+  /// Mean speeds of slip of a pair over the solves of a step, [m/s].
+  struct SlipHistory {
+    double assumed = 0.0;         ///< by the friction in force
+    double assumed_before = 0.0;  ///< by that of the solve before; 0 when there was none
+    double found_before = 0.0;    ///< by the solve before
+  };
 
   PenaltyOptions options_;
   double energy_ = 0.0;
@@ -83,6 +95,7 @@ class Penalty {
   std::vector<double> load_;          ///< predicted normal force, [N]
   std::vector<double> drag_;          ///< C, friction per speed, [N·s/m]
   std::vector<double> mu_;
+  std::vector<SlipHistory> slip_;            ///< per pair
   std::vector<std::array<double, 2>> bend_;  ///< per pair: how bent each part is at the patch, 0 flat to 1
 };
 

@@ -25,7 +25,7 @@ WorldOptions read_world(const Node& n) {
   o.min_substeps = static_cast<int>(n.integer("min_substeps"));
   o.cg_tolerance = n.number("cg_tolerance");
   o.cg_max_iterations = static_cast<int>(n.integer("cg_max_iterations"));
-  o.release_pass = n.boolean("release_pass");
+  o.max_passes = static_cast<int>(n.integer("max_passes"));
   o.friction_speed = n.number("friction_speed");
   o.memory_limit = n.number("memory_limit");
   if (o.min_substeps > o.max_substeps)

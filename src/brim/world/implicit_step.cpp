@@ -8,9 +8,9 @@
 namespace brim {
 
 bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
-                         const Environment& env, const ContactMaps& maps, Penalty& response,
-                         const ContactSet& contact_set, std::span<const double> v, const Settings& settings,
-                         std::span<double> delta, StepReport& report) {
+                         std::span<const WorldPart> parts, const Environment& env, const ContactMaps& maps,
+                         Penalty& response, const ContactSet& contact_set, std::span<const double> v,
+                         const Settings& settings, std::span<double> delta, StepReport& report) {
   const double dt = settings.dt;
   const std::size_t n = v.size(), contacts = contact_set.size();
   const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Solve)]);
@@ -55,9 +55,17 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     response.apply(contact_delta_, contact_force_);
     maps.add_forces(contact_force_, y);
   };
+  bool coarse = contacts > 0;
+  if (coarse) modes_.begin(bodies, first_v, parts, maps, contact_set);
   system.precondition = [&](std::span<const double> r, std::span<double> z) {
-    parallel_for(bodies.size(),
-                 [&](std::size_t b) { bodies[b]->precondition(first_block_[b], diagonal_, slice(r, b), slice(z, b)); });
+    parallel_for(bodies.size(), [&](std::size_t b) {
+      const auto zb = slice(z, b);
+      if (coarse && modes_.complete(b))
+        std::fill(zb.begin(), zb.end(), 0.0);
+      else
+        bodies[b]->precondition(first_block_[b], diagonal_, slice(r, b), zb);
+    });
+    if (coarse) modes_.add(r, z);
   };
 
   contact_delta_.resize(contacts), contact_force_.resize(contacts);
@@ -75,6 +83,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     }
     parallel_for(bodies.size(), [&](std::size_t b) { bodies[b]->prepare_preconditioner(first_block_[b], diagonal_); });
     diagonal_.factor();
+    coarse = contacts > 0 && modes_.factor(contact_set, response);
     const SolveReport s = cg_.solve(system, rhs_, settings.tolerance, settings.max_iterations, delta);
     report.cg_iterations += s.iterations;
     ++report.solves;
@@ -86,7 +95,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
            fmt::format("the solve stopped after {} iterations at relative residual {:.1e}", s.iterations, s.residual)});
     if (contacts == 0) break;
     maps.relative(delta, contact_delta_);
-    if (pass + 1 < passes) response.update_loads(contact_set, contact_delta_);
+    if (pass + 1 < passes && response.update_loads(contact_set, contact_delta_) < settings.load_tolerance) break;
   }
   return true;
 }

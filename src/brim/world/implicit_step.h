@@ -8,6 +8,7 @@
 #include "brim/response/penalty.h"
 #include "brim/solve/conjugate_gradient.h"
 #include "brim/world/contact_maps.h"
+#include "brim/world/rigid_modes.h"
 #include "brim/world/step_report.h"
 
 namespace brim {
@@ -22,14 +23,16 @@ class ImplicitStep {
     double dt = 0.0;
     double tolerance = 1e-4;
     int max_iterations = 2000;
-    int passes = 2;  ///< solves: after each, nodes that pull let go and friction takes its new loads
+    int passes = 3;  ///< solves at most: after each, nodes that pull let go and friction takes its new loads
+    double load_tolerance = 0.01;  ///< passes end when the contact forces would change by less than this share
   };
 
   /// @param v   velocities at the start; Δv is written to `delta`
   /// @return false when the result is not finite
   bool solve(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
-             const Environment& env, const ContactMaps& maps, Penalty& response, const ContactSet& contact_set,
-             std::span<const double> v, const Settings& settings, std::span<double> delta, StepReport& report);
+             std::span<const WorldPart> parts, const Environment& env, const ContactMaps& maps, Penalty& response,
+             const ContactSet& contact_set, std::span<const double> v, const Settings& settings,
+             std::span<double> delta, StepReport& report);
 
   /// Relative velocity changes at the contacts, of the last solve.
   std::span<const Vec3> contact_delta() const { return contact_delta_; }
@@ -39,6 +42,7 @@ class ImplicitStep {
   std::vector<Vec3> contact_delta_, contact_force_;
   std::vector<std::size_t> first_block_;
   BlockDiagonal bodies_diagonal_, diagonal_;
+  RigidModes modes_;
   ConjugateGradient cg_;
 };
 

@@ -74,13 +74,20 @@ Loads estimate_loads(std::span<const WorldPart> parts, std::span<const double> p
   return loads;
 }
 
-double soften_stiffness(double k, double E, const Loads& loads) {
-  return std::min(k, std::max(20.0 * E, 100.0 * loads.pressure));
+namespace {
+
+/// What keeps bodies from passing through each other, given the share of p that static loads ask for.
+double least_stiffness(double share, const Loads& loads, double w, double dt) {
+  return std::max(
+      {share * loads.pressure, 8.0 * loads.impact_energy / w, 4.0 * loads.areal_mass * w / (1.2 * dt * dt)});
 }
 
-double choose_stiffness(const Loads& loads, double w, double dt) {
-  return std::max(
-      {2000.0 * loads.pressure, 8.0 * loads.impact_energy / w, 4.0 * loads.areal_mass * w / (1.2 * dt * dt)});
+}  // namespace
+
+double choose_stiffness(const Loads& loads, double w, double dt) { return least_stiffness(2000.0, loads, w, dt); }
+
+double soften_stiffness(double k, double E, const Loads& loads, double w, double dt) {
+  return std::min(k, std::max(20.0 * E, least_stiffness(100.0, loads, w, dt)));
 }
 
 }  // namespace brim

@@ -21,9 +21,10 @@ Loads estimate_loads(std::span<const WorldPart> parts, std::span<const double> p
 ///   4 ρL w / (1.2 dt²)          the implicit step resolves no softer contact than this
 double choose_stiffness(const Loads& loads, double w, double dt);
 
-/// Contact stiffness of a pair whose softer side has the Young's modulus E, [Pa]: at most 20 E, unless the scene's
-/// loads ask for more (100 p_max). Twenty times stiffer than the matter behind it, contact yields a fifth of a voxel
-/// while that matter is squashed flat; stiffer still, it would only spoil the condition of the solve.
-double soften_stiffness(double k, double E, const Loads& loads);
+/// Contact stiffness of a pair whose softer side has the Young's modulus E, [Pa]: 20 E, within
+///   max(100 p_max, 8 ρL v² / w, 4 ρL w / (1.2 dt²)) and k.
+/// Twenty times stiffer than the matter behind it, contact yields a fifth of a voxel while that matter is squashed
+/// flat; stiffer still, it would only spoil the condition of the solve. Only stiff bodies stacked high need all of k.
+double soften_stiffness(double k, double E, const Loads& loads, double w, double dt);
 
 }  // namespace brim

@@ -27,6 +27,7 @@ struct World::Impl {
   bool started = false;
   double stiffness = 0.0;  ///< [Pa] largest of any pair
   Loads loads;
+  double loads_width = 0.0;  ///< [m] ramp that the stiffness was chosen for
 
   ContactStage stage;
   ContactMaps maps;
@@ -154,7 +155,8 @@ void World::Impl::start() {
                  parts[p].body->relative_speed_bound(parts[p].index, vb);
     }
     loads = estimate_loads(parts, speed, options.environment);
-    stiffness = choose_stiffness(loads, options.ramp_voxels * h0, options.time_step);
+    loads_width = options.ramp_voxels * h0;
+    stiffness = choose_stiffness(loads, loads_width, options.time_step);
   }
   if (!(stiffness > 0.0)) stiffness = 1e6;  // nothing has weight: any contact may be this stiff
 }
@@ -170,7 +172,8 @@ PairMaterial World::Impl::material_of(const PartInfo& a, const PartInfo& b) cons
   if (m.friction < 0.0) m.friction = std::sqrt(a.material.friction * b.material.friction);
   if (m.stiffness == 0.0)
     m.stiffness = options.stiffness > 0.0 ? options.stiffness
-                                          : soften_stiffness(stiffness, std::min(a.modulus, b.modulus), loads);
+                                          : soften_stiffness(stiffness, std::min(a.modulus, b.modulus), loads,
+                                                             loads_width, options.time_step);
   return m;
 }
 
@@ -239,10 +242,10 @@ double World::Impl::substep(double left, StepReport& report) {
   settings.dt = dt;
   settings.tolerance = options.cg_tolerance;
   settings.max_iterations = options.cg_max_iterations;
-  settings.passes = options.release_pass ? 2 : 1;
+  settings.passes = options.max_passes;
   delta.resize(state.v.size());
-  const bool finite =
-      implicit.solve(bodies, first_v, options.environment, maps, response, contacts, state.v, settings, delta, report);
+  const bool finite = implicit.solve(bodies, first_v, parts, options.environment, maps, response, contacts, state.v,
+                                     settings, delta, report);
   if (!finite) {
     state.q = before_q;
     state.v = before_v;

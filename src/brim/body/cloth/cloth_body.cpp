@@ -41,6 +41,7 @@ ClothBody::ClothBody(TriMesh mesh, ClothOptions options, MembraneElements membra
 
   PartInfo part;
   part.voxel_size = 0.5 * options.thickness;
+  part.modulus = 0.0;  // a sheet yields to whatever presses it
   part.areal_mass = options.areal_density;
   part.thickness = options.thickness;
   set_contact(std::make_unique<SheetContact>(mesh_.triangles, options.thickness), part);

@@ -1,0 +1,136 @@
+#include "brim/world/rigid_modes.h"
+
+#include "brim/core/parallel.h"
+
+namespace brim {
+
+namespace {
+
+/// Share of a mode that must be left beside the others for it to count.
+constexpr double kIndependent = 1e-6;
+
+}  // namespace
+
+void RigidModes::take_modes(const Body& body, std::size_t n, Modes& m) const {
+  m.count = 0;
+  m.columns.resize(kModes * n);
+  m.system.setZero();
+  if (body.immobile()) return;
+  const Aabb box = body.bounds(0);
+  const Vec3 center = box.lo.allFinite() && box.hi.allFinite() ? box.center() : Vec3::Zero();
+  for (int k = 0; k < kModes; ++k) {
+    const Vec3 w = k < 3 ? Vec3::Zero() : Vec3(Vec3::Unit(k - 3));
+    const Vec3 t = k < 3 ? Vec3(Vec3::Unit(k)) : Vec3(-w.cross(center));
+    Eigen::Map<Eigen::VectorXd> x(m.columns.data() + m.count * n, static_cast<Eigen::Index>(n));
+    if (!body.rigid_motion(t, w, std::span(x.data(), n))) return;
+    body.filter(std::span(x.data(), n));
+    const double length = x.norm();
+    if (!(length > 0.0)) continue;
+    for (int j = 0; j < m.count; ++j) {
+      const Eigen::Map<const Eigen::VectorXd> y(m.columns.data() + j * n, static_cast<Eigen::Index>(n));
+      x -= y.dot(x) * y;
+    }
+    const double left = x.norm();
+    if (!(left > kIndependent * length)) continue;
+    x /= left;
+    ++m.count;
+  }
+  std::vector<double> image(n);
+  for (int k = 0; k < m.count; ++k) {
+    const std::span<const double> x(m.columns.data() + k * n, n);
+    std::fill(image.begin(), image.end(), 0.0);
+    body.apply_system(x, image);
+    const Eigen::Map<const Eigen::VectorXd> y(image.data(), static_cast<Eigen::Index>(n));
+    for (int j = 0; j < m.count; ++j)
+      m.system(j, k) = y.dot(Eigen::Map<const Eigen::VectorXd>(m.columns.data() + j * n, y.size()));
+  }
+}
+
+void RigidModes::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+                       std::span<const WorldPart> parts, const ContactMaps& maps, const ContactSet& contacts) {
+  modes_.resize(bodies.size());
+  complete_.resize(bodies.size());
+  first_v_.assign(first_v.begin(), first_v.end());
+  body_of_part_.resize(parts.size());
+  for (std::size_t p = 0; p < parts.size(); ++p) body_of_part_[p] = parts[p].body_index;
+  parallel_for(bodies.size(), [&](std::size_t b) { take_modes(*bodies[b], first_v[b + 1] - first_v[b], modes_[b]); });
+  std::size_t rows = 0;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    modes_[b].row = rows;
+    rows += modes_[b].count;
+    complete_[b] = static_cast<std::size_t>(modes_[b].count) == first_v[b + 1] - first_v[b];
+  }
+  coarse_.resize(static_cast<Eigen::Index>(rows));
+
+  // What each contact sees of the k-th mode of both sides.
+  const std::size_t n = contacts.size();
+  seen_a_.resize(n), seen_b_.resize(n), velocity_a_.resize(n), velocity_b_.resize(n);
+  column_.resize(first_v.back());
+  for (int k = 0; k < kModes; ++k) {
+    std::fill(column_.begin(), column_.end(), 0.0);
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      if (k < modes_[b].count) {
+        const std::size_t size = first_v[b + 1] - first_v[b];
+        std::copy_n(modes_[b].columns.data() + k * size, size, column_.data() + first_v[b]);
+      }
+    maps.velocities(column_, velocity_a_, velocity_b_);
+    for (std::size_t c = 0; c < n; ++c) seen_a_[c].col(k) = velocity_a_[c], seen_b_[c].col(k) = velocity_b_[c];
+  }
+}
+
+void RigidModes::add_block(const Block& block, const Modes& a, const Modes& b) {
+  for (int j = 0; j < b.count; ++j)
+    for (int i = 0; i < a.count; ++i)
+      entries_.emplace_back(static_cast<int>(a.row) + i, static_cast<int>(b.row) + j, block(i, j));
+}
+
+bool RigidModes::factor(const ContactSet& contacts, const Penalty& response) {
+  pair_blocks_.resize(contacts.pairs.size());
+  parallel_for(contacts.pairs.size(), [&](std::size_t p) {
+    std::array<Block, 3>& sum = pair_blocks_[p];
+    sum.fill(Block::Zero());
+    for (std::size_t c = contacts.pairs[p].begin; c < contacts.pairs[p].end; ++c) {
+      const Mat3 K = response.block(c);
+      const Seen Ka = K * seen_a_[c], Kb = K * seen_b_[c];
+      sum[0] += seen_a_[c].transpose() * Ka;
+      sum[1] += seen_b_[c].transpose() * Kb;
+      sum[2] -= seen_a_[c].transpose() * Kb;
+    }
+  });
+  entries_.clear();
+  for (const Modes& m : modes_) add_block(m.system, m, m);
+  for (std::size_t p = 0; p < contacts.pairs.size(); ++p) {
+    const Modes &a = modes_[body_of_part_[contacts.pairs[p].part_a]],
+                &b = modes_[body_of_part_[contacts.pairs[p].part_b]];
+    add_block(pair_blocks_[p][0], a, a);
+    add_block(pair_blocks_[p][1], b, b);
+    add_block(pair_blocks_[p][2], a, b);
+    add_block(pair_blocks_[p][2].transpose(), b, a);
+  }
+  if (coarse_.size() == 0) return true;
+  matrix_.resize(coarse_.size(), coarse_.size());
+  matrix_.setFromTriplets(entries_.begin(), entries_.end());
+  solver_.compute(matrix_);
+  return solver_.info() == Eigen::Success && (solver_.vectorD().array() > 0.0).all();
+}
+
+void RigidModes::add(std::span<const double> r, std::span<double> z) {
+  if (coarse_.size() == 0) return;
+  parallel_for(modes_.size(), [&](std::size_t b) {
+    const Modes& m = modes_[b];
+    const auto n = static_cast<Eigen::Index>(first_v_[b + 1] - first_v_[b]);
+    const Eigen::Map<const Eigen::VectorXd> rb(r.data() + first_v_[b], n);
+    const Eigen::Map<const Eigen::MatrixXd> R(m.columns.data(), n, m.count);
+    if (m.count > 0) coarse_.segment(static_cast<Eigen::Index>(m.row), m.count).noalias() = R.transpose() * rb;
+  });
+  coarse_ = solver_.solve(coarse_);
+  parallel_for(modes_.size(), [&](std::size_t b) {
+    const Modes& m = modes_[b];
+    const auto n = static_cast<Eigen::Index>(first_v_[b + 1] - first_v_[b]);
+    Eigen::Map<Eigen::VectorXd> zb(z.data() + first_v_[b], n);
+    const Eigen::Map<const Eigen::MatrixXd> R(m.columns.data(), n, m.count);
+    if (m.count > 0) zb.noalias() += R * coarse_.segment(static_cast<Eigen::Index>(m.row), m.count);
+  });
+}
+
+}  // namespace brim
