@@ -252,7 +252,7 @@ TEST(Scene, APileThatFallsNeverGainsEnergy) {
 TEST(Scene, TwoFreeBodiesThatCollideKeepTheirMomentum) {
   WorldOptions o = options_at(0.125);
   o.environment.gravity = Vec3::Zero();
-  o.cg_tolerance = 1e-10;
+  o.cg_tolerance = 1e-12;
   World w(o);
   w.add(box("a", {Vec3(0, 0, 0), rotation_from_vector(Vec3(0.3, 0.4, 0.1)), Vec3(1, 0, 0.3), Vec3(0.5, -1, 0.4)}));
   w.add(ball("b", {Vec3(1.6, 0.2, 0.1), Quat::Identity(), Vec3(-2, 0.1, 0), Vec3(0, 3, 0)}, 0.5, 0.5, 4000.0));

@@ -168,10 +168,12 @@ void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       split(c, g, ea, eb);
       // Between none and the common rate: the implicit damping then leaves a share of the velocity between 0 and 1,
-      // and cannot put energy in.
+      // and cannot put energy in, whichever node it drives. Between rigid parts only the sum over the patch acts, and
+      // its scatter must stay even about zero: cut on one side it would brake what rolls.
       const double common = g.dot(velocity_a[c] - velocity_b[c]);
+      const double most = std::abs(common), least = pairs[p].rigid ? -most : 0.0;
       const double travelling = rate_[c] - share * (ea + eb).dot(travel);
-      rate_[c] = std::clamp(travelling, std::min(0.0, common), std::max(0.0, common));
+      rate_[c] = common < 0.0 ? std::clamp(travelling, -most, -least) : std::clamp(travelling, least, most);
     }
   });
 }

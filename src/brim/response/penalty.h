@@ -24,6 +24,7 @@ struct PairState {
   double friction = 0.0;          ///< [-] Coulomb coefficient
   Vec3 carrier_a = Vec3::Zero();  ///< [m/s] velocity with which each part as a whole travels
   Vec3 carrier_b = Vec3::Zero();
+  bool rigid = false;  ///< neither part deforms: no node can be driven without all the others
 };
 
 /// Penalty response (paper, section 4.2): contacts become forces at their points, equal and opposite on the two parts,
