@@ -28,6 +28,7 @@ struct PartInfo {
   double thickness = std::numeric_limits<double>::infinity();  ///< [m] smallest extent, for warnings on thin parts
   /// [Pa] Young's modulus of the matter behind the surface: contact need not be much stiffer than what it presses.
   double modulus = std::numeric_limits<double>::infinity();
+  bool shapeless = false;  ///< takes the shape of what holds it, as fluids do: contact normals are the other side's own
   Material material;
 };
 

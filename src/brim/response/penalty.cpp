@@ -39,7 +39,7 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
       drag_.resize(n), mu_.resize(n);
   bend_.resize(contacts.pairs.size()), slip_.resize(contacts.pairs.size());
 
-  choose_normals(contacts);
+  choose_normals(contacts, pairs);
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
     const double kv = pairs[p].stiffness * pair.h * pair.h * pair.h;
@@ -78,7 +78,15 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
   }
 }
 
-void Penalty::choose_normals(const ContactSet& contacts) {
+void Penalty::take_normals_of(bool side_b, const ContactSet& contacts, const ContactPair& pair) {
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    direction_[c] = side_b ? Vec3(-contacts.gradient_b[c]) : contacts.gradient_a[c];
+    const double length = direction_[c].norm();
+    normal_[c] = length > 0.0 ? Vec3(direction_[c] / length) : Vec3::UnitZ();
+  }
+}
+
+void Penalty::choose_normals(const ContactSet& contacts, std::span<const PairState> pairs) {
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
     if (pair.begin == pair.end) return;
@@ -96,6 +104,11 @@ void Penalty::choose_normals(const ContactSet& contacts) {
       average.add(contacts.point[c], s);
     }
     bend_of_patch(contacts, pair, p);
+    const auto [shapeless_a, shapeless_b] = pairs[p].shapeless;
+    if (shapeless_a != shapeless_b) {
+      take_normals_of(shapeless_a, contacts, pair);
+      return;
+    }
     // The flatter part gives the direction; the direction so found is smoothed once more for the normal.
     PatchAverage<Vec3> direction;
     direction.reset(3.0 * pair.h, pair.end - pair.begin, corner);

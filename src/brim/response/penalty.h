@@ -24,6 +24,8 @@ struct PairState {
   double friction = 0.0;          ///< [-] Coulomb coefficient
   Vec3 carrier_a = Vec3::Zero();  ///< [m/s] velocity with which each part as a whole travels
   Vec3 carrier_b = Vec3::Zero();
+  /// Sides that take the shape of the other, as fluids do: if it is one only, normals are the other's, unsmoothed.
+  std::array<bool, 2> shapeless = {false, false};
   bool rigid = false;  ///< neither part deforms: no node can be driven without all the others
 };
 
@@ -63,7 +65,9 @@ class Penalty {
   double energy() const { return energy_; }
 
  private:
-  void choose_normals(const ContactSet& contacts);
+  void choose_normals(const ContactSet& contacts, std::span<const PairState> pairs);
+  /// The normals of a surface that something shapeless lies against.
+  void take_normals_of(bool side_b, const ContactSet& contacts, const ContactPair& pair);
   /// Judges a patch by the harmonic mean of its curvature: a patch with any flat middle is flat, whatever its edges.
   void bend_of_patch(const ContactSet& contacts, const ContactPair& pair, std::size_t p);
   void advect_rates(const ContactSet& contacts, std::span<const PairState> pairs, std::span<const Vec3> velocity_a,

@@ -184,8 +184,12 @@ void World::Impl::choose_pair_states() {
     const WorldPart &a = parts[contacts.pairs[i].part_a], &b = parts[contacts.pairs[i].part_b];
     const PairMaterial m = material_of(a.info, b.info);
     const bool rigid = std::isinf(a.info.modulus) && std::isinf(b.info.modulus);
-    pair_states[i] = {m.stiffness, m.friction, a.body->carrier_velocity(a.index, v(a.body_index)),
-                      b.body->carrier_velocity(b.index, v(b.body_index)), rigid};
+    pair_states[i] = {m.stiffness,
+                      m.friction,
+                      a.body->carrier_velocity(a.index, v(a.body_index)),
+                      b.body->carrier_velocity(b.index, v(b.body_index)),
+                      {a.info.shapeless, b.info.shapeless},
+                      rigid};
   }
 }
 

@@ -48,6 +48,7 @@ GridFluidBody::GridFluidBody(GridFluidModel model) : model_(std::move(model)), l
   part_.voxel_size = model_.voxel_size > 0.0 ? model_.voxel_size : g.dx;
   part_.areal_mass = model_.density * bounds_.extent().minCoeff();
   part_.modulus = 0.0;  // contact as soft as the loads allow: it presses matter that yields
+  part_.shapeless = true;
   part_.thickness = bounds_.extent().minCoeff();
   part_.material = model_.material;
   // The number of triangles of a body is constant: room for a surface that breaks up, empty while it does not.
