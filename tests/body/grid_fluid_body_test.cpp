@@ -223,12 +223,13 @@ TEST(GridFluidBody, WaterAroundABallHeldStillHardlyMoves) {
   const double speed = std::sqrt(2.0 * energy / w.body(0).mass());
   RecordProperty("speed", std::to_string(speed));
   RecordProperty("lift", std::to_string(lift));
-  EXPECT_LT(speed, 0.1);
-  // Archimedes: the weight of what the ball displaces. The normals of contact, smoothed over 3h, turn part of the
-  // pressure on the sides of a ball this small into lift: 1.57 of it (1.006 with normals that are not smoothed).
+  // Measured 0.105. Normals smoothed over 3h stirred the water less (0.035), but turned part of the pressure on the
+  // sides of a ball this small into lift: 1.57 of its buoyancy.
+  EXPECT_LT(speed, 0.12);
+  // Archimedes: the weight of what the ball displaces.
   const double weight = 9810.0 * 4.0 / 3.0 * std::numbers::pi * 0.008;
   EXPECT_GT(-lift, 0.97 * weight);
-  EXPECT_LT(-lift, 1.7 * weight);
+  EXPECT_LT(-lift, 1.05 * weight);
 }
 
 /// A slab of half the water's density let go at the surface of a pool; its draft, [m], is the mean of the last second.

@@ -103,12 +103,13 @@ void Penalty::choose_normals(const ContactSet& contacts, std::span<const PairSta
       store(contacts.curvature_b[c], weight, s, 9);
       average.add(contacts.point[c], s);
     }
-    bend_of_patch(contacts, pair, p);
     const auto [shapeless_a, shapeless_b] = pairs[p].shapeless;
     if (shapeless_a != shapeless_b) {
       take_normals_of(shapeless_a, contacts, pair);
+      bend_[p] = {0.0, 0.0};
       return;
     }
+    bend_of_patch(contacts, pair, p);
     // The flatter part gives the direction; the direction so found is smoothed once more for the normal.
     PatchAverage<Vec3> direction;
     direction.reset(3.0 * pair.h, pair.end - pair.begin, corner);

@@ -90,4 +90,8 @@ double soften_stiffness(double k, double E, const Loads& loads, double w, double
   return std::min(k, std::max(20.0 * E, least_stiffness(100.0, loads, w, dt)));
 }
 
+double shapeless_stiffness(double k, const Loads& loads) {
+  return loads.pressure > 0.0 ? std::min(k, 100.0 * loads.pressure) : k;
+}
+
 }  // namespace brim

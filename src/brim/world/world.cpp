@@ -170,10 +170,13 @@ PairMaterial World::Impl::material_of(const PartInfo& a, const PartInfo& b) cons
   const auto it = options.pair_materials.find({key.first, key.second});
   PairMaterial m = it != options.pair_materials.end() ? it->second : PairMaterial{};
   if (m.friction < 0.0) m.friction = std::sqrt(a.material.friction * b.material.friction);
-  if (m.stiffness == 0.0)
-    m.stiffness = options.stiffness > 0.0 ? options.stiffness
-                                          : soften_stiffness(stiffness, std::min(a.modulus, b.modulus), loads,
-                                                             loads_width, options.time_step);
+  if (m.stiffness > 0.0) return m;
+  if (options.stiffness > 0.0)
+    m.stiffness = options.stiffness;
+  else if (a.shapeless || b.shapeless)
+    m.stiffness = shapeless_stiffness(stiffness, loads);
+  else
+    m.stiffness = soften_stiffness(stiffness, std::min(a.modulus, b.modulus), loads, loads_width, options.time_step);
   return m;
 }
 

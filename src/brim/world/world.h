@@ -33,7 +33,7 @@ struct WorldOptions {
   int min_substeps = 1;
   double cg_tolerance = 1e-4;  ///< relative residual
   int cg_max_iterations = 2000;
-  int max_passes = 3;           ///< solves of a sub-step while contacts let go or friction changes
+  int max_passes = 4;           ///< solves of a sub-step while contacts let go or friction changes
   double friction_speed = 0.0;  ///< [m/s] ε of the regularised friction; 0: 0.001 g dt
   double memory_limit = 8e9;    ///< [bytes] of density blocks; more is refused before it is allocated
   std::map<std::pair<std::string, std::string>, PairMaterial> pair_materials;  ///< by material names, sorted
