@@ -91,7 +91,7 @@ double soften_stiffness(double k, double E, const Loads& loads, double w, double
 }
 
 double shapeless_stiffness(double k, const Loads& loads) {
-  return loads.pressure > 0.0 ? std::min(k, 100.0 * loads.pressure) : k;
+  return loads.pressure > 0.0 ? std::min(k, 1000.0 * loads.pressure) : k;
 }
 
 }  // namespace brim

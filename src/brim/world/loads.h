@@ -27,7 +27,7 @@ double choose_stiffness(const Loads& loads, double w, double dt);
 /// flat; stiffer still, it would only spoil the condition of the solve. Only stiff bodies stacked high need all of k.
 double soften_stiffness(double k, double E, const Loads& loads, double w, double dt);
 
-/// Contact stiffness of what is shapeless (PartInfo::shapeless), [Pa]: 100 p_max, at most k (k without weight). It
+/// Contact stiffness of what is shapeless (PartInfo::shapeless), [Pa]: 1000 p_max, at most k (k without weight). It
 /// gives way to a blow, so that nothing has to stop its whole depth within a voxel.
 double shapeless_stiffness(double k, const Loads& loads);
 
