@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 struct PairOptions {
   std::vector<std::string> only, with;
-  std::string out, table, scenes;
+  std::string out, table, scenes, command;
   int threads = 0;
   bool json = false;
 };
@@ -57,7 +57,7 @@ int pairs(const PairOptions& o) {
   });
   if (o.json) std::fputs(pairs_json(table, results).c_str(), stdout);
   if (interrupted()) return kInterrupted;
-  if (!o.out.empty()) write_text(o.out, pairs_markdown(table, results));
+  if (!o.out.empty()) write_text(o.out, pairs_markdown(table, results, o.command));
   std::size_t run = 0, good = 0;
   for (const PairResult& r : results) {
     run += r.run ? 1 : 0;
@@ -81,7 +81,15 @@ void add_pairs(CLI::App& app, int& code) {
   command->add_option("--threads", o->threads, "use at most this many threads; default all cores")
       ->check(CLI::Range(1, 4096));
   command->add_flag("--json", o->json, "print the figures as JSON");
-  command->callback([o, &code] { code = pairs(*o); });
+  command->callback([o, &code, &app] {
+    o->command = "brim pairs";
+    for (const CLI::Option* plugin : app.get_options([](const CLI::Option* x) { return x->check_lname("plugin"); }))
+      for (const std::string& path : plugin->results()) o->command += " --plugin " + path;
+    for (const std::string& file : o->with) o->command += " --with " + file;
+    if (!o->table.empty()) o->command += " --kinds " + o->table;
+    if (!o->out.empty()) o->command += " -o " + o->out;
+    code = pairs(*o);
+  });
 }
 
 }  // namespace brim::cli

@@ -104,6 +104,35 @@ TEST_F(Program, BadArgumentsEndWithTwo) {
   }
 }
 
+TEST_F(Program, PairsTellsHowEachDoesAndFailsWithOne) {
+  const std::string table = R"({"brim": 1, "drop": {"steps": 30}, "bounds": {"overlap": BOUND},
+    "world": {"gravity": [0, 0, 0], "time_step": 0.005, "voxel_size": 0.02, "max_substeps": 1, "friction_speed": 1e-4},
+    "kinds": [{"name": "ball", "lowest": -0.1, "highest": 0.1,
+               "body": {"kind": "rigid", "shape": {"kind": "sphere", "radius": 0.1}}}]})";
+  std::string loose = table, tight = table;
+  write("loose.json", loose.replace(loose.find("BOUND"), 5, "1"));
+  write("tight.json", tight.replace(tight.find("BOUND"), 5, "1e-6"));
+  const Outcome good = run("pairs --kinds loose.json -o made/pairs.md --scenes made");
+  EXPECT_EQ(good.code, 0) << good.err << good.out;
+  EXPECT_NE(read(folder_ / "made/pairs.md").find("**1 of 1 pairs are good**"), std::string::npos);
+  EXPECT_EQ(run("validate made/ball_on_ball.json").code, 0);
+  const Outcome bad = run("pairs --kinds tight.json --json");
+  EXPECT_EQ(bad.code, 1);
+  EXPECT_FALSE(nlohmann::json::parse(bad.out).at("pairs").at(0).at("ok").get<bool>());
+  EXPECT_EQ(run("pairs --kinds loose.json --only bell").code, 2);
+  EXPECT_EQ(run("pairs --kinds none.json").code, 2);
+}
+
+TEST_F(Program, APluginBringsItsKindToEveryCommand) {
+  const std::string plugin = " --plugin '" + std::string(BRIM_BINARY_DIR) + "/examples/jelly.so'";
+  write("jelly.json", R"({"brim": 1, "name": "jelly", "frames": 2, "bodies": [
+    {"kind": "jelly", "name": "ball", "radius": 0.2}]})");
+  EXPECT_EQ(run("run jelly.json -o made").code, 2) << "nobody knows the kind";
+  EXPECT_EQ(run("run jelly.json -o made" + plugin).code, 0);
+  EXPECT_EQ(run("info made").code, 0);
+  EXPECT_EQ(run("validate jelly.json --plugin none.so").code, 2);
+}
+
 TEST_F(Program, GoodSceneIsRecordedAndChecked) {
   const Outcome o = run("run good.json -o made --check --threads 1");
   EXPECT_EQ(o.code, 0) << o.err;

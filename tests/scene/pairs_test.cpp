@@ -61,7 +61,7 @@ TEST(Pairs, AMissedBoundIsNamed) {
   ASSERT_EQ(r.failures.size(), 1u) << pair_line(r);
   EXPECT_NE(r.failures[0].find("overlap"), std::string::npos);
   const std::vector<PairResult> results = {r};
-  EXPECT_NE(pairs_markdown(table, results).find("✗ overlap"), std::string::npos);
+  EXPECT_NE(pairs_markdown(table, results, "brim pairs").find("✗ overlap"), std::string::npos);
   EXPECT_NE(pairs_json(table, results).find("\"ok\": false"), std::string::npos);
 }
 

@@ -60,10 +60,12 @@ std::string figures(std::span<const PairResult> results) {
 }
 
 std::string kinds(const PairTable& table) {
-  std::string text = "| | kind | what is dropped | stated momentum error | lost lever [m] |\n|---|---|---|---|---|\n";
+  std::string text =
+      "| | kind | what is dropped | stated momentum error | lost lever [m] | |\n|---|---|---|---|---|---|\n";
   for (std::size_t i = 0; i < table.kinds.size(); ++i) {
     const PairKind& k = table.kinds[i];
-    text += fmt::format("| {} | {} | {} | {:.0e} | {:.0e} |\n", i + 1, k.name, k.about, k.linear, k.lever);
+    text += fmt::format("| {} | {} | {} | {:.0e} | {:g} | {} |\n", i + 1, k.name, k.about, k.linear, k.lever,
+                        k.picture.empty() ? "" : fmt::format("![{}]({})", k.about, k.picture));
   }
   return text;
 }
@@ -126,15 +128,17 @@ std::string pairs_json(const PairTable& table, std::span<const PairResult> resul
   return root.dump(2) + "\n";
 }
 
-std::string pairs_markdown(const PairTable& table, std::span<const PairResult> results) {
+std::string pairs_markdown(const PairTable& table, std::span<const PairResult> results, const std::string& command) {
   const Count c = count(results);
   std::string text = "# Every kind meets every kind\n\n";
   text += fmt::format(
-      "`brim pairs -o docs/pairs.md` made this page. Each pair of kinds, each kind with itself included, meets in free "
-      "space without gravity: the upper body flies down at {:g} m/s on the lower one, which is at rest. **{} of {} "
-      "pairs "
-      "are good**; {} pairs of two obstacles were not run, as nothing moves either.\n\n",
-      table.drop.speed, c.good, c.run, c.skipped);
+      "`{}` made this page. Each pair of kinds, each kind with itself included, meets in free space without gravity: "
+      "the "
+      "upper body flies down at {:g} m/s on the lower one, which is at rest, for {} steps. **{} of {} pairs are "
+      "good**; {} "
+      "pairs of two obstacles were not run, as nothing moves either.\n\n",
+      command, table.drop.speed, table.drop.steps, c.good, c.run, c.skipped);
+  text += "The world of all of them: `" + table.world + "`\n\n";
   text += matrix(table, results) + "\n";
   text += fmt::format(
       "A pair is good when there was contact and both felt it; every solve converged; the worst overlap is at most "
@@ -145,6 +149,11 @@ std::string pairs_markdown(const PairTable& table, std::span<const PairResult> r
       "other's wrong side; and the maps of both bodies keep linear and angular momentum as well as they state.\n\n",
       table.bounds.overlap, 100.0 * table.bounds.energy, 100.0 * table.bounds.drift, 100.0 * table.bounds.leak);
   text += "## The kinds\n" + kinds(table) + "\n";
+  if (!table.notes.empty()) {
+    text += "## Why some fail\n";
+    for (const std::string& note : table.notes) text += "- " + note + "\n";
+    text += "\n";
+  }
   text += "## Figures\n";
   text +=
       "*Momentum error*: what a body's map makes of the contact forces, against their sum over all nodes, relative to "

@@ -16,6 +16,7 @@ std::string pair_line_head();
 std::string pairs_json(const PairTable& table, std::span<const PairResult> results);
 
 /// A Markdown page: what is done, a matrix of all pairs, a table of figures, and the kinds with what their maps state.
-std::string pairs_markdown(const PairTable& table, std::span<const PairResult> results);
+/// @param command  that made it
+std::string pairs_markdown(const PairTable& table, std::span<const PairResult> results, const std::string& command);
 
 }  // namespace brim

@@ -20,6 +20,7 @@ PairKind read_kind(const Node& n) {
   PairKind kind;
   kind.name = n.string("name");
   kind.about = n.string("about");
+  kind.picture = n.string("picture");
   kind.lowest = n.number("lowest");
   kind.highest = n.number("highest");
   if (kind.lowest >= kind.highest) throw n.at("highest").error("must be above \"lowest\"");
@@ -84,6 +85,7 @@ PairTable read_pair_table(std::string_view text, const std::string& file) {
   table.drop.steps = static_cast<int>(drop.integer("steps"));
   table.bounds = {bounds.number("overlap"), bounds.number("energy"), bounds.number("drift"), bounds.number("leak")};
   table.world = root.at("world").json().dump();
+  for (std::size_t i = 0; i < root.at("notes").size(); ++i) table.notes.push_back(root.at("notes").at(i).string());
   std::set<std::string> names;
   for (std::size_t i = 0; i < root.at("kinds").size(); ++i) {
     const Node n = root.at("kinds").at(i);

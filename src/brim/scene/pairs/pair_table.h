@@ -10,6 +10,7 @@ namespace brim {
 /// One row and column of the table of pairs: a body of some kind, as a scene would give it.
 struct PairKind {
   std::string name;
+  std::string picture;                 ///< of the kind in its table's page, a path from there; empty: none
   std::string about;                   ///< what is dropped, in a few words
   double lowest = 0.0, highest = 0.0;  ///< [m] of the body's matter where it stands in its entry
   double linear = 0.0;                 ///< [-] relative error of momentum that the map of its contacts may make
@@ -38,6 +39,7 @@ struct PairTable {
   PairBounds bounds;
   std::string world;  ///< a scene's "world" (JSON)
   std::vector<PairKind> kinds;
+  std::vector<std::string> notes;  ///< what is known of pairs that fail, for the page (Markdown)
 
   /// @throws InputError  naming the nearest kind
   const PairKind& find(const std::string& name) const;
