@@ -68,6 +68,7 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
     }
     slip_[p] = {mean_slip(pair, {}), 0.0, 0.0};
   });
+  settle_actions();
 
   energy_ = 0.0;
   for (std::size_t p = 0; p < contacts.pairs.size(); ++p) {
@@ -211,27 +212,26 @@ void Penalty::right_hand_side(std::span<Vec3> force) const {
       512);
 }
 
-void Penalty::apply(std::span<const Vec3> delta, std::span<Vec3> force) const {
-  const double dt = options_.dt;
+void Penalty::settle_actions() {
+  action_.resize(force_.size());
   parallel_for(
       force_.size(),
       [&](std::size_t c) {
-        if (!active_[c]) {
-          force[c].setZero();
-          return;
-        }
-        const Vec3& n = normal_[c];
-        const double along = n.dot(delta[c]);
-        const double drag = dt * drag_[c];
-        force[c] = ((dt * lead_[c] * stiffness_[c] - drag) * along) * n + drag * delta[c];
+        const double drag = active_[c] ? options_.dt * drag_[c] : 0.0;
+        const double across = active_[c] ? options_.dt * lead_[c] * stiffness_[c] - drag : 0.0;
+        action_[c] = {normal_[c], across, drag};
       },
       512);
 }
 
+void Penalty::apply(std::span<const Vec3> delta, std::span<Vec3> force) const {
+  parallel_for(
+      force_.size(), [&](std::size_t c) { force[c] = apply(c, delta[c]); }, 512);
+}
+
 Mat3 Penalty::block(std::size_t c) const {
-  if (!active_[c]) return Mat3::Zero();
-  const double dt = options_.dt, drag = dt * drag_[c];
-  return (dt * lead_[c] * stiffness_[c] - drag) * normal_[c] * normal_[c].transpose() + drag * Mat3::Identity();
+  const Action& a = action_[c];
+  return a.across * a.n * a.n.transpose() + a.drag * Mat3::Identity();
 }
 
 double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> delta) {
@@ -265,6 +265,7 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
       if (active_[c]) change[p] += std::abs(drag_[c] - before) * slip.norm();
     }
   });
+  settle_actions();
   double changed = 0.0, load = 0.0;
   for (std::size_t p = 0; p < contacts.pairs.size(); ++p) changed += change[p], load += total[p];
   return load > 0.0 ? changed / load : changed > 0.0 ? 1.0 : 0.0;

@@ -50,6 +50,11 @@ class Penalty {
   void right_hand_side(std::span<Vec3> force) const;
   /// force = (dt (dt + β) K + dt C) Δ for relative velocity changes Δ = Δv_a − Δv_b.
   void apply(std::span<const Vec3> delta, std::span<Vec3> force) const;
+  /// The same at contact c.
+  Vec3 apply(std::size_t c, const Vec3& delta) const {
+    const Action& a = action_[c];
+    return (a.across * a.n.dot(delta)) * a.n + a.drag * delta;
+  }
   /// The 3x3 matrix of apply at contact c.
   Mat3 block(std::size_t c) const;
 
@@ -65,6 +70,12 @@ class Penalty {
   double energy() const { return energy_; }
 
  private:
+  /// across n nᵀ + drag 1, what the implicit step sees of a contact; zero where it does not act.
+  struct Action {
+    Vec3 n;
+    double across, drag;
+  };
+  void settle_actions();
   void choose_normals(const ContactSet& contacts, std::span<const PairState> pairs);
   /// The normals of a surface that something shapeless lies against.
   void take_normals_of(bool side_b, const ContactSet& contacts, const ContactPair& pair);
@@ -100,6 +111,7 @@ class Penalty {
   std::vector<double> load_;          ///< predicted normal force, [N]
   std::vector<double> drag_;          ///< C, friction per speed, [N·s/m]
   std::vector<double> mu_;
+  std::vector<Action> action_;
   std::vector<SlipHistory> slip_;            ///< per pair
   std::vector<std::array<double, 2>> bend_;  ///< per pair: how bent each part is at the patch, 0 flat to 1
 };

@@ -34,7 +34,7 @@ void ContactMaps::build(std::span<const WorldPart> parts, const ContactSet& cont
     s.first_v = first_v[s.body];
     s.v_size = first_v[s.body + 1] - s.first_v;
   }
-  contact_.resize(2 * n), sign_.resize(2 * n), point_.resize(2 * n), source_.resize(2 * n);
+  contact_.resize(2 * n), point_.resize(2 * n), source_.resize(2 * n);
   row_a_.resize(n), row_b_.resize(n), row_vector_.resize(2 * n), row_matrix_.resize(2 * n);
   std::vector<std::size_t> next(count.begin(), count.end() - 1);
   for (const ContactPair& p : contacts.pairs)
@@ -42,8 +42,6 @@ void ContactMaps::build(std::span<const WorldPart> parts, const ContactSet& cont
       row_a_[c] = next[p.part_a]++;
       row_b_[c] = next[p.part_b]++;
       contact_[row_a_[c]] = contact_[row_b_[c]] = c;
-      sign_[row_a_[c]] = 1.0;
-      sign_[row_b_[c]] = -1.0;
       point_[row_a_[c]] = point_[row_b_[c]] = contacts.point[c];
       source_[row_a_[c]] = contacts.source_a[c];
       source_[row_b_[c]] = contacts.source_b[c];
@@ -71,7 +69,7 @@ void ContactMaps::velocities(std::span<const double> v, std::span<Vec3> a, std::
       1024);
 }
 
-void ContactMaps::relative(std::span<const double> v, std::span<Vec3> out) const {
+void ContactMaps::row_velocities(std::span<const double> v) const {
   parallel_for(side_.size(), [&](std::size_t p) {
     const Side& s = side_[p];
     if (s.begin == s.end) return;
@@ -81,16 +79,26 @@ void ContactMaps::relative(std::span<const double> v, std::span<Vec3> out) const
     else
       std::fill(rows.begin(), rows.end(), Vec3::Zero());
   });
+}
+
+void ContactMaps::add_row_forces(std::span<double> Q) const {
+  for_movable([&](const Side& s) {
+    s.map->add_force(std::span<const Vec3>(row_vector_).subspan(s.begin, s.end - s.begin),
+                     Q.subspan(s.first_v, s.v_size));
+  });
+}
+
+void ContactMaps::relative(std::span<const double> v, std::span<Vec3> out) const {
+  row_velocities(v);
   parallel_for(
       out.size(), [&](std::size_t c) { out[c] = row_vector_[row_a_[c]] - row_vector_[row_b_[c]]; }, 1024);
 }
 
 void ContactMaps::add_forces(std::span<const Vec3> force, std::span<double> Q) const {
-  for_movable([&](const Side& s) {
-    for (std::size_t r = s.begin; r < s.end; ++r) row_vector_[r] = sign_[r] * force[contact_[r]];
-    s.map->add_force(std::span<const Vec3>(row_vector_).subspan(s.begin, s.end - s.begin),
-                     Q.subspan(s.first_v, s.v_size));
-  });
+  parallel_for(
+      force.size(), [&](std::size_t c) { row_vector_[row_a_[c]] = force[c], row_vector_[row_b_[c]] = -force[c]; },
+      1024);
+  add_row_forces(Q);
 }
 
 void ContactMaps::add_block_diagonal(const std::function<Mat3(std::size_t)>& block,

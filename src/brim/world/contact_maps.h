@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "brim/contact/contact_set.h"
+#include "brim/core/parallel.h"
 #include "brim/map/map.h"
 #include "brim/world/contact_stage.h"
 
@@ -23,6 +24,21 @@ class ContactMaps {
   void relative(std::span<const double> v, std::span<Vec3> out) const;
   /// Q += Jᵀ f for the force on a, and its opposite on b; immobile bodies receive nothing.
   void add_forces(std::span<const Vec3> force, std::span<double> Q) const;
+  /// y += Jᵀ f(J x): f(c, Δ) gives the force on a at contact c for the relative velocity Δ = a − b. The same as
+  /// relative and add_forces, in one pass over the contacts.
+  template <class F>
+  void add_response(std::span<const double> x, const F& f, std::span<double> y) const {
+    row_velocities(x);
+    parallel_for(
+        row_a_.size(),
+        [&](std::size_t c) {
+          Vec3 &a = row_vector_[row_a_[c]], &b = row_vector_[row_b_[c]];
+          const Vec3 force = f(c, Vec3(a - b));
+          a = force, b = -force;
+        },
+        1024);
+    add_row_forces(y);
+  }
   /// Adds the diagonal blocks of Jᵀ K J, K given per contact.
   void add_block_diagonal(const std::function<Mat3(std::size_t)>& block, std::span<const std::size_t> first_block,
                           BlockDiagonal& D) const;
@@ -39,11 +55,14 @@ class ContactMaps {
   /// Calls f(side) for every movable side with contacts; sides of one body in order on one thread, as they share Q.
   template <class F>
   void for_movable(const F& f) const;
+  /// Velocity at every row into row_vector_; parts of immobile bodies count as zero.
+  void row_velocities(std::span<const double> v) const;
+  /// Q += Jᵀ of row_vector_.
+  void add_row_forces(std::span<double> Q) const;
 
   std::vector<Side> side_;                  ///< per part
   std::vector<std::size_t> first_side_;     ///< per body, its first part; shape (bodies + 1)
   std::vector<std::size_t> contact_;        ///< per row: the contact
-  std::vector<double> sign_;                ///< per row: +1 on a, −1 on b
   std::vector<std::size_t> row_a_, row_b_;  ///< per contact
   std::vector<Vec3> point_;
   std::vector<std::int32_t> source_;

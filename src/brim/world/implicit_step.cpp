@@ -51,9 +51,8 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     });
     if (contacts == 0) return;
     const ScopedSeconds contact_timer(contact_seconds);
-    maps.relative(x, contact_delta_);
-    response.apply(contact_delta_, contact_force_);
-    maps.add_forces(contact_force_, y);
+    maps.add_response(
+        x, [&](std::size_t c, const Vec3& d) { return response.apply(c, d); }, y);
   };
   bool coarse = contacts > 0;
   if (coarse) modes_.begin(bodies, first_v, parts, maps, contact_set);
