@@ -32,7 +32,8 @@ PairTable read_table(const std::string& path) {
 }
 
 void write_text(const fs::path& path, const std::string& text) {
-  if (path.has_parent_path()) fs::create_directories(path.parent_path());
+  std::error_code error;  // told by the stream below
+  if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
   std::ofstream file(path, std::ios::binary);
   file << text;
   file.close();
@@ -43,6 +44,7 @@ int pairs(const PairOptions& o) {
   const ThreadLimit limit(o.threads);
   PairTable table = read_table(o.table);
   for (const std::string& file : o.with) table.add_kinds(read_table(file));
+  for (const std::string& name : o.only) table.find(name);
   watch_interrupts();
   if (!o.json) fmt::print("{}\n", pair_line_head());
   std::vector<PairResult> results = run_pairs(table, o.only, [&](const PairResult& r) {
