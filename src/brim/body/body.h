@@ -15,10 +15,16 @@
 
 namespace brim {
 
+/// How contacts act: by stiff forces, or by rows that no motion may violate (docs/constraint.md).
+enum class Response { Inherit, Penalty, Constraint };
+
 /// How the surface of a part behaves in contact.
 struct Material {
   std::string name = "default";
   double friction = 0.5;  ///< Coulomb coefficient, [-], >= 0; a pair uses the geometric mean unless overridden
+  /// Newton's coefficient e, [-], 0 to 1, for the constraint response; a pair uses the larger unless overridden.
+  double restitution = 0.0;
+  Response response = Response::Inherit;  ///< a pair is constrained when either says so, else as the world says
 };
 
 /// What contact needs to know of a part besides its density.

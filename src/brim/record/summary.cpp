@@ -83,6 +83,7 @@ void RunTotals::add(const StepReport& r, int n) {
   count("voxels", static_cast<double>(r.voxels), n);
   count("cg_iterations", r.cg_iterations, r.solves);
   count("substeps", r.substeps, n);
+  count("constraint_sweeps", r.sweeps, n);
   if (r.worst_overlap > worst_overlap) {
     worst_overlap = r.worst_overlap;
     worst_overlap_time = r.time;
@@ -96,6 +97,7 @@ void RunTotals::add(const StepReport& r, int n) {
   momentum_error = std::max(momentum_error, r.momentum_error);
   angular_error = std::max(angular_error, r.angular_error);
   cg_residual = std::max(cg_residual, r.cg_residual);
+  row_residual = std::max(row_residual, r.row_residual);
   energy_last = energy(r);
   energy_largest = std::max(energy_largest, energy_last);
 }
@@ -156,6 +158,7 @@ std::string summary_text(const World& world, const RunTotals& t, const RunFacts&
       {"momentum_error", t.momentum_error},
       {"angular_error", t.angular_error},
       {"cg_residual", t.cg_residual},
+      {"row_residual", t.row_residual},
       {"stiffness", world.stiffness()},
       {"energy",
        {{"first", t.energy_first},

@@ -34,7 +34,7 @@ class RunTotals {
   double worst_overlap = 0.0, worst_overlap_time = 0.0;
   int worst_part_a = -1, worst_part_b = -1;  ///< -1: no pair was seen with it at the end of a frame
   double worst_pair_overlap = 0.0;
-  double momentum_error = 0.0, angular_error = 0.0, cg_residual = 0.0;
+  double momentum_error = 0.0, angular_error = 0.0, cg_residual = 0.0, row_residual = 0.0;
   double energy_first = 0.0, energy_last = 0.0, energy_largest = 0.0;  ///< [J] kinetic + potential + contact
   StepReport last;
   std::size_t warning_count = 0;

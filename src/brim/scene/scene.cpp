@@ -12,6 +12,12 @@ namespace brim {
 
 namespace {
 
+/// The word under "response"; Inherit where there is none.
+Response read_response(const Node& n) {
+  if (!n.has("response")) return Response::Inherit;
+  return n.string("response") == "constraint" ? Response::Constraint : Response::Penalty;
+}
+
 WorldOptions read_world(const Node& n) {
   WorldOptions o;
   o.environment.gravity = n.vec3("gravity");
@@ -27,6 +33,9 @@ WorldOptions read_world(const Node& n) {
   o.cg_max_iterations = static_cast<int>(n.integer("cg_max_iterations"));
   o.max_passes = static_cast<int>(n.integer("max_passes"));
   o.friction_speed = n.number("friction_speed");
+  o.response = read_response(n);
+  o.constraint_tolerance = n.number("constraint_tolerance");
+  o.constraint_sweeps = static_cast<int>(n.integer("constraint_sweeps"));
   o.memory_limit = n.number("memory_limit");
   if (o.min_substeps > o.max_substeps)
     throw n.at("min_substeps")
@@ -53,8 +62,10 @@ std::int64_t read_frames(const Node& root, double frame_time) {
 std::map<std::string, Material> read_materials(const Node& n) {
   std::map<std::string, Material> materials;
   materials["default"] = Material{};
-  for (const auto& [name, value] : n.json().items())
-    materials[name] = Material{name, n.at(name.c_str()).number("friction")};
+  for (const auto& [name, value] : n.json().items()) {
+    const Node m = n.at(name.c_str());
+    materials[name] = Material{name, m.number("friction"), m.number("restitution")};
+  }
   return materials;
 }
 
@@ -79,11 +90,15 @@ void read_pairs(const Node& list, const std::map<std::string, Material>& materia
     need_material(names.at(std::size_t{0}), a, materials);
     need_material(names.at(std::size_t{1}), b, materials);
     if (a > b) std::swap(a, b);
-    if (!pair.has("friction") && !pair.has("stiffness"))
-      throw pair.error("the pair says nothing; give \"friction\", \"stiffness\" or both");
+    if (!pair.has("friction") && !pair.has("stiffness") && !pair.has("restitution") && !pair.has("response"))
+      throw pair.error(
+          "the pair says nothing; give one or more of \"friction\", \"stiffness\", \"restitution\", "
+          "\"response\"");
     PairMaterial m;
     if (pair.has("friction")) m.friction = pair.number("friction");
     if (pair.has("stiffness")) m.stiffness = pair.number("stiffness");
+    if (pair.has("restitution")) m.restitution = pair.number("restitution");
+    m.response = read_response(pair);
     if (!world.pair_materials.emplace(std::make_pair(a, b), m).second)
       throw pair.error(fmt::format("the pair \"{}\" and \"{}\" is given twice; once is allowed", a, b));
   }
@@ -178,9 +193,11 @@ World build_world(const Scene& scene) {
   for (std::size_t i = 0; i < list.size(); ++i) {
     const Node node = list.at(i);
     const BodyKind& kind = find_body_kind(node.string("kind"));
+    Material material = scene.materials.at(node.string("material"));
+    material.response = read_response(node);
     // Copies share what the kind made of the node (meshes, distance fields), so it is read once.
     const std::unique_ptr<BodyMaker> maker = node.placed([&] {
-      return kind.make(node, BuildContext{scene.world, scene.materials.at(node.string("material")), duration});
+      return kind.make(node, BuildContext{scene.world, material, duration});
     });
     for (const Placement& p : placements(node)) {
       node.placed([&] {

@@ -10,7 +10,8 @@ namespace brim {
 bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
                          std::span<const WorldPart> parts, const Environment& env, const ContactMaps& maps,
                          Penalty& response, const ContactSet& contact_set, std::span<const double> v,
-                         const Settings& settings, std::span<double> delta, StepReport& report) {
+                         const Settings& settings, std::span<double> delta, StepReport& report,
+                         std::span<const double> impulse, const Correct& correct) {
   const double dt = settings.dt;
   const std::size_t n = v.size(), contacts = contact_set.size();
   const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Solve)]);
@@ -26,7 +27,8 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     bodies[b]->add_forces(env, slice(internal_, b));
     bodies[b]->apply_stiffness(slice(v, b), slice(scratch_, b));
   });
-  for (std::size_t i = 0; i < n; ++i) internal_[i] = dt * (internal_[i] + dt * scratch_[i]);
+  for (std::size_t i = 0; i < n; ++i)
+    internal_[i] = dt * (internal_[i] + dt * scratch_[i]) + (impulse.empty() ? 0.0 : impulse[i]);
 
   std::vector<int> sizes;
   first_block_.assign(1, 0);
@@ -96,7 +98,13 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     maps.relative(delta, contact_delta_);
     if (pass + 1 < passes && response.update_loads(contact_set, contact_delta_) < settings.load_tolerance) break;
   }
-  return true;
+  if (!correct) return true;
+  const bool finite =
+      correct([&](std::span<const double> b,
+                  std::span<double> x) { return cg_.solve(system, b, settings.tolerance, settings.max_iterations, x); },
+              delta);
+  if (contacts > 0) maps.relative(delta, contact_delta_);
+  return finite;
 }
 
 }  // namespace brim

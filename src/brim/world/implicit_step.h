@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -27,12 +28,20 @@ class ImplicitStep {
     double load_tolerance = 0.01;  ///< passes end when the contact forces would change by less than this share
   };
 
+  /// x = A⁻¹ b once the system stands.
+  using Respond = std::function<SolveReport(std::span<const double> b, std::span<double> x)>;
+  /// Corrects the velocity changes of the step by a means of its own (constraint rows). @return false when not finite
+  using Correct = std::function<bool(const Respond&, std::span<double> delta)>;
+
   /// @param v   velocities at the start; Δv is written to `delta`
+  /// @param impulse  [N s] that acts besides, shape (nv) or empty
+  /// @param correct  called after the last solve, may be empty
   /// @return false when the result is not finite
   bool solve(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
              std::span<const WorldPart> parts, const Environment& env, const ContactMaps& maps, Penalty& response,
              const ContactSet& contact_set, std::span<const double> v, const Settings& settings,
-             std::span<double> delta, StepReport& report);
+             std::span<double> delta, StepReport& report, std::span<const double> impulse = {},
+             const Correct& correct = {});
 
   /// Relative velocity changes at the contacts, of the last solve.
   std::span<const Vec3> contact_delta() const { return contact_delta_; }

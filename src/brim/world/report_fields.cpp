@@ -41,6 +41,8 @@ constexpr ReportField kFields[] = {
     field<&StepReport::cg_iterations>("cg_iterations", ""),
     field<&StepReport::solves>("solves", ""),
     field<&StepReport::cg_residual>("cg_residual", ""),
+    field<&StepReport::sweeps>("sweeps", ""),
+    field<&StepReport::row_residual>("row_residual", ""),
     field<&StepReport::worst_overlap>("worst_overlap", "voxels"),
     field<&StepReport::kinetic_energy>("kinetic_energy", "J"),
     field<&StepReport::potential_energy>("potential_energy", "J"),
@@ -68,6 +70,8 @@ void join(StepReport& frame, StepReport&& next) {
   frame.contacts = next.contacts;
   frame.cg_iterations += next.cg_iterations;
   frame.solves += next.solves;
+  frame.sweeps += next.sweeps;
+  frame.row_residual = std::max(frame.row_residual, next.row_residual);
   frame.cg_residual = std::max(frame.cg_residual, next.cg_residual);
   frame.worst_overlap = std::max(frame.worst_overlap, next.worst_overlap);
   frame.kinetic_energy = next.kinetic_energy;

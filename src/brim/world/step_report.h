@@ -56,8 +56,10 @@ struct StepReport {
   std::int64_t contacts = 0;       ///< of the last sub-step
   int cg_iterations = 0;           ///< summed over the solves
   int solves = 0;
-  double cg_residual = 0.0;                                                   ///< relative, worst
-  double worst_overlap = 0.0;                                                 ///< [voxels], worst over sub-steps
+  int sweeps = 0;              ///< of projected Gauss-Seidel over the constraint rows, summed
+  double row_residual = 0.0;   ///< relative, worst: what the last correction of the rows still changed
+  double cg_residual = 0.0;    ///< relative, worst
+  double worst_overlap = 0.0;  ///< [voxels], worst over sub-steps
   double kinetic_energy = 0.0, potential_energy = 0.0, contact_energy = 0.0;  ///< [J]
   double momentum_error = 0.0;    ///< [-] worst body: mapped contact force against the sum of its nodal forces
   double angular_error = 0.0;     ///< [-] likewise for the torque about the body's centre of contact

@@ -8,6 +8,7 @@
 #include "brim/core/parallel.h"
 #include "brim/core/stopwatch.h"
 #include "brim/response/penalty.h"
+#include "brim/world/constraint_step.h"
 #include "brim/world/contact_maps.h"
 #include "brim/world/contact_stage.h"
 #include "brim/world/implicit_step.h"
@@ -17,6 +18,21 @@
 #include "brim/world/substeps.h"
 
 namespace brim {
+
+namespace {
+
+/// The pair's own word counts first, then a body's "constraint", then its "penalty", then the world's.
+Response choose_response(Response pair, Response a, Response b, Response world) {
+  if (pair != Response::Inherit) return pair;
+  if (a == Response::Constraint || b == Response::Constraint) return Response::Constraint;
+  if (a == Response::Penalty || b == Response::Penalty) return Response::Penalty;
+  return world;
+}
+
+/// True when the part cannot deform: its body has no more velocities than rigid parts would have.
+bool is_stiff(const WorldPart& p) { return p.body->v_size() <= 6 * static_cast<std::size_t>(p.body->part_count()); }
+
+}  // namespace
 
 struct World::Impl {
   WorldOptions options;
@@ -33,9 +49,11 @@ struct World::Impl {
   ContactMaps maps;
   Penalty response;
   ImplicitStep implicit;
+  ConstraintStep constraints;
   std::vector<PairState> pair_states;
+  std::vector<ConstraintPair> constraint_pairs;
   std::vector<Vec3> velocity_a, velocity_b, normal_force, friction_force;
-  std::vector<double> delta, before_q, before_v;
+  std::vector<double> delta, before_q, before_v, travel;
   std::vector<ContactSample> samples;
 
   std::span<double> q(std::size_t b) { return std::span(state.q).subspan(first_q[b], first_q[b + 1] - first_q[b]); }
@@ -170,6 +188,8 @@ PairMaterial World::Impl::material_of(const PartInfo& a, const PartInfo& b) cons
   const auto it = options.pair_materials.find({key.first, key.second});
   PairMaterial m = it != options.pair_materials.end() ? it->second : PairMaterial{};
   if (m.friction < 0.0) m.friction = std::sqrt(a.material.friction * b.material.friction);
+  if (m.restitution < 0.0) m.restitution = std::max(a.material.restitution, b.material.restitution);
+  m.response = choose_response(m.response, a.material.response, b.material.response, options.response);
   if (m.stiffness > 0.0) return m;
   if (options.stiffness > 0.0)
     m.stiffness = options.stiffness;
@@ -183,11 +203,14 @@ PairMaterial World::Impl::material_of(const PartInfo& a, const PartInfo& b) cons
 void World::Impl::choose_pair_states() {
   const ContactSet& contacts = stage.contacts();
   pair_states.resize(contacts.pairs.size());
+  constraint_pairs.resize(contacts.pairs.size());
   for (std::size_t i = 0; i < contacts.pairs.size(); ++i) {
     const WorldPart &a = parts[contacts.pairs[i].part_a], &b = parts[contacts.pairs[i].part_b];
     const PairMaterial m = material_of(a.info, b.info);
+    const bool constrained = m.response == Response::Constraint;
+    constraint_pairs[i] = {constrained, m.friction, m.restitution, is_stiff(a) && is_stiff(b)};
     const bool rigid = std::isinf(a.info.modulus) && std::isinf(b.info.modulus);
-    pair_states[i] = {m.stiffness,
+    pair_states[i] = {constrained ? 0.0 : m.stiffness,
                       m.friction,
                       a.body->carrier_velocity(a.index, v(a.body_index)),
                       b.body->carrier_velocity(b.index, v(b.body_index)),
@@ -246,14 +269,28 @@ double World::Impl::substep(double left, StepReport& report) {
     response.begin(contacts, pair_states, p, velocity_a, velocity_b);
   }
 
+  {
+    const ScopedSeconds timer(seconds(Phase::Respond));
+    const double g = options.environment.gravity.norm();
+    ConstraintStep::Settings s;
+    s.rows = {dt, 2.0 * g * dt, options.constraint_every_node};
+    s.tolerance = options.constraint_tolerance;
+    s.max_sweeps = options.constraint_sweeps;
+    s.scale = std::max(g * dt, 1e-6);
+    constraints.begin(bodies, first_v, parts, contacts, response.normals(), constraint_pairs, state.v, s, state.memory);
+  }
+
   ImplicitStep::Settings settings;
   settings.dt = dt;
   settings.tolerance = options.cg_tolerance;
   settings.max_iterations = options.cg_max_iterations;
   settings.passes = options.max_passes;
   delta.resize(state.v.size());
-  const bool finite = implicit.solve(bodies, first_v, parts, options.environment, maps, response, contacts, state.v,
-                                     settings, delta, report);
+  const bool finite =
+      implicit.solve(bodies, first_v, parts, options.environment, maps, response, contacts, state.v, settings, delta,
+                     report, constraints.impulse(), [&](const ImplicitStep::Respond& solve, std::span<double> change) {
+                       return constraints.correct(solve, change, report);
+                     });
   if (!finite) {
     state.q = before_q;
     state.v = before_v;
@@ -272,12 +309,15 @@ double World::Impl::substep(double left, StepReport& report) {
       for (std::size_t c = 0; c < contacts.size(); ++c) normal_force[c] += friction_force[c];
       check_momentum(bodies, first_v, parts, contacts, maps, normal_force, report);
     }
+    constraints.finish(report, samples, last, state.memory);
     report.contact_energy = response.energy();
   }
   const ScopedSeconds timer(seconds(Phase::Advance));
   for (std::size_t i = 0; i < state.v.size(); ++i) state.v[i] += delta[i];
+  travel = state.v;
+  for (std::size_t i = 0; i < constraints.travel().size(); ++i) travel[i] += constraints.travel()[i];
   parallel_for(bodies.size(), [&](std::size_t b) {
-    bodies[b]->advance(dt, q(b), v(b));
+    bodies[b]->advance(dt, q(b), std::span<const double>(travel).subspan(first_v[b], first_v[b + 1] - first_v[b]));
     bodies[b]->finish_step(state.time, dt, q(b), v(b));
   });
   state.time += dt;

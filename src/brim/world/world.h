@@ -16,8 +16,10 @@ namespace brim {
 
 /// What a pair of materials has instead of what follows from the two.
 struct PairMaterial {
-  double friction = -1.0;  ///< [-] Coulomb coefficient; negative: the geometric mean of the two
-  double stiffness = 0.0;  ///< [Pa] k; 0: chosen from the loads and the softer of the two
+  double friction = -1.0;                 ///< [-] Coulomb coefficient; negative: the geometric mean of the two
+  double stiffness = 0.0;                 ///< [Pa] k; 0: chosen from the loads and the softer of the two
+  double restitution = -1.0;              ///< [-] e of the constraint response; negative: the larger of the two
+  Response response = Response::Inherit;  ///< Inherit: what the bodies say, then the world
 };
 
 /// How the world steps. docs/numerics.md says what the choices rest on.
@@ -33,9 +35,13 @@ struct WorldOptions {
   int min_substeps = 1;
   double cg_tolerance = 1e-4;  ///< relative residual
   int cg_max_iterations = 2000;
-  int max_passes = 4;           ///< solves of a sub-step while contacts let go or friction changes
-  double friction_speed = 0.0;  ///< [m/s] ε of the regularised friction; 0: 0.001 g dt
-  double memory_limit = 8e9;    ///< [bytes] of density blocks; more is refused before it is allocated
+  int max_passes = 4;                     ///< solves of a sub-step while contacts let go or friction changes
+  double friction_speed = 0.0;            ///< [m/s] ε of the regularised friction; 0: 0.001 g dt
+  Response response = Response::Penalty;  ///< of pairs whose materials and bodies say nothing
+  double constraint_tolerance = 1e-4;     ///< change of velocity by the last sweep, over that of a free fall in a step
+  int constraint_sweeps = 200;            ///< most sweeps of projected Gauss-Seidel in a sub-step
+  bool constraint_every_node = false;     ///< a row for every node instead of a few per patch: dear, for comparison
+  double memory_limit = 8e9;              ///< [bytes] of density blocks; more is refused before it is allocated
   std::map<std::pair<std::string, std::string>, PairMaterial> pair_materials;  ///< by material names, sorted
 };
 
@@ -45,7 +51,7 @@ struct State {
   std::int64_t step = 0;       ///< number of steps taken
   std::vector<double> q;       ///< generalised coordinates, shape (nq)
   std::vector<double> v;       ///< generalised velocities, shape (nv)
-  std::vector<double> memory;  ///< for what a response will carry from step to step; empty so far
+  std::vector<double> memory;  ///< impulses of constraint rows, where the next step starts from
 };
 
 /// A global part: part `index` of body `body`.

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "brim/contact/contact_set.h"
+#include "brim/math/types.h"
+
+namespace brim {
+
+struct ConstraintOptions {
+  double dt = 0.0;            ///< [s]
+  double bounce_speed = 0.0;  ///< [m/s] slower approaches do not bounce
+  bool every_node = false;    ///< one point per contact node: the full set that patches are measured against
+};
+
+/// What the constraint response needs of a pair besides its contacts.
+struct ConstraintPair {
+  bool constrained = false;  ///< false: the pair is not this response's
+  double friction = 0.0;     ///< [-] Coulomb coefficient
+  double restitution = 0.0;  ///< [-] e, 0 to 1
+  bool stiff = false;        ///< neither part deforms: few points per patch carry every force and torque
+};
+
+/// Constraint response (paper, section 4.3): points of contact whose gap may not become negative, each with a normal
+/// and a target for the relative normal velocity u. docs/constraint.md derives the formulas.
+///
+/// The paper's row ∇ρ_a·δ_a + ∇ρ_b·δ_b >= ρ̄ is taken in lengths, where it holds for any overlap: with the distances d
+/// that the densities stand for (ramp inverted), the gap φ = d_a + d_b and the normal n, it reads φ + n·(δ_a − δ_b) >=
+/// 0.
+///
+/// Nodes of a pair are gathered to patches of like normal, few points each. The first point is where φ is least, by a
+/// quadratic model of φ (its gradient and curvature are those of the densities); where neither part deforms, up to four
+/// corners of the flat part of the patch carry torques. With u0 and u1 the normal velocities at the start and of the
+/// motion without this contact, a = (u1 − u0)/dt, and a touch at τ = φ/|u1|:
+///   no bounce   u >= −φ/dt (φ > 0), else u >= 0, and overlap is pushed out by a displacement that is no velocity
+///   bounce      u >= e |u0 + a (dt/2 + τ)| + a (dt/2 − τ), and the way of the step is the broken parabola's
+class Constraint {
+ public:
+  /// Gathers the contacts to points.
+  /// @param normals  unit, towards a, one per contact
+  /// @param pairs    one per pair of the contacts
+  void gather(const ContactSet& contacts, std::span<const Vec3> normals, std::span<const ConstraintPair> pairs,
+              const ConstraintOptions& options);
+  /// The points as contacts, depth = −φ; pairs without points have empty ranges.
+  const ContactSet& points() const { return points_; }
+  std::span<const Vec3> normals() const { return normal_; }
+  std::span<const double> friction() const { return friction_; }
+
+  /// @param start, free  [m/s] relative velocity a − b at each point: at the start, and of the motion without contact
+  void set_targets(const ConstraintOptions& options, std::span<const Vec3> start, std::span<const Vec3> free);
+  /// Least normal velocity at the end of the step, and on the mean over the step, [m/s].
+  std::span<const double> velocity_targets() const { return velocity_target_; }
+  std::span<const double> travel_targets() const { return travel_target_; }
+  /// True when some way is not what the velocity at the end makes of it.
+  bool travels_apart() const { return travels_apart_; }
+
+ private:
+  /// Distances to the two surfaces as one node sees them: gradients, away from each part, and curvatures, [1/m].
+  struct Model {
+    Vec3 away_a, away_b;
+    Mat3 curvature_a, curvature_b;
+  };
+  /// The gap around x: gap + slope·d + ½ d·curvature d.
+  struct Quadric {
+    Vec3 x;
+    double gap;
+    Vec3 slope;
+    Mat3 curvature;
+  };
+  void gather_pair(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
+                   const ConstraintPair& law, const ConstraintOptions& options);
+  /// Patches of small reach, for parts that deform; patches as far as they hang together, for parts that do not.
+  void gather_soft(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
+                   const ConstraintPair& law);
+  void gather_stiff(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
+                    const ConstraintPair& law);
+  void add_patch(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
+                 const ConstraintPair& law, std::span<const std::size_t> nodes);
+  void add_corners(const ContactSet& contacts, const ContactPair& pair, const ConstraintPair& law,
+                   std::span<const std::size_t> nodes, const Quadric& quadric);
+  void remove_point(std::size_t i);
+  void add_point(const ContactSet& contacts, std::size_t c, const Vec3& x, const Vec3& n, double gap,
+                 const ConstraintPair& law);
+  static Model model_at(const ContactSet& contacts, std::size_t c);
+  /// Normal at a shift from where the gradients hold.
+  static Vec3 normal_at(const Vec3& n, const Vec3& shift, const Vec3& away_a, const Vec3& away_b,
+                        const Mat3& curvature_a, const Mat3& curvature_b);
+
+  ContactSet points_;
+  std::vector<Vec3> normal_;
+  std::vector<double> friction_, restitution_;
+  std::vector<double> velocity_target_, travel_target_;
+  bool travels_apart_ = false;
+  std::vector<std::size_t> order_, patch_, flat_;
+  std::vector<std::uint8_t> taken_;
+  std::vector<double> weight_;
+  std::unordered_map<std::int64_t, std::size_t> place_;
+};
+
+}  // namespace brim

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "brim/math/types.h"
+
+namespace brim {
+
+/// Contacts as inequality rows on a vector of velocities, solved one after another, each correction propagated at once
+/// (paper, sections 4.3 and 6; projected Gauss-Seidel). It knows no body: a contact is three rows R of the velocities
+/// (normal, tangent, tangent) and the answer P Rᵀ of the velocities to a unit impulse along each.
+///   u = R v + o       0 <= λ_n  ⟂  u_n − b >= 0       |λ_t| <= μ λ_n, against the slip u_t (Coulomb's cone, a true
+///   disc)
+/// Contacts are swept serially in a fixed order, forward and back: same bits for any number of threads. From one such
+/// pair to the next, the changes of before are followed further as conjugate gradients would (Silcowitz, Niebe and
+/// Erleben 2010), unless the changes grow.
+class ProjectedGaussSeidel {
+ public:
+  /// What one velocity has to do with a contact.
+  struct Entry {
+    std::size_t index = 0;         ///< of the velocity
+    Vec3 row = Vec3::Zero();       ///< its share in u_n, u_t1, u_t2
+    Vec3 response = Vec3::Zero();  ///< its change by a unit impulse along n, t1, t2
+  };
+  struct Report {
+    int sweeps = 0;
+    double residual = 0.0;  ///< largest change of any u by the last sweep over the scale of the motion
+    bool converged = true;
+  };
+
+  void clear();
+  /// Takes a contact in; entries are copied, no index twice. A contact whose velocities cannot change does nothing.
+  void add(std::span<const Entry> entries, double friction);
+  std::size_t size() const { return friction_.size(); }
+
+  /// @param offset  o, [m/s], shape (size)
+  /// @param target  b, [m/s], shape (size)
+  /// @param impulse λ as (n, t1, t2), first guess on entry (already in v), solution on return, [N s], shape (size)
+  /// @param v       velocities, changed along with λ
+  /// The scale of the residual is `scale` or, where larger, the worst miss of any contact at the start, [m/s].
+  Report solve(std::span<const Vec3> offset, std::span<const double> target, double tolerance, int max_sweeps,
+               double scale, std::span<Vec3> impulse, std::span<double> v) const;
+
+  /// R v at contact c.
+  Vec3 velocity(std::size_t c, std::span<const double> v) const;
+  /// v += P Rᵀ λ of contact c.
+  void add_response(std::size_t c, const Vec3& impulse, std::span<double> v) const;
+  /// Q += Rᵀ λ of contact c, for velocities below Q's size.
+  void add_force(std::size_t c, const Vec3& impulse, std::span<double> Q) const;
+  /// u_n that an impulse along n alone makes at its own contact, per [N s].
+  double normal_response(std::size_t c) const { return local_[c](0, 0); }
+
+ private:
+  /// Corrects contact c. @return largest change of u by it, [m/s]
+  double relax(std::size_t c, const Vec3& offset, double target, Vec3& impulse, std::span<double> v) const;
+
+  std::vector<Entry> entries_;
+  std::vector<std::size_t> first_{0};
+  std::vector<double> friction_;
+  std::vector<Mat3> local_;          ///< W = R P Rᵀ
+  std::vector<Mat3> local_inverse_;  ///< zero where W is singular
+};
+
+}  // namespace brim

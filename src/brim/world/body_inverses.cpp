@@ -1,0 +1,111 @@
+#include "brim/world/body_inverses.h"
+
+#include <algorithm>
+
+#include "brim/core/parallel.h"
+
+namespace brim {
+
+namespace {
+
+/// Velocities up to which a body's system is inverted exactly: rigid bodies, and trees of a dozen links.
+constexpr std::size_t kDense = 48;
+
+std::span<double> view(Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
+
+}  // namespace
+
+void BodyInverses::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+                         std::span<const std::uint8_t> wanted) {
+  bodies_ = bodies;
+  first_v_.assign(first_v.begin(), first_v.end());
+  first_block_.assign(1, 0);
+  sizes_.clear();
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (wanted[b] && first_v[b + 1] - first_v[b] > kDense) {
+      const std::vector<int> s = bodies[b]->block_sizes();
+      sizes_.insert(sizes_.end(), s.begin(), s.end());
+    }
+    first_block_.push_back(sizes_.size());
+  }
+  diagonal_.reset(sizes_);
+  dense_.assign(bodies.size(), 0);
+  factor_.resize(bodies.size()), mode_.resize(bodies.size()), mode_factor_.resize(bodies.size());
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    mode_[b].resize(0, 0);
+    if (!wanted[b]) return;
+    dense_[b] = first_v_[b + 1] - first_v_[b] <= kDense;
+    if (dense_[b]) return factor(b);
+    bodies_[b]->add_system_diagonal(first_block_[b], diagonal_);
+    find_modes(b);
+  });
+  diagonal_.factor();
+}
+
+void BodyInverses::factor(std::size_t body) {
+  const auto n = static_cast<Eigen::Index>(first_v_[body + 1] - first_v_[body]);
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd x(n), y(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::VectorXd unit = Eigen::VectorXd::Unit(n, i);
+    x = unit;
+    bodies_[body]->filter(view(x));
+    y.setZero();
+    bodies_[body]->apply_system(view(x), view(y));
+    bodies_[body]->filter(view(y));
+    A.col(i) = y + unit - x;  // S A S + (1 − S)
+  }
+  factor_[body].compute(0.5 * (A + A.transpose()));
+}
+
+void BodyInverses::find_modes(std::size_t body) {
+  const auto n = static_cast<Eigen::Index>(first_v_[body + 1] - first_v_[body]);
+  Eigen::MatrixXd Z(n, 6), AZ = Eigen::MatrixXd::Zero(n, 6);
+  Eigen::VectorXd x(n), y(n);
+  for (int i = 0; i < 6; ++i) {
+    const Vec3 unit = Vec3::Unit(i % 3);
+    x.setZero();
+    if (!bodies_[body]->rigid_motion(i < 3 ? unit : Vec3::Zero(), i < 3 ? Vec3::Zero() : unit, view(x))) return;
+    bodies_[body]->filter(view(x));
+    if (!(x.norm() > 0.0)) return;
+    x.normalize();
+    y.setZero();
+    bodies_[body]->apply_system(view(x), view(y));
+    Z.col(i) = x;
+    AZ.col(i) = y;
+  }
+  const Eigen::MatrixXd coarse = Z.transpose() * AZ;
+  mode_factor_[body].compute(0.5 * (coarse + coarse.transpose()));
+  if (mode_factor_[body].info() == Eigen::Success) mode_[body] = std::move(Z);
+}
+
+void BodyInverses::local(std::size_t body, std::span<const double> b, std::span<double> x) const {
+  std::copy(b.begin(), b.end(), x.begin());
+  bodies_[body]->filter(x);
+  if (dense_[body]) {
+    Eigen::Map<Eigen::VectorXd> y(x.data(), static_cast<Eigen::Index>(x.size()));
+    y = factor_[body].solve(y).eval();
+  } else {
+    std::vector<double> rhs;
+    std::size_t row = 0;
+    for (std::size_t k = first_block_[body]; k < first_block_[body + 1]; ++k) {
+      const auto size = static_cast<std::size_t>(sizes_[k]);
+      const auto part = x.subspan(row, size);
+      row += size;
+      if (std::all_of(part.begin(), part.end(), [](double z) { return z == 0.0; })) continue;
+      rhs.assign(part.begin(), part.end());
+      diagonal_.solve_from(k, rhs, part);
+    }
+  }
+  bodies_[body]->filter(x);
+}
+
+Eigen::VectorXd BodyInverses::to_modes(std::size_t body, std::span<const double> b) const {
+  return mode_[body].transpose() * Eigen::Map<const Eigen::VectorXd>(b.data(), static_cast<Eigen::Index>(b.size()));
+}
+
+Eigen::VectorXd BodyInverses::mode_response(std::size_t body, const Eigen::VectorXd& b) const {
+  return mode_factor_[body].solve(b);
+}
+
+}  // namespace brim

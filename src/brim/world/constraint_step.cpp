@@ -1,0 +1,339 @@
+#include "brim/world/constraint_step.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "brim/core/stopwatch.h"
+#include "brim/world/momentum_check.h"
+
+namespace brim {
+
+namespace {
+
+/// Solves with A at most, where its inverse is not known: for velocities, and for ways that differ from them.
+constexpr int kMostRefinements = 40, kTravelRefinements = 4;
+/// Least part of a direction that is gone.
+constexpr double kLeastWay = 0.02;
+/// Their tolerance over that of the sweeps.
+constexpr double kRefined = 30.0;
+/// Residual over the tolerance that is worth a warning.
+constexpr double kWarn = 100.0;
+/// What the rows keep of a point from step to step: parts, position, force on a.
+constexpr std::size_t kRecord = 8;
+/// [voxels] farthest that a point is taken for one of the last step.
+constexpr double kSamePoint = 2.0;
+
+/// Rows n, t1, t2 of a right-handed frame.
+Mat3 frame_along(const Vec3& n) {
+  Eigen::Index least = 0;
+  n.cwiseAbs().minCoeff(&least);
+  const Vec3 t1 = n.cross(Vec3::Unit(least)).normalized();
+  Mat3 f;
+  f << n.transpose(), t1.transpose(), n.cross(t1).transpose();
+  return f;
+}
+
+}  // namespace
+
+void ConstraintStep::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+                           std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const Vec3> normals,
+                           std::span<const ConstraintPair> pairs, std::span<const double> v, const Settings& settings,
+                           std::span<const double> memory) {
+  bodies_ = bodies, first_v_ = first_v, parts_ = parts, settings_ = settings;
+  travel_.clear();
+  rows_.gather(contacts, normals, pairs, settings.rows);
+  const ContactSet& points = rows_.points();
+  const std::size_t n = points.size();
+  impulse_.assign(v.size(), 0.0);
+  lambda_.assign(n, Vec3::Zero());
+  if (n == 0) return;
+
+  touched_.assign(bodies.size(), 0), mixed_.assign(bodies.size(), 0);
+  for (std::size_t p = 0; p < contacts.pairs.size(); ++p) {
+    const ContactPair& pair = contacts.pairs[p];
+    if (pair.begin == pair.end) continue;
+    std::vector<std::uint8_t>& mark = pairs[p].constrained ? touched_ : mixed_;
+    for (const std::int32_t part : {pair.part_a, pair.part_b})
+      if (!parts[part].body->immobile()) mark[parts[part].body_index] = 1;
+  }
+  maps_.build(parts, points, first_v);
+  std::vector<Vec3> a(n), b(n);
+  maps_.velocities(v, a, b);
+  start_.resize(n);
+  for (std::size_t c = 0; c < n; ++c) start_[c] = a[c] - b[c];
+  choose_frames();
+  recall(memory);
+  std::vector<Vec3> world(n);
+  for (std::size_t c = 0; c < n; ++c) world[c] = frame_[c].transpose() * lambda_[c];
+  maps_.add_forces(world, impulse_);
+}
+
+void ConstraintStep::choose_frames() {
+  const std::size_t n = rows_.points().size();
+  frame_.resize(n), offset_.resize(n);
+  for (std::size_t c = 0; c < n; ++c) {
+    frame_[c] = frame_along(rows_.normals()[c]);
+    offset_[c] = frame_[c] * start_[c];
+  }
+}
+
+void ConstraintStep::recall(std::span<const double> memory) {
+  const ContactSet& points = rows_.points();
+  const std::size_t old = memory.size() / kRecord;
+  std::vector<std::uint8_t> used(old, 0);
+  std::size_t first = 0;
+  const auto is_before = [&](std::size_t i, const ContactPair& p) {
+    const double a = memory[kRecord * i], b = memory[kRecord * i + 1];
+    return a != p.part_a ? a < p.part_a : b < p.part_b;
+  };
+  for (const ContactPair& pair : points.pairs) {  // both are ordered by part numbers
+    while (first < old && is_before(first, pair)) ++first;
+    std::size_t end = first;
+    while (end < old && memory[kRecord * end] == pair.part_a && memory[kRecord * end + 1] == pair.part_b) ++end;
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      double least = kSamePoint * kSamePoint * pair.h * pair.h;
+      std::size_t best = end;
+      for (std::size_t i = first; i < end; ++i) {
+        const double* m = &memory[kRecord * i];
+        const double d = used[i] ? least : (Vec3(m[2], m[3], m[4]) - points.point[c]).squaredNorm();
+        if (d < least) least = d, best = i;
+      }
+      if (best == end) continue;
+      used[best] = 1;
+      const double* m = &memory[kRecord * best];
+      Vec3 l = settings_.rows.dt * (frame_[c] * Vec3(m[5], m[6], m[7]));
+      l.x() = std::max(0.0, l.x());
+      const double most = rows_.friction()[c] * l.x(), length = l.tail<2>().norm();
+      if (length > most) l.tail<2>() *= most / length;
+      lambda_[c] = l;
+    }
+    first = end;
+  }
+}
+
+void ConstraintStep::assemble() {
+  inverses_.begin(bodies_, first_v_, touched_);
+  exact_ = true;
+  first_mode_.assign(1, first_v_.back());
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (touched_[b]) exact_ = exact_ && inverses_.exact(b) && !mixed_[b];
+    first_mode_.push_back(first_mode_.back() + static_cast<std::size_t>(inverses_.modes(b)));
+  }
+  sweep_.clear();
+  map_.resize(parts_.size());
+  for (const ContactPair& pair : rows_.points().pairs)
+    for (std::size_t c = pair.begin; c < pair.end; ++c) add_row(pair, c);
+}
+
+void ConstraintStep::add_row(const ContactPair& pair, std::size_t c) {
+  const ContactSet& points = rows_.points();
+  entries_.clear();
+  const std::size_t body[2] = {static_cast<std::size_t>(parts_[pair.part_a].body_index),
+                               static_cast<std::size_t>(parts_[pair.part_b].body_index)};
+  const auto add_body = [&](std::size_t b, bool side_a, bool side_b) {
+    if (!touched_[b]) return;
+    const std::size_t n = first_v_[b + 1] - first_v_[b];
+    for (int axis = 0; axis < 3; ++axis) {
+      force_[axis].assign(n, 0.0), answer_[axis].resize(n);
+      const auto add_side = [&](std::int32_t part, std::int32_t source, double sign) {
+        std::unique_ptr<Map>& map = map_[part];
+        if (axis == 0 || (side_a && side_b))
+          parts_[part].body->make_map(parts_[part].index, std::span(&points.point[c], 1), std::span(&source, 1), map);
+        const Vec3 f = sign * frame_[c].row(axis).transpose();
+        map->add_force(std::span(&f, 1), force_[axis]);
+      };
+      if (side_a) add_side(pair.part_a, points.source_a[c], 1.0);
+      if (side_b) add_side(pair.part_b, points.source_b[c], -1.0);
+      bodies_[b]->filter(force_[axis]);
+      inverses_.local(b, force_[axis], answer_[axis]);
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3 row(force_[0][i], force_[1][i], force_[2][i]), answer(answer_[0][i], answer_[1][i], answer_[2][i]);
+      if (row != Vec3::Zero() || answer != Vec3::Zero()) entries_.push_back({first_v_[b] + i, row, answer});
+    }
+    const int modes = inverses_.modes(b);
+    if (modes == 0) return;
+    Eigen::MatrixXd row(modes, 3), answer(modes, 3);
+    for (int axis = 0; axis < 3; ++axis) {
+      row.col(axis) = inverses_.to_modes(b, force_[axis]);
+      answer.col(axis) = inverses_.mode_response(b, row.col(axis));
+    }
+    for (int k = 0; k < modes; ++k)
+      entries_.push_back({first_mode_[b] + static_cast<std::size_t>(k), row.row(k), answer.row(k)});
+  };
+  if (body[0] == body[1]) {
+    add_body(body[0], true, true);
+  } else {
+    add_body(body[0], true, false);
+    add_body(body[1], false, true);
+  }
+  sweep_.add(entries_, rows_.friction()[c]);
+}
+
+bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<double> delta, StepReport& report) {
+  if (empty()) return true;
+  assemble();
+  const std::size_t n = rows_.points().size();
+  std::vector<double> change(delta.begin(), delta.end()), guess(first_mode_.back(), 0.0);
+  change.resize(first_mode_.back(), 0.0);
+  for (std::size_t c = 0; c < n; ++c) sweep_.add_response(c, lambda_[c], guess);
+  std::vector<Vec3> free(n);
+  for (std::size_t c = 0; c < n; ++c)
+    free[c] = start_[c] + frame_[c].transpose() * (sweep_.velocity(c, change) - sweep_.velocity(c, guess));
+  rows_.set_targets(settings_.rows, start_, free);
+
+  double residual = 0.0;
+  solve_rows(solve, rows_.velocity_targets(), kMostRefinements, lambda_, change, residual, report);
+  if (residual > kWarn * settings_.tolerance)
+    report.warnings.push_back(
+        {report.time, "no_convergence",
+         fmt::format("the constraint rows of {} contacts stopped at relative residual {:.1e}; allow more sweeps", n,
+                     residual)});
+  if (rows_.travels_apart()) {
+    std::vector<Vec3> lambda = lambda_;
+    std::vector<double> way = change;
+    const double worst = report.row_residual;
+    solve_rows(solve, rows_.travel_targets(), kTravelRefinements, lambda, way, residual, report);
+    report.row_residual = worst;
+    travel_.resize(delta.size());
+    for (std::size_t i = 0; i < travel_.size(); ++i) travel_[i] = way[i] - change[i];
+  }
+  bool finite = true;
+  for (std::size_t i = 0; i < delta.size(); ++i) {
+    delta[i] = change[i];
+    finite = finite && std::isfinite(delta[i]) && (travel_.empty() || std::isfinite(travel_[i]));
+  }
+  return finite;
+}
+
+void ConstraintStep::solve_rows(const ImplicitStep::Respond& solve, std::span<const double> target, int most,
+                                std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual,
+                                StepReport& report) {
+  if (!exact_) return refine(solve, target, most, lambda, delta, residual, report);
+  const auto r =
+      sweep_.solve(offset_, target, settings_.tolerance, settings_.max_sweeps, settings_.scale, lambda, delta);
+  report.sweeps += r.sweeps;
+  report.row_residual = std::max(report.row_residual, r.residual);
+  residual = r.residual;
+}
+
+void ConstraintStep::refine(const ImplicitStep::Respond& solve, std::span<const double> target, int most,
+                            std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual,
+                            StepReport& report) {
+  const std::size_t n = lambda.size(), nv = first_v_.back();
+  // What a direction in λ does: to the velocities, and to u at every contact.
+  struct Direction {
+    std::vector<Vec3> lambda, u;
+    std::vector<double> v;
+    double curvature = 0.0;  ///< λ·u
+  };
+  Direction now, last;
+  std::vector<Vec3> offset(n), next, change_u(n);
+  std::vector<double> change, rhs(nv);
+  now.lambda.resize(n), now.u.resize(n), now.v.resize(first_mode_.back());
+  double scale = settings_.scale;
+  for (int i = 0; i < most; ++i) {
+    for (std::size_t c = 0; c < n; ++c) offset[c] = offset_[c] + sweep_.velocity(c, delta);
+    next = lambda;
+    change.assign(first_mode_.back(), 0.0);
+    const auto r = sweep_.solve(offset, target, 0.1 * settings_.tolerance, settings_.max_sweeps, scale, next, change);
+    report.sweeps += r.sweeps;
+
+    double worst = 0.0;
+    std::fill(rhs.begin(), rhs.end(), 0.0);
+    for (std::size_t c = 0; c < n; ++c) {
+      change_u[c] = sweep_.velocity(c, change);
+      worst = std::max(worst, change_u[c].norm());
+      now.lambda[c] = next[c] - lambda[c];
+      sweep_.add_force(c, now.lambda[c], rhs);
+    }
+    if (i == 0) scale = std::max(scale, worst);
+    residual = worst / scale;
+    if (!(residual > kRefined * settings_.tolerance)) break;
+    std::fill(now.v.begin(), now.v.end(), 0.0);
+    const SolveReport s = solve(rhs, std::span(now.v).first(nv));
+    report.cg_iterations += s.iterations;
+    ++report.solves;
+    if (!s.finite) break;
+    for (std::size_t c = 0; c < n; ++c) now.u[c] = sweep_.velocity(c, now.v);
+
+    // Conjugate to the last direction, unless that leads out of a cone; the model foretells how far the way goes down.
+    double t = 0.0;
+    const auto measure = [&](Direction& d) {
+      double down = 0.0;
+      d.curvature = 0.0;
+      for (std::size_t c = 0; c < n; ++c) d.curvature += d.lambda[c].dot(d.u[c]), down += d.lambda[c].dot(change_u[c]);
+      t = d.curvature > 0.0 ? std::clamp(down / d.curvature, 0.0, 4.0) : 1.0;
+    };
+    bool conjugate = last.curvature > 0.0;
+    if (conjugate) {
+      double shared = 0.0;
+      for (std::size_t c = 0; c < n; ++c) shared += now.lambda[c].dot(last.u[c]);
+      const double beta = -shared / last.curvature;
+      for (std::size_t c = 0; c < n; ++c)
+        last.lambda[c] = now.lambda[c] + beta * last.lambda[c], last.u[c] = now.u[c] + beta * last.u[c];
+      for (std::size_t j = 0; j < nv; ++j) last.v[j] = now.v[j] + beta * last.v[j];
+      measure(last);
+      conjugate = t > 0.0 && longest_way(lambda, last.lambda, t) >= 0.999 * t;
+    }
+    if (conjugate) {
+      now = last;
+    } else {
+      measure(now);
+      t = longest_way(lambda, now.lambda, std::max(t, kLeastWay));
+    }
+    for (std::size_t c = 0; c < n; ++c) lambda[c] += t * now.lambda[c];
+    for (std::size_t j = 0; j < nv; ++j) delta[j] += t * now.v[j];
+    last = now;
+  }
+  report.row_residual = std::max(report.row_residual, residual);
+}
+
+double ConstraintStep::longest_way(std::span<const Vec3> from, std::span<const Vec3> way, double most) const {
+  const auto inside = [&](std::size_t c, double t) {
+    const Vec3 l = from[c] + t * way[c];
+    const double room = 1e-12 * (1.0 + from[c].norm());
+    return l.x() >= -room && l.tail<2>().norm() <= rows_.friction()[c] * l.x() + room;
+  };
+  // The cones are convex: what lies on the way to a place inside is inside too.
+  for (std::size_t c = 0; c < from.size(); ++c)
+    while (most > kLeastWay && !inside(c, most)) most *= 0.8;
+  return most;
+}
+
+void ConstraintStep::finish(StepReport& report, std::vector<ContactSample>& samples, bool check,
+                            std::vector<double>& memory) const {
+  const ContactSet& points = rows_.points();
+  memory.clear();
+  std::vector<Vec3> force(points.size());
+  std::size_t at = 0;
+  for (const ContactPair& pair : points.pairs) {
+    if (pair.begin == pair.end) continue;
+    while (at < report.pairs.size() &&
+           (report.pairs[at].part_a != pair.part_a || report.pairs[at].part_b != pair.part_b))
+      ++at;
+    if (at == report.pairs.size()) break;
+    PairReport& r = report.pairs[at];
+    Vec3 center = Vec3::Zero();
+    double load = 0.0;
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      const Vec3 f = frame_[c].transpose() * lambda_[c] / settings_.rows.dt;
+      const Vec3 normal = lambda_[c].x() / settings_.rows.dt * rows_.normals()[c], &x = points.point[c];
+      force[c] = f;
+      r.force_on_a += f;
+      r.friction_on_a += f - normal;
+      center += normal.norm() * x;
+      load += normal.norm();
+      samples.push_back({x.cast<float>(), normal.cast<float>(), Vec3(f - normal).cast<float>(),
+                         static_cast<float>(points.depth[c] / pair.h), pair.part_a, pair.part_b});
+      memory.insert(memory.end(), {static_cast<double>(pair.part_a), static_cast<double>(pair.part_b), x.x(), x.y(),
+                                   x.z(), f.x(), f.y(), f.z()});
+    }
+    if (load > 0.0) r.center = center / load;
+  }
+  if (check) check_momentum(bodies_, first_v_, parts_, points, maps_, force, report);
+}
+
+}  // namespace brim

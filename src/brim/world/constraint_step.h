@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "brim/body/body.h"
+#include "brim/response/constraint.h"
+#include "brim/solve/projected_gauss_seidel.h"
+#include "brim/world/body_inverses.h"
+#include "brim/world/contact_maps.h"
+#include "brim/world/implicit_step.h"
+#include "brim/world/step_report.h"
+
+namespace brim {
+
+/// Contacts held by constraint rows, on top of the implicit step (paper, sections 4.3 and 6):
+///   u = J (v + Δv) + ...,  Δv = A⁻¹ (b + Jᵀ λ),  λ in Coulomb's cone, u_n >= target
+/// with A the implicit matrix of all bodies and of the contacts that stay with the penalty response. Projected
+/// Gauss-Seidel runs on J P Jᵀ, P the bodies' own inverses (BodyInverses). Where P is A⁻¹, for bodies of few velocities
+/// without other contacts, its result is the solution. Elsewhere it gives a direction d in λ; A⁻¹ Jᵀ d comes from the
+/// step's own solve, λ moves along d as far as the two agree, and so on until d changes no velocity any more.
+class ConstraintStep {
+ public:
+  struct Settings {
+    ConstraintOptions rows;
+    double tolerance = 1e-4;  ///< relative change of velocity at which sweeps end
+    int max_sweeps = 200;
+    double scale = 0.0;  ///< [m/s] a velocity that matters: that of a free fall over the step
+  };
+
+  /// Gathers rows from the contacts and the impulses of the last step. @param memory  of the last step (World::State)
+  void begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+             std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const Vec3> normals,
+             std::span<const ConstraintPair> pairs, std::span<const double> v, const Settings& settings,
+             std::span<const double> memory);
+  bool empty() const { return rows_.points().size() == 0; }
+  /// Jᵀ λ of the first guess, [N s], shape (nv).
+  std::span<const double> impulse() const { return impulse_; }
+
+  /// Corrects the velocity changes of the implicit step, which hold the first guess already.
+  /// @param solve  x = A⁻¹ b  @param delta  Δv, shape (nv)
+  /// @return false when a value is not finite
+  bool correct(const ImplicitStep::Respond& solve, std::span<double> delta, StepReport& report);
+  /// Mean velocity of the step less that at its end, for the positions; shape (nv), or empty where they are the same.
+  std::span<const double> travel() const { return travel_; }
+
+  /// Adds forces to the reports of pairs and to the samples, checks momentum, and keeps λ for the next step.
+  void finish(StepReport& report, std::vector<ContactSample>& samples, bool check, std::vector<double>& memory) const;
+
+ private:
+  void choose_frames();
+  void recall(std::span<const double> memory);
+  void assemble();
+  void add_row(const ContactPair& pair, std::size_t c);
+  /// Solves for the targets from λ and Δv on entry. @param most  solves with A
+  void solve_rows(const ImplicitStep::Respond& solve, std::span<const double> target, int most,
+                  std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual, StepReport& report);
+  void refine(const ImplicitStep::Respond& solve, std::span<const double> target, int most, std::vector<Vec3>& lambda,
+              std::vector<double>& delta, double& residual, StepReport& report);
+  double longest_way(std::span<const Vec3> from, std::span<const Vec3> way, double most) const;
+
+  std::span<const std::unique_ptr<Body>> bodies_;
+  std::span<const std::size_t> first_v_;
+  std::span<const WorldPart> parts_;
+  Settings settings_;
+  Constraint rows_;
+  ContactMaps maps_;
+  BodyInverses inverses_;
+  ProjectedGaussSeidel sweep_;
+  std::vector<std::uint8_t> touched_, mixed_;  ///< per body: has rows, has other contacts too
+  bool exact_ = true;
+
+  std::vector<Mat3> frame_;   ///< rows n, t1, t2
+  std::vector<Vec3> start_;   ///< [m/s] relative velocity at the start, world frame
+  std::vector<Vec3> offset_;  ///< the same in the contact's frame
+  std::vector<Vec3> lambda_;  ///< [N s] in the contact's frame
+  std::vector<double> impulse_, travel_;
+  // Workspace.
+  std::vector<std::unique_ptr<Map>> map_;  ///< per part, of the point at hand
+  std::array<std::vector<double>, 3> force_, answer_;
+  std::vector<ProjectedGaussSeidel::Entry> entries_;
+  std::vector<std::size_t> first_mode_;
+};
+
+}  // namespace brim

@@ -1,0 +1,111 @@
+#include "brim/response/constraint.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "brim/response/penalty.h"
+#include "support/touching.h"
+
+namespace brim {
+namespace {
+
+using testing::plane_pose;
+using testing::Touching;
+
+/// The rows of a shape at a plane through the origin.
+Constraint rows_of(const Shape& shape, const Pose& pose, const Pose& plane, double h, bool stiff = true) {
+  const auto half_space = make_half_space();
+  const Touching t(shape, pose, *half_space, plane, h, 3 * h, 0.4);
+  const std::vector<Vec3> still(t.contacts.size(), Vec3::Zero());
+  Penalty normals;
+  PenaltyOptions o;
+  o.dt = 1.0 / 60.0, o.friction_speed = 1e-3;
+  normals.begin(t.contacts, std::vector<PairState>(1), o, still, still);
+  Constraint rows;
+  ConstraintPair law;
+  law.constrained = true, law.friction = 0.5, law.stiff = stiff;
+  rows.gather(t.contacts, normals.normals(), std::vector<ConstraintPair>{law}, {});
+  return rows;
+}
+
+double least_gap(const Constraint& rows) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const double depth : rows.points().depth) least = std::min(least, -depth);
+  return least;
+}
+
+TEST(Constraint, ABallHasOnePointWhereItIsNearest) {
+  constexpr unsigned kSeed = 3;
+  SCOPED_TRACE(kSeed);
+  std::mt19937 rng(kSeed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const double h = 0.1, R = 0.6;
+  const auto ball = make_sphere(R);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Vec3 n = Vec3(0.3 * unit(rng), 0.3 * unit(rng), 1.0).normalized();
+    const double gap = 0.06 * unit(rng);
+    const Vec3 at(unit(rng), unit(rng), unit(rng));
+    const Constraint rows = rows_of(*ball, {Mat3::Identity(), at + (R + gap) * n}, plane_pose(n, at), h);
+    ASSERT_EQ(rows.points().size(), 1u) << "a rolling ball must not be held by points beside";
+    EXPECT_NEAR(-rows.points().depth[0], gap, 0.02 * h);
+    EXPECT_NEAR(rows.normals()[0].dot(n), 1.0, 2e-4);
+    EXPECT_LT((rows.points().point[0] - (at + 0.5 * gap * n)).norm(), 0.2 * h);
+  }
+}
+
+TEST(Constraint, ABoxOnAPlaneHasFourPointsOfOneGapAtItsCorners) {
+  const double h = 0.1, gap = 0.013;
+  const auto box = make_box(Vec3::Ones());
+  const Constraint rows =
+      rows_of(*box, {Mat3::Identity(), Vec3(0.03, 0.04, 0.5 + gap)}, plane_pose(Vec3::UnitZ(), Vec3::Zero()), h);
+  ASSERT_EQ(rows.points().size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(-rows.points().depth[i], gap, 0.01 * h);
+    const Vec3 r = rows.points().point[i] - Vec3(0.03, 0.04, 0.0);
+    EXPECT_GT(std::min(std::abs(r.x()), std::abs(r.y())), 0.5 - h) << "within a voxel of the corner";
+    EXPECT_LT(std::max(std::abs(r.x()), std::abs(r.y())), 0.5 + 0.5 * h);
+    EXPECT_GT(rows.normals()[i].z(), 1.0 - 1e-6);
+  }
+}
+
+TEST(Constraint, ATiltedBoxIsNearestAtItsEdgeToAThirdOfAVoxel) {
+  const double h = 0.1;
+  const auto box = make_box(Vec3::Ones());
+  for (const double degrees : {18.0, 45.0})
+    for (int k = 0; k < 8; ++k) {
+      const double angle = degrees * M_PI / 180.0, gap = 0.01;
+      const Quat q(Eigen::AngleAxisd(angle, Vec3::UnitY()));
+      const Vec3 at(0.0137 * k, 0.0071 * k, 0.0119 * k);
+      const double height = 0.5 * (std::cos(angle) + std::sin(angle)) + gap;
+      const Constraint rows =
+          rows_of(*box, {q.toRotationMatrix(), at + Vec3(0, 0, height)}, plane_pose(Vec3::UnitZ(), at), h);
+      EXPECT_NEAR(least_gap(rows), gap, 0.3 * h) << degrees << " degrees, " << k;
+    }
+}
+
+TEST(Constraint, PairsOfThePenaltyResponseAndEmptyPairsHaveNoPoints) {
+  ContactSet none;
+  none.pairs.resize(1);
+  Constraint rows;
+  rows.gather(none, {}, std::vector<ConstraintPair>{{true, 0.5, 0.0, true}}, {});
+  EXPECT_EQ(rows.points().size(), 0u);
+  rows.set_targets({}, {}, {});
+  EXPECT_FALSE(rows.travels_apart());
+}
+
+TEST(Constraint, TargetsByHand) {
+  const double h = 0.1;
+  const auto ball = make_sphere(0.6);
+  Constraint rows = rows_of(*ball, {Mat3::Identity(), Vec3(0, 0, 0.63)}, plane_pose(Vec3::UnitZ(), Vec3::Zero()), h);
+  ASSERT_EQ(rows.points().size(), 1u);
+  const double gap = -rows.points().depth[0], dt = 0.1;
+  // Free of contact it may come as far as the gap, a little less: what is nearly touched counts as touched.
+  const std::vector<Vec3> start{Vec3(0, 0, -1.0)}, free{Vec3(0, 0, -2.0)};
+  rows.set_targets({dt, 0.0}, start, free);
+  EXPECT_NEAR(rows.velocity_targets()[0], -gap / dt, 0.006 * h / dt);
+  EXPECT_FALSE(rows.travels_apart());
+}
+
+}  // namespace
+}  // namespace brim

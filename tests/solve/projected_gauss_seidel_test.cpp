@@ -1,0 +1,143 @@
+#include "brim/solve/projected_gauss_seidel.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <random>
+
+namespace brim {
+namespace {
+
+using Entry = ProjectedGaussSeidel::Entry;
+
+/// A point of mass m whose velocities are indices 0 to 2, touching along z; tangents x and y.
+std::vector<Entry> point_on_floor(double m) {
+  return {{0, Vec3(0, 1, 0), Vec3(0, 1, 0) / m},
+          {1, Vec3(0, 0, 1), Vec3(0, 0, 1) / m},
+          {2, Vec3(1, 0, 0), Vec3(1, 0, 0) / m}};
+}
+
+TEST(ProjectedGaussSeidel, APointThatLandsWithFrictionByHand) {
+  ProjectedGaussSeidel s;
+  s.add(point_on_floor(2.0), 0.5);
+  const std::vector<Vec3> offset{Vec3::Zero()};
+  const std::vector<double> target{0.0};
+  // Fast: Coulomb takes μ times the change of the normal velocity. Slow: it sticks.
+  for (const auto& [slip, left] : {std::pair{1.2, 0.7}, std::pair{0.4, 0.0}}) {
+    std::vector<double> v{0.6 * slip, 0.8 * slip, -1.0};
+    std::vector<Vec3> impulse{Vec3::Zero()};
+    const auto r = s.solve(offset, target, 1e-12, 200, 0.0, impulse, v);
+    EXPECT_TRUE(r.converged);
+    EXPECT_NEAR(v[2], 0.0, 1e-12);
+    EXPECT_NEAR(v[0], 0.6 * left, 1e-9);
+    EXPECT_NEAR(v[1], 0.8 * left, 1e-9);
+    EXPECT_NEAR(impulse[0].x(), 2.0, 1e-9);
+    EXPECT_NEAR(impulse[0].tail<2>().norm(), 2.0 * (slip - left), 1e-9);
+  }
+}
+
+TEST(ProjectedGaussSeidel, AContactThatOpensGetsNoImpulse) {
+  ProjectedGaussSeidel s;
+  s.add(point_on_floor(1.0), 0.5);
+  std::vector<double> v{0.3, 0.0, 0.1};
+  std::vector<Vec3> impulse{Vec3::Zero()};
+  s.solve(std::vector<Vec3>{Vec3::Zero()}, std::vector<double>{0.0}, 1e-12, 50, 0.0, impulse, v);
+  EXPECT_EQ(impulse[0], Vec3::Zero());
+  EXPECT_EQ(v[0], 0.3);
+}
+
+TEST(ProjectedGaussSeidel, AContactOfImmovableThingsDoesNothing) {
+  ProjectedGaussSeidel s;
+  s.add({}, 0.5);
+  std::vector<double> v;
+  std::vector<Vec3> impulse{Vec3::Zero()};
+  const auto r = s.solve(std::vector<Vec3>{Vec3(-1, 0, 0)}, std::vector<double>{0.0}, 1e-6, 50, 0.0, impulse, v);
+  EXPECT_TRUE(r.converged);
+  EXPECT_EQ(impulse[0], Vec3::Zero());
+}
+
+/// Random contacts on random coupled velocities.
+struct Problem {
+  ProjectedGaussSeidel solver;
+  Eigen::MatrixXd R, P;  ///< rows (3 n), inverse mass
+  std::vector<Vec3> offset;
+  std::vector<double> target, free;
+
+  Problem(int contacts, int velocities, double mu, std::mt19937& rng) {
+    std::normal_distribution<double> normal;
+    R = Eigen::MatrixXd::NullaryExpr(3 * contacts, velocities, [&] { return normal(rng); });
+    const Eigen::MatrixXd B = Eigen::MatrixXd::NullaryExpr(velocities, velocities, [&] { return normal(rng); });
+    P = B * B.transpose() + Eigen::MatrixXd::Identity(velocities, velocities);
+    for (int c = 0; c < contacts; ++c) {
+      const Eigen::MatrixXd answer = P * R.middleRows(3 * c, 3).transpose();
+      std::vector<Entry> entries;
+      for (int i = 0; i < velocities; ++i)
+        entries.push_back({static_cast<std::size_t>(i), R.block(3 * c, i, 3, 1), answer.row(i).transpose()});
+      solver.add(entries, mu);
+      offset.push_back(Vec3(normal(rng), normal(rng), normal(rng)));
+      target.push_back(normal(rng));
+    }
+    for (int i = 0; i < velocities; ++i) free.push_back(normal(rng));
+  }
+};
+
+TEST(ProjectedGaussSeidel, SolutionsHoldCoulombsLawAtEveryContact) {
+  constexpr unsigned kSeed = 21;
+  SCOPED_TRACE(kSeed);
+  std::mt19937 rng(kSeed);
+  for (int trial = 0; trial < 20; ++trial) {
+    const double mu = 0.3;
+    Problem p(4, 12, mu, rng);
+    std::vector<double> v = p.free;
+    std::vector<Vec3> impulse(4, Vec3::Zero());
+    if (!p.solver.solve(p.offset, p.target, 1e-12, 20000, 0.0, impulse, v).converged) continue;
+    for (std::size_t c = 0; c < 4; ++c) {
+      const Vec3 u = p.solver.velocity(c, v) + p.offset[c];
+      const double un = u.x() - p.target[c], slip = u.tail<2>().norm(), most = mu * impulse[c].x();
+      EXPECT_GE(impulse[c].x(), 0.0);
+      EXPECT_GT(un, -1e-8);
+      EXPECT_LT(std::abs(impulse[c].x() * un), 1e-7);
+      EXPECT_LE(impulse[c].tail<2>().norm(), most * (1.0 + 1e-9));
+      // Against the slip, at the limit, or no slip.
+      EXPECT_LT((impulse[c].tail<2>() * slip + most * u.tail<2>()).norm(), 1e-6 * (1.0 + most * slip));
+    }
+  }
+}
+
+TEST(ProjectedGaussSeidel, WithoutFrictionTheSolutionIsThatOfEveryActiveSetTried) {
+  constexpr unsigned kSeed = 5;
+  SCOPED_TRACE(kSeed);
+  std::mt19937 rng(kSeed);
+  for (int trial = 0; trial < 20; ++trial) {
+    const int n = 4;
+    Problem p(n, 9, 0.0, rng);
+    std::vector<double> v = p.free;
+    std::vector<Vec3> impulse(n, Vec3::Zero());
+    ASSERT_TRUE(p.solver.solve(p.offset, p.target, 1e-13, 20000, 0.0, impulse, v).converged);
+    // Brute force: W λ + q complementary to λ on the normals.
+    Eigen::MatrixXd N(n, 9);
+    Eigen::VectorXd q(n);
+    const Eigen::Map<const Eigen::VectorXd> free(p.free.data(), 9);
+    for (int c = 0; c < n; ++c) {
+      N.row(c) = p.R.row(3 * c);
+      q[c] = N.row(c).dot(free) + p.offset[c].x() - p.target[c];
+    }
+    const Eigen::MatrixXd W = N * p.P * N.transpose();
+    int found = 0;
+    for (int set = 0; set < 1 << n; ++set) {
+      std::vector<int> on;
+      for (int c = 0; c < n; ++c)
+        if (set >> c & 1) on.push_back(c);
+      Eigen::VectorXd lambda = Eigen::VectorXd::Zero(n);
+      if (!on.empty()) lambda(on) = W(on, on).lu().solve(-q(on)).eval();
+      const Eigen::VectorXd u = W * lambda + q;
+      if (lambda.minCoeff() < -1e-12 || u.minCoeff() < -1e-9) continue;
+      ++found;
+      for (int c = 0; c < n; ++c) EXPECT_NEAR(impulse[c].x(), lambda[c], 1e-7);
+    }
+    EXPECT_GE(found, 1);
+  }
+}
+
+}  // namespace
+}  // namespace brim

@@ -1,0 +1,307 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "brim/body/cloth/cloth_body.h"
+#include "brim/body/fem/fem_body.h"
+#include "brim/core/parallel.h"
+#include "brim/mesh/primitives.h"
+#include "support/solids.h"
+#include "support/worlds.h"
+
+/// Laws of contact by constraint rows: friction, restitution, momentum, rest.
+namespace brim {
+namespace {
+
+using testing::ball;
+using testing::box;
+using testing::ground;
+using testing::liveliness;
+using testing::options_at;
+using testing::position;
+using testing::run;
+using testing::spin;
+using testing::velocity;
+
+WorldOptions rows_at(double h) {
+  WorldOptions o = options_at(h);
+  o.response = Response::Constraint;
+  return o;
+}
+
+/// A box on an incline of tan(angle) = 1/2. @return the way it slides between two times, [m]
+double slide(double mu, double from, double to, double turn) {
+  World w(rows_at(0.125));
+  const Vec3 normal = Vec3(-1, 0, 2).normalized();
+  w.add(ground(mu, normal));
+  const Quat tilt = Quat::FromTwoVectors(Vec3(0, 0, 1), normal);
+  testing::Start s;
+  s.x = (0.5 + 1e-4) * normal;
+  s.rotation = tilt * Quat(Eigen::AngleAxisd(turn, Vec3::UnitZ()));
+  const int b = w.add(box("box", s, mu));
+  run(w, from);
+  const Vec3 x = position(w, b);
+  run(w, to - from);
+  return (position(w, b) - x).norm();
+}
+
+TEST(ConstraintContact, ABoxSticksJustAboveTheAngleOfFrictionAndSlidesJustBelow) {
+  for (const double turn : {0.0, 0.4}) {
+    SCOPED_TRACE(turn);
+    EXPECT_LT(slide(0.51, 0.25, 1.0, turn), 2e-4);
+    // Below it: a = g (sin − μ cos), s = a t²/2. Normals off by half a percent make half of the little that is left.
+    EXPECT_NEAR(slide(0.49, 0.0, 1.0, turn), 0.0439, 0.5 * 0.0439);
+  }
+}
+
+TEST(ConstraintContact, ABoxSlidesWithCoulombsFriction) {
+  const double a = 9.81 / std::sqrt(5.0) * (1.0 - 2.0 * 0.3);
+  EXPECT_NEAR(slide(0.3, 0.0, 0.6, 0.3), 0.5 * a * 0.36, 0.04 * 0.5 * a * 0.36);
+}
+
+TEST(ConstraintContact, ABoxSlidesDownWithoutFrictionLikeAPoint) {
+  const double a = 9.81 / std::sqrt(5.0);
+  EXPECT_NEAR(slide(0.0, 0.0, 0.5, 0.3), 0.5 * a * 0.25, 0.04 * 0.5 * a * 0.25);
+}
+
+/// Height to which a ball rises again, over the height of its fall.
+double bounce(double e, double fall, double h) {
+  WorldOptions o = rows_at(h);
+  o.pair_materials[{"default", "default"}].restitution = e;
+  World w(o);
+  w.add(ground(0.3));
+  const int b = w.add(ball("ball", {Vec3(0.03, 0.01, 0.5 + fall)}));
+  bool down = false;
+  double top = 0.0;
+  for (int s = 0; s < 400; ++s) {
+    w.step();
+    if (velocity(w, b).z() > 0.0) down = true;
+    if (down) top = std::max(top, position(w, b).z() - 0.5);
+    if (down && velocity(w, b).z() < 0.0) break;
+  }
+  return top / fall;
+}
+
+TEST(ConstraintContact, ABallReturnsTheSquareOfItsRestitution) {
+  for (const double e : {0.5, 0.8, 1.0})
+    for (const double fall : {0.7, 1.0, 2.3}) {
+      SCOPED_TRACE(::testing::Message() << "e = " << e << ", fall from " << fall << " m");
+      EXPECT_NEAR(bounce(e, fall, 0.1), e * e, 0.05 * e * e);
+    }
+}
+
+TEST(ConstraintContact, ABallWithoutRestitutionStaysDown) { EXPECT_LT(bounce(0.0, 1.0, 0.1), 0.005); }
+
+TEST(ConstraintContact, BilliardBallsKeepMomentumAndForFullRestitutionEnergy) {
+  constexpr unsigned kSeed = 7;
+  SCOPED_TRACE(kSeed);
+  std::mt19937 rng(kSeed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (int trial = 0; trial < 6; ++trial)
+    for (const double e : {1.0, 0.6}) {
+      WorldOptions o = rows_at(0.1);
+      o.environment.gravity.setZero();
+      o.pair_materials[{"default", "default"}] = {0.0, 0.0, e};
+      World w(o);
+      const double offset = 0.7 * unit(rng);
+      const int a = w.add(ball("a", {Vec3(-1.5, offset, 0.1 * unit(rng)), Quat::Identity(), Vec3(4, 0, 0)}));
+      const int b = w.add(ball("b", {Vec3(0, 0, 0), Quat::Identity(), Vec3(0.3 * unit(rng), 0, 0)}));
+      const Vec3 p0 = velocity(w, a) + velocity(w, b);
+      const double e0 = w.body(a).kinetic_energy(w.v(a)) + w.body(b).kinetic_energy(w.v(b));
+      const Vec3 before = velocity(w, b) - velocity(w, a);
+      run(w, 0.7);
+      const Vec3 after = velocity(w, b) - velocity(w, a);
+      const double e1 = w.body(a).kinetic_energy(w.v(a)) + w.body(b).kinetic_energy(w.v(b));
+      ASSERT_GT((after - before).norm(), 0.1) << "they met";
+      EXPECT_LT((velocity(w, a) + velocity(w, b) - p0).norm(), 1e-12 * p0.norm());
+      // Along the line of impact only: Newton's law.
+      const Vec3 n = (after - before).normalized();
+      EXPECT_NEAR(after.dot(n), -e * before.dot(n), 1e-3 * 4.0);
+      if (e == 1.0) EXPECT_NEAR(e1, e0, 1e-9 * e0);
+      // The normal found on the grid misses the centres a little: measured 3 % of the speed at the rims.
+      EXPECT_LT((spin(w, a).norm() + spin(w, b).norm()) * 0.5, 0.04 * 4.0);
+    }
+}
+
+World tower(int boxes, bool constrained) {
+  WorldOptions o = options_at(0.125);
+  if (constrained) o.response = Response::Constraint;
+  World w(o);
+  w.add(ground(0.5));
+  std::mt19937 rng(3);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  for (int i = 0; i < boxes; ++i)
+    w.add(box("box" + std::to_string(i), {Vec3(0.03 * unit(rng), 0.03 * unit(rng), 0.5 + 1.01 * i),
+                                          Quat(Eigen::AngleAxisd(0.1 * unit(rng), Vec3::UnitZ()))}));
+  return w;
+}
+
+TEST(ConstraintContact, ATowerOfTenBoxesStandsAndComesToRest) {
+  World w = tower(10, true);
+  run(w, 2.0);
+  const Vec3 before = position(w, 10);
+  double worst = 0.0, lively = 0.0;
+  for (int s = 0; s < 120; ++s) {
+    worst = std::max(worst, w.step().worst_overlap);
+    lively = std::max(lively, liveliness(w));
+  }
+  EXPECT_NEAR(position(w, 10).z(), 9.5, 0.03);
+  EXPECT_LT((position(w, 10) - before).norm(), 2e-3);
+  EXPECT_LT(worst, 0.05);
+  EXPECT_LT(lively, 5e-3);
+}
+
+TEST(ConstraintContact, OneTwoOrFourThreadsGiveTheSameBits) {
+  std::vector<std::uint64_t> one;
+  for (const int threads : {1, 2, 4}) {
+    const ThreadLimit limit(threads);
+    World w = tower(4, true);
+    for (int s = 0; s < 30; ++s) {
+      w.step();
+      if (threads == 1) one.push_back(w.hash());
+      ASSERT_EQ(w.hash(), one[s]) << threads << " threads, step " << s;
+    }
+  }
+}
+
+TEST(ConstraintContact, ASnapshotThatContinuesEqualsOneStraightRunBitForBit) {
+  World straight = tower(3, true);
+  run(straight, 0.4);
+  ASSERT_FALSE(straight.state().memory.empty());
+  World resumed = tower(3, true);
+  resumed.set_state(straight.state());
+  for (int s = 0; s < 20; ++s) {
+    straight.step();
+    resumed.step();
+    ASSERT_EQ(resumed.hash(), straight.hash()) << "step " << s;
+  }
+}
+
+TEST(ConstraintContact, ForcesOfARestingBoxCarryItsWeight) {
+  World w = tower(3, true);
+  run(w, 1.0);
+  const StepReport r = w.step();
+  ASSERT_EQ(r.pairs.size(), 3u);
+  for (int i = 0; i < 3; ++i) {
+    const double weight = 9810.0 * (3 - i);
+    EXPECT_NEAR(std::abs(r.pairs[i].force_on_a.z()), weight, 0.01 * weight);
+  }
+  EXPECT_LT(r.momentum_error, 1e-12);
+  EXPECT_TRUE(r.warnings.empty());
+}
+
+TEST(ConstraintContact, ABallRollsOnWithoutBeingBraked) {
+  World w(rows_at(0.1));
+  w.add(ground(0.5));
+  const int b = w.add(ball("ball", {Vec3(0, 0, 0.5), Quat::Identity(), Vec3(2, 0, 0), Vec3(0, 4, 0)}));
+  run(w, 2.0);
+  EXPECT_NEAR(velocity(w, b).x(), 2.0, 0.04);
+  EXPECT_NEAR(spin(w, b).y(), 4.0, 0.08);
+}
+
+std::unique_ptr<Body> jelly(const Vec3& at) {
+  TetMesh mesh = testing::block(4, 4, 4, 0.1);
+  for (Vec3& x : mesh.vertices) x += at - Vec3(0.2, 0.2, 0.0);
+  FemOptions o;
+  o.young = 1e5, o.density = 500.0, o.stiffness_damping = 0.02;
+  auto body = std::make_unique<FemBody>(mesh, o);
+  body->set_name("jelly");
+  return body;
+}
+
+std::unique_ptr<Body> sheet(double z) {
+  TriMesh mesh = shapes::grid(6, 6, 0.48, 0.48);
+  for (Vec3& x : mesh.vertices) x.z() += z;
+  ClothOptions o;
+  o.areal_density = 0.5, o.thickness = 0.1;
+  auto body = std::make_unique<ClothBody>(mesh, o);
+  body->set_name("sheet");
+  return body;
+}
+
+/// Mean force between the two last bodies over the last steps, the worst overlap then, the speed left.
+struct Rest {
+  double force = 0.0, overlap = 0.0, speed = 0.0, momentum_error = 0.0;
+};
+
+Rest rest(World& w, double seconds) {
+  run(w, seconds);
+  Rest r;
+  for (int s = 0; s < 10; ++s) {
+    const StepReport report = w.step();
+    r.force += std::abs(report.pairs.back().force_on_a.z()) / 10.0;
+    r.overlap = std::max(r.overlap, report.worst_overlap);
+    r.speed = report.max_speed;
+    r.momentum_error = std::max(r.momentum_error, report.momentum_error);
+  }
+  return r;
+}
+
+TEST(ConstraintContact, ASoftBlockRestsOnAPlaneAndOnARigidBox) {
+  for (const bool on_box : {false, true}) {
+    SCOPED_TRACE(on_box);
+    World w(rows_at(0.05));
+    w.add(ground(0.5));
+    if (on_box) w.add(box("box", {Vec3(0, 0, 0.3)}, 0.5, 0.6));
+    w.add(jelly(Vec3(0, 0, on_box ? 0.61 : 0.01)));
+    const double weight = 9.81 * w.body(w.body_count() - 1).mass();
+    const Rest r = rest(w, 1.0);
+    EXPECT_NEAR(r.force, weight, 0.01 * weight);
+    EXPECT_LT(r.overlap, 0.25);
+    EXPECT_LT(r.speed, 0.01);
+    EXPECT_LT(r.momentum_error, 1e-12);
+  }
+}
+
+TEST(ConstraintContact, ASheetRestsOnAPlaneAndOnARigidBox) {
+  for (const bool on_box : {false, true}) {
+    SCOPED_TRACE(on_box);
+    World w(rows_at(0.05));
+    w.add(ground(0.5));
+    if (on_box) w.add(box("box", {Vec3(0, 0, 0.3)}, 0.5, 0.6));
+    w.add(sheet(on_box ? 0.67 : 0.07));
+    const double weight = 9.81 * w.body(w.body_count() - 1).mass();
+    const Rest r = rest(w, 1.0);
+    EXPECT_NEAR(r.force, weight, 0.02 * weight);
+    EXPECT_LT(r.overlap, 0.5);
+    EXPECT_LT(r.speed, 0.05);
+    EXPECT_LT(r.momentum_error, 1e-12);
+  }
+}
+
+TEST(ConstraintContact, PenaltyAndConstraintsHoldAStackTogether) {
+  // The lower box is constrained on the ground, the upper one stands on it by penalty, and the other way round.
+  for (const bool upper : {false, true}) {
+    WorldOptions o = options_at(0.1);
+    o.pair_materials[{"floor", "wood"}].response = upper ? Response::Penalty : Response::Constraint;
+    o.pair_materials[{"wood", "wood"}].response = upper ? Response::Constraint : Response::Penalty;
+    World w(o);
+    ObstacleModel m;
+    m.shape = make_half_space();
+    m.part.material.name = "floor";
+    auto floor = std::make_unique<ObstacleBody>(m);
+    floor->set_name("floor");
+    w.add(std::move(floor));
+    for (int i = 0; i < 2; ++i) {
+      RigidModel r;
+      r.shape = make_box(Vec3::Constant(1.0));
+      r.mass = 1000.0, r.inertia = 1000.0 / 6.0 * Mat3::Identity();
+      r.position = Vec3(0.04 * i, 0, 0.5 + i);
+      r.part.material.name = "wood";
+      auto b = std::make_unique<RigidBody>(r);
+      b->set_name("box" + std::to_string(i));
+      w.add(std::move(b));
+    }
+    run(w, 1.0);
+    const StepReport r = w.step();
+    ASSERT_EQ(r.pairs.size(), 2u);
+    EXPECT_NEAR(std::abs(r.pairs[0].force_on_a.z()), 19620.0, 196.2);
+    EXPECT_NEAR(std::abs(r.pairs[1].force_on_a.z()), 9810.0, 98.1);
+    EXPECT_LT(liveliness(w), 1e-2);
+    EXPECT_LT(r.worst_overlap, 0.1);
+  }
+}
+
+}  // namespace
+}  // namespace brim
