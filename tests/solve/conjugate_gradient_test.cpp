@@ -111,6 +111,23 @@ TEST(ConjugateGradient, StartingFromTheSolutionTakesNoIteration) {
   EXPECT_TRUE(r.converged);
 }
 
+TEST(ConjugateGradient, ARightHandSideThatChangesNothingIsNotResolved) {
+  Problem p(40);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(40), exact = p.A.ldlt().solve(p.b);
+  p.system.negligible = 0.25 * exact.dot(p.A * exact);
+  const int partly = ConjugateGradient().solve(p.system, view(p.b), 1e-12, 200, view(x)).iterations;
+  EXPECT_GT(partly, 0);
+  p.system.negligible = 0.0;
+  x.setZero();
+  EXPECT_GT(ConjugateGradient().solve(p.system, view(p.b), 1e-12, 200, view(x)).iterations, partly);
+  p.b *= 1e-9;  // rounding, beside what counts
+  p.system.negligible = 1e-14 * exact.dot(p.A * exact);
+  x.setZero();
+  const SolveReport r = ConjugateGradient().solve(p.system, view(p.b), 1e-12, 200, view(x));
+  EXPECT_EQ(r.iterations, 0);
+  EXPECT_TRUE(r.converged);
+}
+
 TEST(ConjugateGradient, ZeroRightHandSideGivesZero) {
   Problem p(10);
   p.b.setZero();

@@ -1,5 +1,6 @@
 #include "brim/solve/conjugate_gradient.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "brim/core/parallel.h"
@@ -50,7 +51,7 @@ SolveReport ConjugateGradient::solve(const LinearSystem& system, std::span<const
   system.filter(z_);
   std::copy(z_.begin(), z_.end(), p_.begin());
   double rz = warm ? dot(r_, z_) : scale;
-  const double goal = tolerance * tolerance * scale;
+  const double goal = std::max(tolerance * tolerance * scale, system.negligible);
   while (rz > goal && report.iterations < max_iterations) {
     system.apply(p_, y_);
     system.filter(y_);

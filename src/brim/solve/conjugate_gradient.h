@@ -11,6 +11,7 @@ struct LinearSystem {
   std::function<void(std::span<const double> x, std::span<double> y)> apply;         ///< y = A x
   std::function<void(std::span<const double> r, std::span<double> z)> precondition;  ///< z = P⁻¹ r
   std::function<void(std::span<double> x)> filter;                                   ///< zero in the imposed directions
+  double negligible = 0.0;  ///< xᵀ A x below which a solution changes nothing that counts, and any guess is good
 };
 
 struct SolveReport {

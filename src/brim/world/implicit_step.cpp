@@ -7,6 +7,13 @@
 
 namespace brim {
 
+namespace {
+
+/// Share of the velocities whose change is rounding: where nothing acts, the solve need not resolve it.
+constexpr double kNegligible = 1e-11;
+
+}  // namespace
+
 bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
                          std::span<const WorldPart> parts, const Environment& env, const ContactMaps& maps,
                          Penalty& response, const ContactSet& contact_set, std::span<const double> v,
@@ -42,6 +49,8 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
                [&](std::size_t b) { bodies[b]->add_system_diagonal(first_block_[b], bodies_diagonal_); });
 
   LinearSystem system;
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    system.negligible += kNegligible * kNegligible * 2.0 * bodies[b]->kinetic_energy(slice(v, b));
   system.filter = [&](std::span<double> x) {
     parallel_for(bodies.size(), [&](std::size_t b) { bodies[b]->filter(slice(x, b)); });
   };
