@@ -65,7 +65,9 @@ TEST(DensitySlices, HoldTheDensitiesOfTheTwoFullestBodiesAtEveryNodeOfAnyPlane) 
           const auto n = static_cast<std::size_t>(j * s.count[0] + i);
           ASSERT_NEAR(s.density[n], rho[0].first, 1e-6) << x.transpose();
           ASSERT_NEAR(s.second[n], rho[1].first, 1e-6) << x.transpose();
-          if (rho[0].first > rho[1].first + 1e-6) ASSERT_EQ(s.body[n], rho[0].second);
+          if (rho[0].first > rho[1].first + 1e-6) {
+            ASSERT_EQ(s.body[n], rho[0].second);
+          }
           const double overlap = std::max(0.0, rho[0].first + rho[1].first - 1.0);
           ASSERT_NEAR(s.overlap[n], overlap, 1e-6);
           worst_overlap = std::max(worst_overlap, overlap);

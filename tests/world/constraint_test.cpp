@@ -118,7 +118,9 @@ TEST(ConstraintContact, BilliardBallsKeepMomentumAndForFullRestitutionEnergy) {
       // Along the line of impact only: Newton's law.
       const Vec3 n = (after - before).normalized();
       EXPECT_NEAR(after.dot(n), -e * before.dot(n), 1e-3 * 4.0);
-      if (e == 1.0) EXPECT_NEAR(e1, e0, 1e-9 * e0);
+      if (e == 1.0) {
+        EXPECT_NEAR(e1, e0, 1e-9 * e0);
+      }
       // The normal found on the grid misses the centres a little: measured 3 % of the speed at the rims.
       EXPECT_LT((spin(w, a).norm() + spin(w, b).norm()) * 0.5, 0.04 * 4.0);
     }
