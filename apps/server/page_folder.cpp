@@ -35,9 +35,7 @@ fs::path find(const char* file, const char* in_source, const char* advice) {
 
 }  // namespace
 
-fs::path find_page_folder() {
-  return find("index.html", "dist", "build it with ./dev build, or set BRIM_VIEWER_DIR");
-}
+fs::path find_page_folder() { return find("index.html", "dist", "build it with ./dev build, or set BRIM_VIEWER_DIR"); }
 
 fs::path find_render_script() {
   return find("render.mjs", "",
