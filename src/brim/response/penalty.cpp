@@ -91,6 +91,12 @@ void Penalty::choose_normals(const ContactSet& contacts, std::span<const PairSta
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
     if (pair.begin == pair.end) return;
+    const auto [shapeless_a, shapeless_b] = pairs[p].shapeless;
+    if (shapeless_a != shapeless_b) {
+      take_normals_of(shapeless_a, contacts, pair);
+      bend_[p] = {0.0, 0.0};
+      return;
+    }
     // The lattice hangs on the patch's own nodes: moving a scene by whole voxels changes nothing.
     Vec3 corner = contacts.node[pair.begin];
     for (std::size_t c = pair.begin; c < pair.end; ++c) corner = corner.cwiseMin(contacts.node[c]);
@@ -103,12 +109,6 @@ void Penalty::choose_normals(const ContactSet& contacts, std::span<const PairSta
       store(contacts.curvature_a[c], weight, s, 3);
       store(contacts.curvature_b[c], weight, s, 9);
       average.add(contacts.point[c], s);
-    }
-    const auto [shapeless_a, shapeless_b] = pairs[p].shapeless;
-    if (shapeless_a != shapeless_b) {
-      take_normals_of(shapeless_a, contacts, pair);
-      bend_[p] = {0.0, 0.0};
-      return;
     }
     bend_of_patch(contacts, pair, p);
     // The flatter part gives the direction; the direction so found is smoothed once more for the normal.
