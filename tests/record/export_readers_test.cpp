@@ -117,9 +117,9 @@ from vtk.util.numpy_support import vtk_to_numpy as N
 for f in FRAMES:
     r = vtk.vtkOBJReader(); r.SetFileName(folder + '/frame_%05d.obj' % f); r.Update(); o = r.GetOutput()
     near(N(o.GetPoints().GetData()), np.concatenate([body(b, f) for b in range(5)]), 'points')
-    assert (o.GetNumberOfVerts(), o.GetNumberOfLines(), o.GetNumberOfPolys()) == (5, 1, 10)
+    assert (o.GetNumberOfVerts(), o.GetNumberOfLines(), o.GetNumberOfPolys()) == (5, 3, 10)
     near(N(o.GetPolys().GetConnectivityArray()).reshape(-1, 3)[2:6], np.array(SOLID) + 4, 'ball')
-    near(N(o.GetLines().GetConnectivityArray()), [12, 13, 14, 15], 'rod')
+    near(N(o.GetLines().GetConnectivityArray()), [12, 13, 13, 14, 14, 15], 'rod')
 )");
 }
 

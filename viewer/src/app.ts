@@ -326,6 +326,11 @@ export class App {
     await this.refreshSlice();
   }
 
+  /** Brings a frame that is at hand into picture and panel, without drawing. */
+  showNow(frame: Frame): void {
+    this.display(frame);
+  }
+
   /** Shows one frame and draws it before it returns: for pictures. */
   async showFrame(index: number): Promise<void> {
     this.player.playing = false;

@@ -39,28 +39,24 @@ async function request(path: string): Promise<Response> {
   throw new ServerError(response.status, message);
 }
 
-async function arrays(path: string) {
-  const buffer = await (await request(path)).arrayBuffer();
-  return { list: decodeArrays(buffer), bytes: buffer.byteLength };
-}
+const arrays = async (path: string) => decodeArrays(await (await request(path)).arrayBuffer());
 
 export const fetchRun = async (): Promise<RunInfo> => (await (await request('api/run')).json()) as RunInfo;
 
 export const fetchTopology = async (body: number): Promise<Topology> =>
-  topologyFromArrays((await arrays(`api/topology/${body}`)).list);
+  topologyFromArrays(await arrays(`api/topology/${body}`));
 
-export async function fetchFrame(index: number): Promise<Frame> {
-  const { list, bytes } = await arrays(`api/frame/${index}`);
-  return frameFromArrays(index, list, bytes);
-}
+export const decodeFrame = (index: number, message: ArrayBuffer): Frame =>
+  frameFromArrays(index, decodeArrays(message), message.byteLength);
+
+export const fetchFrame = async (index: number): Promise<Frame> =>
+  decodeFrame(index, await (await request(`api/frame/${index}`)).arrayBuffer());
 
 export const fetchSeries = async (from: number): Promise<Series> =>
-  seriesFromArrays((await arrays(`api/series?from=${from}`)).list);
+  seriesFromArrays(await arrays(`api/series?from=${from}`));
 
 export const fetchSlice = async (frame: number, wish: SliceWish): Promise<Slice> =>
-  sliceFromArrays(
-    (await arrays(`api/slice/${frame}?axis=${wish.axis}&at=${wish.at}&body=${wish.body}`)).list,
-  );
+  sliceFromArrays(await arrays(`api/slice/${frame}?axis=${wish.axis}&at=${wish.at}&body=${wish.body}`));
 
 /**
  * Listens to the run's progress. A lost server is reported once and asked for again until it answers; the browser's

@@ -65,6 +65,13 @@ struct RunReader::Impl {
     const auto o = rows<std::int64_t>(group + "/offset", need(frame), 2, 1, Type::Int64);
     return {static_cast<std::uint64_t>(o[0]), static_cast<std::uint64_t>(o[1] - o[0])};
   }
+  /// Scalars of some frames. Zeros for one of today's names that the run, being older, does not have.
+  std::vector<double> scalars(const std::string& name, std::uint64_t first, std::uint64_t count) const {
+    const std::string set = "/series/" + name;
+    const auto today = [&](const ReportField& f) { return name == f.name; };
+    if (!file.exists(set) && std::ranges::any_of(report_fields(), today)) return std::vector<double>(count, 0.0);
+    return rows<double>(set, first, count, 1, Type::Float64);
+  }
   void read_bodies();
   void read_parts();
 };
@@ -241,8 +248,7 @@ std::vector<Warning> RunReader::warnings(std::int64_t frame) const {
 
 StepReport RunReader::report(std::int64_t frame) const {
   StepReport r;
-  for (const ReportField& f : report_fields())
-    f.set(r, impl_->rows<double>(std::string("/series/") + f.name, impl_->need(frame), 1, 1, Type::Float64)[0]);
+  for (const ReportField& f : report_fields()) f.set(r, impl_->scalars(f.name, impl_->need(frame), 1)[0]);
   r.time = time(frame);
   r.pairs = pairs(frame);
   r.warnings = warnings(frame);
@@ -250,7 +256,7 @@ StepReport RunReader::report(std::int64_t frame) const {
 }
 
 int RunReader::steps(std::int64_t frame) const {
-  return static_cast<int>(impl_->rows<double>("/series/steps", impl_->need(frame), 1, 1, Type::Float64)[0]);
+  return static_cast<int>(impl_->scalars("steps", impl_->need(frame), 1)[0]);
 }
 
 std::vector<BodySample> RunReader::samples(std::int64_t frame) const {
@@ -264,7 +270,7 @@ std::vector<BodySample> RunReader::samples(std::int64_t frame) const {
 }
 
 std::vector<double> RunReader::series(const std::string& name) const {
-  return impl_->rows<double>("/series/" + name, 0, static_cast<std::uint64_t>(impl_->frames), 1, Type::Float64);
+  return impl_->scalars(name, 0, static_cast<std::uint64_t>(impl_->frames));
 }
 
 void check_same_world(const RunReader& run, const World& world) {

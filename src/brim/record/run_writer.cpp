@@ -221,8 +221,15 @@ void RunWriter::Impl::open_all(const World& world, bool create) {
   step = set("/frames/step", Type::Int64, {}, kRows, 0);
   q = set("/frames/q", Type::Float64, {world.state().q.size()}, 1, 0);
   v = set("/frames/v", Type::Float64, {world.state().v.size()}, 1, 0);
-  for (const ReportField& f : report_fields())
-    series.push_back(set(std::string("/series/") + f.name, Type::Float64, {}, kRows, 0));
+  for (const ReportField& f : report_fields()) {
+    const std::string path = std::string("/series/") + f.name;
+    // A run of an older version that is gone on with has zeros for what that version did not record.
+    const bool missing = !create && !file->exists(path);
+    series.push_back(missing ? file->growing(path, Type::Float64, {}, kRows, 0)
+                             : set(path, Type::Float64, {}, kRows, 0));
+    const std::vector<double> zeros(missing ? time.shape()[0] : 0, 0.0);
+    if (missing) series.back().append(zeros.data(), zeros.size(), Type::Float64);
+  }
   series_steps = set("/series/steps", Type::Float64, {}, kRows, 0);
   series_warnings = set("/series/warnings", Type::Float64, {}, kRows, 0);
   const auto bodies = static_cast<std::uint64_t>(world.body_count());

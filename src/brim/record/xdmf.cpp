@@ -23,12 +23,12 @@ void topology(std::string& out, const XdmfModel::Item& b) {
       lines ? "lines" : "triangles");
 }
 
+/// Rows of one frame out of all. The form "data set|start:stride:count:size" is that of Xdmf 3, which ParaView takes
+/// for files of this kind unless told otherwise; the older ItemType="HyperSlab" makes it crash (ParaView 5.11).
 void geometry(std::string& out, const XdmfModel::Item& b, std::size_t frame, std::size_t frames) {
   fmt::format_to(std::back_inserter(out),
-                 "<Geometry GeometryType=\"XYZ\"><DataItem ItemType=\"HyperSlab\" Dimensions=\"{1} 3\">"
-                 "<DataItem Dimensions=\"3 3\" NumberType=\"Int\" Format=\"XML\">{0} 0 0 1 1 1 1 {1} 3</DataItem>"
-                 "<DataItem Dimensions=\"{2} {1} 3\" NumberType=\"Float\" Precision=\"4\" Format=\"HDF\">"
-                 "run.h5:/display/{3}/positions</DataItem></DataItem></Geometry>",
+                 "<Geometry GeometryType=\"XYZ\"><DataItem Dimensions=\"1 {1} 3\" NumberType=\"Float\" Precision=\"4\" "
+                 "Format=\"HDF\">run.h5:/display/{3}/positions|{0} 0 0:1 1 1:1 {1} 3:{2} {1} 3</DataItem></Geometry>",
                  b.still ? 0 : frame, b.vertices, b.still ? 1 : frames, b.index);
 }
 

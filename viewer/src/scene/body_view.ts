@@ -102,8 +102,9 @@ class TriangleView implements BodyView {
     geometry.boundingBox = null;
   }
 
-  /** Draws the surface as a floor without an end, under everything else. */
+  /** Draws the surface as a floor without an end, under everything else; the studio's ground lays the shadows on it. */
   asFloor(center: THREE.Vector3, reach: number) {
+    this.object.receiveShadow = false;
     fadeOut(this.object.material, center, 0.3 * reach, reach);
     this.object.material.depthWrite = false;
     this.object.renderOrder = -3;

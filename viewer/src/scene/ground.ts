@@ -43,10 +43,9 @@ export class Ground {
 
   constructor() {
     const plane = new THREE.PlaneGeometry(2, 2);
-    this.shadow = new THREE.Mesh(plane, new THREE.ShadowMaterial({ opacity: 0.26, color: '#1c2733' }));
+    const dark = new THREE.ShadowMaterial({ opacity: 0.36, color: '#1c2733', depthWrite: false });
+    this.shadow = new THREE.Mesh(plane, dark);
     this.shadow.receiveShadow = true;
-    this.shadow.material = this.shadow.material as THREE.ShadowMaterial;
-    (this.shadow.material as THREE.ShadowMaterial).depthWrite = false;
     this.shadow.renderOrder = -2;
     this.grid = new THREE.Mesh(
       plane,
@@ -69,9 +68,8 @@ export class Ground {
     this.object.add(this.shadow, this.grid);
   }
 
-  /** With a floor the shadows fall on that, and only the grid is drawn, just above it. */
+  /** With a floor of the scene's own, shadows and grid lie just above it. */
   setFloor(height: number | undefined, radius: number): void {
-    this.shadow.visible = height === undefined;
     this.grid.material.uniforms.strength!.value = height === undefined ? 1 : 0.6;
     if (height !== undefined) this.object.position.z = height + 0.0005 * radius;
   }

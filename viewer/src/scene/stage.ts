@@ -29,14 +29,26 @@ function backdrop(): THREE.Texture {
   return texture;
 }
 
+/** @param size [pixels] of the shadow's map @param radius [pixels] of its blur */
+function castShadow(light: THREE.DirectionalLight, size: number, radius: number, samples: number) {
+  light.castShadow = true;
+  light.shadow.mapSize.set(size, size);
+  light.shadow.radius = radius;
+  light.shadow.blurSamples = samples;
+  light.shadow.bias = -0.0004;
+}
+
 export class Stage {
   readonly scene = new THREE.Scene();
   readonly camera = new THREE.PerspectiveCamera(32, 1, 0.01, 100);
   readonly renderer: THREE.WebGLRenderer;
   readonly controls: OrbitControls;
   readonly ground = new Ground();
-  private readonly key = new THREE.DirectionalLight('#fff4e6', 2.5);
-  private readonly fill = new THREE.DirectionalLight('#dfeaff', 0.6);
+  // The key comes from one side of the usual view, so that shadows fall beside things and show how high they are; the
+  // sky's soft shadow from straight above darkens the ground under them.
+  private readonly key = new THREE.DirectionalLight('#fff2e2', 2.1);
+  private readonly sky = new THREE.DirectionalLight('#f2f6ff', 0.75);
+  private readonly fill = new THREE.DirectionalLight('#dfeaff', 0.5);
   private readonly box = new THREE.Box3(new THREE.Vector3(-1, -1, 0), new THREE.Vector3(1, 1, 1));
   private readonly bounds = new THREE.Sphere();
   /** Called before each drawing, when the camera is where it will be. */
@@ -59,12 +71,11 @@ export class Stage {
     this.scene.environmentRotation.set(Math.PI / 2, 0, 0); // environment maps are y up
     this.scene.background = backdrop();
 
-    this.key.castShadow = true;
-    this.key.shadow.mapSize.set(1024, 1024);
-    this.key.shadow.radius = 5;
-    this.key.shadow.blurSamples = 12;
-    this.key.shadow.bias = -0.0004;
-    this.scene.add(this.key, this.key.target, this.fill, this.fill.target, this.ground.object);
+    castShadow(this.key, 1024, 4, 12);
+    castShadow(this.sky, 512, 14, 20);
+    this.sky.shadow.intensity = 0.6;
+    for (const light of [this.key, this.sky, this.fill]) this.scene.add(light, light.target);
+    this.scene.add(this.ground.object);
 
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
@@ -82,18 +93,22 @@ export class Stage {
     this.box.copy(box);
     const center = box.getCenter(this.bounds.center);
     const r = (this.bounds.radius = Math.max(0.5 * box.min.distanceTo(box.max), 1e-6));
-    const towards = new THREE.Vector3(0.5, -0.8, 1).normalize();
-    this.key.position.copy(center).addScaledVector(towards, 4 * r);
-    this.key.target.position.copy(center);
-    this.fill.position.copy(center).add(new THREE.Vector3(-3 * r, -1.5 * r, 1.2 * r));
-    this.fill.target.position.copy(center);
-    const seen = this.key.shadow.camera;
-    seen.left = seen.bottom = -1.35 * r;
-    seen.right = seen.top = 1.35 * r;
-    seen.near = r;
-    seen.far = 8 * r;
-    seen.updateProjectionMatrix();
-    this.key.shadow.normalBias = 0.004 * r;
+    for (const [light, towards] of [
+      [this.key, new THREE.Vector3(-0.62, -0.55, 0.85)],
+      [this.sky, new THREE.Vector3(0.05, -0.05, 1)],
+      [this.fill, new THREE.Vector3(0.8, -0.5, 0.35)],
+    ] as const) {
+      light.position.copy(center).addScaledVector(towards.normalize(), 4 * r);
+      light.target.position.copy(center);
+      if (!light.castShadow) continue;
+      const seen = light.shadow.camera;
+      seen.left = seen.bottom = -1.35 * r;
+      seen.right = seen.top = 1.35 * r;
+      seen.near = r;
+      seen.far = 8 * r;
+      seen.updateProjectionMatrix();
+      light.shadow.normalBias = 0.004 * r;
+    }
     this.ground.place(center, r, box.min.z);
     this.camera.near = r / 200;
     this.camera.far = r * 100;

@@ -9,14 +9,12 @@ namespace brim::exporting {
 
 namespace {
 
-/// Wavefront OBJ: frame_00012.obj holds every body as an object, triangles as f, chains of lines as l, points as p.
+/// Wavefront OBJ: frame_00012.obj holds every body as an object, triangles as f, lines as l, points as p. Every l has
+/// two vertices, since not every reader takes more (Blender 3.4 keeps the first two).
 /// The format has no numbers at vertices: velocities, radii and contacts are left out.
 class ObjWriter : public Writer {
  public:
-  explicit ObjWriter(const Job& job) : job_(job) {
-    for (const Item& item : job.items)
-      chains_.push_back(chains(item.recorded->display.lines, item.recorded->display.vertices));
-  }
+  explicit ObjWriter(const Job& job) : job_(job) {}
 
   void frame(const Frame& frame) override {
     OutputFile file(job_.folder / numbered("frame", frame.index, "obj"));
@@ -39,17 +37,12 @@ class ObjWriter : public Writer {
     for (const Vec3f& p : x) fmt::format_to(to, "v {} {} {}\n", p.x(), p.y(), p.z());
     const auto at = [first](std::int32_t v) { return first + static_cast<std::size_t>(v); };
     for (const Triangle& t : display.triangles) fmt::format_to(to, "f {} {} {}\n", at(t[0]), at(t[1]), at(t[2]));
-    for (const auto& chain : chains_[i]) {
-      text += 'l';
-      for (const std::int32_t v : chain) fmt::format_to(to, " {}", at(v));
-      text += '\n';
-    }
+    for (const auto& line : display.lines) fmt::format_to(to, "l {} {}\n", at(line[0]), at(line[1]));
     if (display.kind != Display::Kind::Points) return;
     for (std::size_t v = 0; v < x.size(); ++v) fmt::format_to(to, "p {}\n", first + v);
   }
 
   const Job& job_;
-  std::vector<std::vector<std::vector<std::int32_t>>> chains_;
 };
 
 }  // namespace
