@@ -22,7 +22,9 @@ const browser = await chromium.launch({
   args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
 });
 const page = await browser.newPage({ viewport: { width, height } });
-await page.goto(url);
+page.setDefaultTimeout(300_000);
+await page.goto(url, { waitUntil: 'commit' });
+await page.waitForFunction(() => Boolean(window.brim));
 await page.evaluate(() => window.brim.ready);
 const costs = await page.evaluate(async () => {
   const { frames } = window.brim.app.player;

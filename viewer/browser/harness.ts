@@ -46,7 +46,9 @@ export async function open(
   const requests: string[] = [];
   tab.on('pageerror', (error) => problems.push(error.message));
   tab.on('request', (request) => requests.push(request.url()));
-  await tab.goto(server.url);
+  tab.setDefaultTimeout(120_000); // drawn in software, perhaps beside other work
+  await tab.goto(server.url, { waitUntil: 'commit' });
+  await tab.waitForFunction(() => Boolean(window.brim));
   await tab.evaluate(() => window.brim.ready);
   return { page: tab, run, server, problems, requests };
 }

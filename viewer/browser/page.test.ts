@@ -9,7 +9,7 @@ const frameOf = (o: Opened) => o.page.evaluate(() => window.brim.app.player.fram
 const shownOf = (o: Opened) => o.page.evaluate(() => window.brim.app.picture.shown?.index);
 const notice = (o: Opened, name: string) => o.page.locator(`[data-notice="${name}"]`);
 const until = (o: Opened, what: () => boolean) =>
-  o.page.waitForFunction(what, undefined, { timeout: 30_000 });
+  o.page.waitForFunction(what, undefined, { timeout: 100_000 });
 
 describe.skipIf(!chromiumPath)('the page', () => {
   let browser: Browser;

@@ -65,14 +65,15 @@ export class Stage {
     this.renderer.localClippingEnabled = true;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.VSMShadowMap;
+    this.renderer.shadowMap.autoUpdate = false; // only when something other than the camera has moved
 
     this.scene.environment = studioLight(this.renderer);
     this.scene.environmentIntensity = 0.3;
     this.scene.environmentRotation.set(Math.PI / 2, 0, 0); // environment maps are y up
     this.scene.background = backdrop();
 
-    castShadow(this.key, 1024, 4, 12);
-    castShadow(this.sky, 512, 14, 20);
+    castShadow(this.key, 1024, 4, 9);
+    castShadow(this.sky, 256, 7, 12);
     this.sky.shadow.intensity = 0.6;
     for (const light of [this.key, this.sky, this.fill]) this.scene.add(light, light.target);
     this.scene.add(this.ground.object);
@@ -82,7 +83,7 @@ export class Stage {
     this.controls.enableDamping = true;
     this.controls.dampingFactor = 0.12;
     this.controls.maxPolarAngle = Math.PI * 0.98;
-    this.controls.addEventListener('change', () => this.invalidate());
+    this.controls.addEventListener('change', () => (this.dirty = true));
     this.controls.addEventListener('start', () => (this.fitted = false));
     this.setBounds(this.box);
     this.setPose(defaultPose);
@@ -182,8 +183,10 @@ export class Stage {
     this.invalidate();
   }
 
+  /** Something in the scene has changed: picture and shadows are drawn anew. */
   invalidate(): void {
     this.dirty = true;
+    this.renderer.shadowMap.needsUpdate = true;
   }
 
   /** Draws if anything changed since the last call. */
