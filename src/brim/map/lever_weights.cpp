@@ -20,7 +20,14 @@ void LeverWeightsMap::reset(std::size_t particles, std::size_t points, int entri
   direction_.assign(points, Vec3::Zero());
 }
 
-void LeverWeightsMap::finish() { transpose_.build(particles_, row_start_, particle_); }
+void LeverWeightsMap::finish() {
+  transpose_.build(particles_, row_start_, particle_);
+  share_.resize(transpose_.entries.size());
+  for (std::size_t e = 0; e < share_.size(); ++e) {
+    const auto& entry = transpose_.entries[e];
+    share_[e] = {weight_[entry.index], lever_[entry.index], entry.row};
+  }
+}
 
 void LeverWeightsMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
   BRIM_CHECK(v.size(), ==, 3 * particles_);
@@ -43,8 +50,10 @@ void LeverWeightsMap::add_force(std::span<const Vec3> f, std::span<double> Q) co
   parallel_blocks(transpose_.columns.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       Vec3 sum = Vec3::Zero();
-      for (const auto& e : transpose_.of(c))
-        sum += weight_[e.index] * f[e.row] + lever_[e.index].dot(f[e.row]) * direction_[e.row];
+      for (std::int32_t e = transpose_.first[c]; e < transpose_.first[c + 1]; ++e) {
+        const Share& s = share_[e];
+        sum += s.weight * f[s.row] + s.lever.dot(f[s.row]) * direction_[s.row];
+      }
       Eigen::Map<Vec3>(Q.data() + 3 * transpose_.columns[c]) += sum;
     }
   });

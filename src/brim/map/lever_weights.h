@@ -38,6 +38,13 @@ class LeverWeightsMap : public Map {
   std::size_t particles_ = 0;
   std::vector<std::int32_t> row_start_;
   RowTranspose transpose_;
+  /// A row's entry in the order of the transpose, so that products read memory in one go.
+  struct Share {
+    double weight;
+    Vec3 lever;
+    std::int32_t row;
+  };
+  std::vector<Share> share_;
 };
 
 }  // namespace brim

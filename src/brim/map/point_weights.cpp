@@ -34,7 +34,12 @@ void PointWeightsMap::assign(std::size_t particles, std::span<const std::int32_t
   finish();
 }
 
-void PointWeightsMap::finish() { transpose_.build(particles_, row_start_, particle_); }
+void PointWeightsMap::finish() {
+  transpose_.build(particles_, row_start_, particle_);
+  share_.resize(transpose_.entries.size());
+  for (std::size_t e = 0; e < share_.size(); ++e)
+    share_[e] = {weight_[transpose_.entries[e].index], transpose_.entries[e].row};
+}
 
 void PointWeightsMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
   BRIM_CHECK(v.size(), ==, 3 * particles_);
@@ -55,7 +60,8 @@ void PointWeightsMap::add_force(std::span<const Vec3> f, std::span<double> Q) co
   parallel_blocks(transpose_.columns.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       Vec3 sum = Vec3::Zero();
-      for (const auto& e : transpose_.of(c)) sum += weight_[e.index] * f[e.row];
+      for (std::int32_t e = transpose_.first[c]; e < transpose_.first[c + 1]; ++e)
+        sum += share_[e].weight * f[share_[e].row];
       Eigen::Map<Vec3>(Q.data() + 3 * transpose_.columns[c]) += sum;
     }
   });

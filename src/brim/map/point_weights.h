@@ -42,6 +42,12 @@ class PointWeightsMap final : public Map {
   std::vector<std::int32_t> row_start_, particle_;
   std::vector<double> weight_;
   RowTranspose transpose_;
+  /// A row's entry in the order of the transpose, so that products read memory in one go.
+  struct Share {
+    double weight;
+    std::int32_t row;
+  };
+  std::vector<Share> share_;
 };
 
 }  // namespace brim

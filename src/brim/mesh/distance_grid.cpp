@@ -48,6 +48,22 @@ DistanceGrid::DistanceGrid(const Vec3& origin, double spacing, const Vec3i& node
   box_ = {origin_, origin_ + spacing_ * (nodes_ - Vec3i::Ones()).cast<double>()};
 }
 
+double DistanceGrid::trilinear(const Vec3& p) const {
+  const Vec3 x = (p - origin_) / spacing_;
+  std::array<std::ptrdiff_t, 3> cell{};
+  Vec3 t;
+  for (int k = 0; k < 3; ++k) {
+    cell[k] = std::clamp(static_cast<int>(x[k]), 0, nodes_[k] - 2);
+    t[k] = std::clamp(x[k] - static_cast<double>(cell[k]), 0.0, 1.0);
+  }
+  const std::ptrdiff_t nx = nodes_.x(), nxy = nx * nodes_.y();
+  const float* v = values_.data() + cell[0] + nx * cell[1] + nxy * cell[2];
+  const auto line = [&](std::ptrdiff_t at) { return v[at] + t[0] * (double{v[at + 1]} - v[at]); };
+  const double y0 = line(0), y1 = line(nx), z0 = line(nxy), z1 = line(nxy + nx);
+  const double near = y0 + t[1] * (y1 - y0), far = z0 + t[1] * (z1 - z0);
+  return near + t[2] * (far - near);
+}
+
 double DistanceGrid::inside_value(const Vec3& p, Interpolation interpolation, Vec3* gradient) const {
   const Vec3 x = (p - origin_) / spacing_;
   std::array<int, 3> cell{};
@@ -72,6 +88,17 @@ double DistanceGrid::inside_value(const Vec3& p, Interpolation interpolation, Ve
     }
   }
   double value = 0.0;
+  if (gradient == nullptr) {
+    for (int m = range[2][0]; m <= range[2][1]; ++m)
+      for (int l = range[1][0]; l <= range[1][1]; ++l) {
+        const float* row =
+            base + (l - 1) * static_cast<std::ptrdiff_t>(nx) + (m - 1) * static_cast<std::ptrdiff_t>(nxy);
+        double line = 0.0;
+        for (int k = range[0][0]; k <= range[0][1]; ++k) line += c[0].w[k] * row[k - 1];
+        value += c[2].w[m] * c[1].w[l] * line;
+      }
+    return value;
+  }
   Vec3 slope = Vec3::Zero();
   for (int m = range[2][0]; m <= range[2][1]; ++m) {
     double plane = 0.0, plane_x = 0.0, plane_y = 0.0;
@@ -95,7 +122,7 @@ double DistanceGrid::inside_value(const Vec3& p, Interpolation interpolation, Ve
 
 double DistanceGrid::value(const Vec3& p, Interpolation interpolation) const {
   const Vec3 q = p.cwiseMax(box_.lo).cwiseMin(box_.hi);
-  const double d = inside_value(q, interpolation, nullptr);
+  const double d = interpolation == Interpolation::Trilinear ? trilinear(q) : inside_value(q, interpolation, nullptr);
   const double outside2 = (p - q).squaredNorm();
   if (outside2 == 0.0) return d;
   const double positive = std::max(0.0, d);

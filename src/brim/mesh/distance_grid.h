@@ -54,6 +54,8 @@ class DistanceGrid {
 
  private:
   double inside_value(const Vec3& p, Interpolation interpolation, Vec3* gradient) const;
+  /// The same by trilinear interpolation, without a gradient.
+  double trilinear(const Vec3& p) const;
 
   Vec3 origin_;
   double spacing_;

@@ -22,7 +22,7 @@ class GridShape final : public Shape {
           const double rough = grid_->value(p, Interpolation::Trilinear);
           return std::abs(rough) > band ? rough : grid_->value(p);
         },
-        pose, tile, h, w, out);
+        pose, tile, h, w, out, grid_->spacing());
   }
 
  private:

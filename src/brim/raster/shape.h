@@ -51,7 +51,8 @@ void shape_presence(const Shape& shape, const Pose& pose, double h, double w, co
 /// Writes one block from any callable double distance(const Vec3& local); whole blocks inside or outside are
 /// recognised from the distance at their centre.
 template <class Distance>
-void fill_block(const Distance& distance, const Pose& pose, const TileKey& tile, double h, double w, DensityBlock& out);
+void fill_block(const Distance& distance, const Pose& pose, const TileKey& tile, double h, double w, DensityBlock& out,
+                double slack = 0.0);
 
 }  // namespace brim
 

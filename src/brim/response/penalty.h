@@ -66,6 +66,8 @@ class Penalty {
   /// Forces on part a over the step, [N], given the final relative velocity changes.
   void forces(std::span<const Vec3> delta, std::span<Vec3> normal, std::span<Vec3> friction) const;
 
+  /// Nonzero for contacts that act in the coming solve, shape (contacts).
+  std::span<const std::uint8_t> acting() const { return active_; }
   /// Smoothed unit normals, towards a, one per contact; known after begin.
   std::span<const Vec3> normals() const { return normal_; }
   /// Σ ½ k h³ ρ̄², [J].

@@ -13,17 +13,21 @@ void ContactMaps::for_movable(const F& f) const {
 }
 
 void ContactMaps::build(std::span<const WorldPart> parts, const ContactSet& contacts,
-                        std::span<const std::size_t> first_v) {
-  const std::size_t n = contacts.size();
+                        std::span<const std::size_t> first_v, std::span<const std::uint8_t> chosen) {
   side_.resize(parts.size());
   first_side_.assign(first_v.size(), 0);
   for (const WorldPart& p : parts) ++first_side_[p.body_index + 1];
   for (std::size_t b = 1; b < first_side_.size(); ++b) first_side_[b] += first_side_[b - 1];
+  chosen_.clear();
   std::vector<std::size_t> count(parts.size() + 1, 0);
   for (const ContactPair& p : contacts.pairs) {
-    count[p.part_a + 1] += p.end - p.begin;
-    count[p.part_b + 1] += p.end - p.begin;
+    const std::size_t before = chosen_.size();
+    for (std::size_t c = p.begin; c < p.end; ++c)
+      if (chosen.empty() || chosen[c]) chosen_.push_back(static_cast<std::uint32_t>(c));
+    count[p.part_a + 1] += chosen_.size() - before;
+    count[p.part_b + 1] += chosen_.size() - before;
   }
+  const std::size_t n = chosen_.size();
   for (std::size_t p = 0; p < parts.size(); ++p) {
     count[p + 1] += count[p];
     Side& s = side_[p];
@@ -37,14 +41,16 @@ void ContactMaps::build(std::span<const WorldPart> parts, const ContactSet& cont
   contact_.resize(2 * n), point_.resize(2 * n), source_.resize(2 * n);
   row_a_.resize(n), row_b_.resize(n), row_vector_.resize(2 * n), row_matrix_.resize(2 * n);
   std::vector<std::size_t> next(count.begin(), count.end() - 1);
+  std::size_t i = 0;
   for (const ContactPair& p : contacts.pairs)
-    for (std::size_t c = p.begin; c < p.end; ++c) {
-      row_a_[c] = next[p.part_a]++;
-      row_b_[c] = next[p.part_b]++;
-      contact_[row_a_[c]] = contact_[row_b_[c]] = c;
-      point_[row_a_[c]] = point_[row_b_[c]] = contacts.point[c];
-      source_[row_a_[c]] = contacts.source_a[c];
-      source_[row_b_[c]] = contacts.source_b[c];
+    for (; i < n && chosen_[i] < p.end; ++i) {
+      const std::uint32_t c = chosen_[i];
+      row_a_[i] = static_cast<std::uint32_t>(next[p.part_a]++);
+      row_b_[i] = static_cast<std::uint32_t>(next[p.part_b]++);
+      contact_[row_a_[i]] = contact_[row_b_[i]] = c;
+      point_[row_a_[i]] = point_[row_b_[i]] = contacts.point[c];
+      source_[row_a_[i]] = contacts.source_a[c];
+      source_[row_b_[i]] = contacts.source_b[c];
     }
   parallel_for(parts.size(), [&](std::size_t p) {
     Side& s = side_[p];
@@ -96,7 +102,11 @@ void ContactMaps::relative(std::span<const double> v, std::span<Vec3> out) const
 
 void ContactMaps::add_forces(std::span<const Vec3> force, std::span<double> Q) const {
   parallel_for(
-      force.size(), [&](std::size_t c) { row_vector_[row_a_[c]] = force[c], row_vector_[row_b_[c]] = -force[c]; },
+      chosen_.size(),
+      [&](std::size_t i) {
+        row_vector_[row_a_[i]] = force[chosen_[i]];
+        row_vector_[row_b_[i]] = -force[chosen_[i]];
+      },
       1024);
   add_row_forces(Q);
 }

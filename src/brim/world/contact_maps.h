@@ -16,9 +16,11 @@ namespace brim {
 class ContactMaps {
  public:
   /// @param first_v  first velocity of each body in the world's vectors, shape (bodies + 1)
-  void build(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const std::size_t> first_v);
+  /// @param chosen   nonzero for contacts that count, shape (contacts); the others see and do nothing. Empty: all
+  void build(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const std::size_t> first_v,
+             std::span<const std::uint8_t> chosen = {});
 
-  /// Velocity of both parts' matter at each contact, [m/s].
+  /// Velocity of both parts' matter at each contact, [m/s]; like relative, for maps of all contacts.
   void velocities(std::span<const double> v, std::span<Vec3> a, std::span<Vec3> b) const;
   /// Relative velocity a − b at each contact; parts of immobile bodies count as zero.
   void relative(std::span<const double> v, std::span<Vec3> out) const;
@@ -30,10 +32,10 @@ class ContactMaps {
   void add_response(std::span<const double> x, const F& f, std::span<double> y) const {
     row_velocities(x);
     parallel_for(
-        row_a_.size(),
-        [&](std::size_t c) {
-          Vec3 &a = row_vector_[row_a_[c]], &b = row_vector_[row_b_[c]];
-          const Vec3 force = f(c, Vec3(a - b));
+        chosen_.size(),
+        [&](std::size_t i) {
+          Vec3 &a = row_vector_[row_a_[i]], &b = row_vector_[row_b_[i]];
+          const Vec3 force = f(chosen_[i], Vec3(a - b));
           a = force, b = -force;
         },
         1024);
@@ -60,10 +62,11 @@ class ContactMaps {
   /// Q += Jᵀ of row_vector_.
   void add_row_forces(std::span<double> Q) const;
 
-  std::vector<Side> side_;                  ///< per part
-  std::vector<std::size_t> first_side_;     ///< per body, its first part; shape (bodies + 1)
-  std::vector<std::size_t> contact_;        ///< per row: the contact
-  std::vector<std::size_t> row_a_, row_b_;  ///< per contact
+  std::vector<Side> side_;                    ///< per part
+  std::vector<std::size_t> first_side_;       ///< per body, its first part; shape (bodies + 1)
+  std::vector<std::uint32_t> chosen_;         ///< contacts that count, ascending
+  std::vector<std::uint32_t> contact_;        ///< per row: the contact
+  std::vector<std::uint32_t> row_a_, row_b_;  ///< per chosen contact
   std::vector<Vec3> point_;
   std::vector<std::int32_t> source_;
   mutable std::vector<Vec3> row_vector_;

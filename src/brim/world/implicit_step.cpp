@@ -62,7 +62,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     });
     if (contacts == 0) return;
     const ScopedSeconds contact_timer(contact_seconds);
-    maps.add_response(
+    acting_.add_response(
         x, [&](std::size_t c, const Vec3& d) { return response.apply(c, d); }, y);
   };
   bool coarse = contacts > 0;
@@ -78,6 +78,11 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     if (coarse) modes_.add(r, z);
   };
 
+  if (contacts > room_) {
+    // Memory follows the number of contacts, not which of them act.
+    acting_.build(parts, contact_set, first_v);
+    room_ = contacts;
+  }
   contact_delta_.resize(contacts), contact_force_.resize(contacts);
   std::fill(delta.begin(), delta.end(), 0.0);
   const int passes = contacts > 0 ? settings.passes : 1;
@@ -86,10 +91,11 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     rhs_ = internal_;
     if (contacts > 0) {
       const ScopedSeconds contact_timer(contact_seconds);
+      acting_.build(parts, contact_set, first_v, response.acting());
       response.right_hand_side(contact_force_);
       for (Vec3& f : contact_force_) f *= dt;
-      maps.add_forces(contact_force_, rhs_);
-      maps.add_block_diagonal([&](std::size_t c) { return response.block(c); }, first_block_, diagonal_);
+      acting_.add_forces(contact_force_, rhs_);
+      acting_.add_block_diagonal([&](std::size_t c) { return response.block(c); }, first_block_, diagonal_);
     }
     parallel_for(bodies.size(), [&](std::size_t b) { bodies[b]->prepare_preconditioner(first_block_[b], diagonal_); });
     diagonal_.factor();

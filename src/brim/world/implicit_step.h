@@ -51,6 +51,8 @@ class ImplicitStep {
   std::vector<Vec3> contact_delta_, contact_force_;
   std::vector<std::size_t> first_block_;
   BlockDiagonal bodies_diagonal_, diagonal_;
+  ContactMaps acting_;    ///< of the contacts that act; waiting ones cost nothing in the products
+  std::size_t room_ = 0;  ///< most contacts so far
   RigidModes modes_;
   ConjugateGradient cg_;
 };

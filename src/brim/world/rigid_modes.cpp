@@ -90,6 +90,7 @@ bool RigidModes::factor(const ContactSet& contacts, const Penalty& response) {
     std::array<Block, 3>& sum = pair_blocks_[p];
     sum.fill(Block::Zero());
     for (std::size_t c = contacts.pairs[p].begin; c < contacts.pairs[p].end; ++c) {
+      if (!response.acting()[c]) continue;
       const Mat3 K = response.block(c);
       const Seen Ka = K * seen_a_[c], Kb = K * seen_b_[c];
       sum[0] += seen_a_[c].transpose() * Ka;
