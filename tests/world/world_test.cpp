@@ -1,12 +1,12 @@
 #include "brim/world/world.h"
 
 #include <gtest/gtest.h>
-#include <malloc.h>
 
 #include <random>
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "support/heap.h"
 #include "support/worlds.h"
 
 /// Laws of a world as such: state, determinism, cost. What bodies do in it is in scenes_test.cpp.
@@ -145,27 +145,17 @@ TEST(World, MovingTheSceneByWholeVoxelsShiftsTheMotion) {
   RecordProperty("worst", std::to_string(worst));
 }
 
-/// Bytes in use, of the main arena.
-std::size_t bytes_in_use() {
-  const auto info = mallinfo2();
-  return info.uordblks + info.hblkhd;
-}
-
 TEST(World, ARestingSceneNeitherGrowsNorLeaksMemory) {
   const ThreadLimit one(1);  // other threads have arenas of their own
-  {
-    const std::size_t before = bytes_in_use();
-    const std::vector<char> probe(100000, 'x');
-    if (bytes_in_use() < before + probe.size()) GTEST_SKIP() << "this allocator does not say what is in use";
-  }
+  if (!testing::heap_is_measurable()) GTEST_SKIP() << "this allocator does not say what is in use";
   World w(options_at(0.125));
   w.add(ground(0.5));
   w.add(box("box", {Vec3(0, 0, 0.5)}));
   w.add(ball("ball", {Vec3(2, 0, 0.5)}));
   for (int s = 0; s < 200; ++s) w.step();
-  const std::size_t early = bytes_in_use();
+  const std::size_t early = testing::bytes_in_use();
   for (int s = 0; s < 1000; ++s) w.step();
-  const std::size_t late = bytes_in_use();
+  const std::size_t late = testing::bytes_in_use();
   EXPECT_LT(late, early + 4000) << "a leak of one double a step would be 8 kB";
 }
 
