@@ -7,9 +7,9 @@
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
-#include "brim/math/ramp.h"
 #include "brim/mesh/mass_properties.h"
 #include "brim/mesh/tet_lattice.h"
+#include "brim/raster/fill_tiles.h"
 
 namespace brim {
 
@@ -188,14 +188,7 @@ void OwnBody::presence(int, double h, double w, const Aabb& region, std::vector<
 }
 
 void OwnBody::rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {
-  parallel_for(tiles.size(), [&](std::size_t t) {
-    const Vec3 origin = block_origin(tiles[t], h);
-    std::fill(std::begin(out[t].source), std::end(out[t].source), 0);
-    double* rho = out[t].rho;
-    for (int k = 0; k < kBlockSize; ++k)
-      for (int j = 0; j < kBlockSize; ++j)
-        for (int i = 0; i < kBlockSize; ++i) *rho++ = ramp(distance(q_, origin + h * Vec3(i, j, k)), w);
-  });
+  fill_tiles([&](const Vec3& x) { return distance(q_, x); }, tiles, h, w, out);
 }
 
 void OwnBody::make_map(int, std::span<const Vec3> points, std::span<const std::int32_t>,
