@@ -244,7 +244,7 @@ Rest rest(World& w, double seconds) {
 struct Soft {
   const char* name;
   std::unique_ptr<Body> (*make)(double height);  ///< over a plane at 0
-  double above;                                  ///< [m] from the plane to where it is let go
+  double above;                                  ///< [cm] from what is under it to where it is let go
   double force, overlap, speed;                  ///< bounds: relative to its weight, [voxels], [m/s]
 };
 
@@ -257,7 +257,7 @@ TEST_P(SoftOnConstraints, RestsOnAPlaneAndOnARigidBox) {
     World w(rows_at(0.05));
     w.add(ground(0.5));
     if (on_box) w.add(box("box", {Vec3(0, 0, 0.3)}, 0.5, 0.6));
-    w.add(soft.make((on_box ? 0.6 : 0.0) + soft.above));
+    w.add(soft.make(((on_box ? 60.0 : 0.0) + soft.above) / 100.0));
     const double weight = 9.81 * w.body(w.body_count() - 1).mass();
     const Rest r = rest(w, 1.0);
     EXPECT_NEAR(r.force, weight, soft.force * weight);
@@ -268,8 +268,8 @@ TEST_P(SoftOnConstraints, RestsOnAPlaneAndOnARigidBox) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Bodies, SoftOnConstraints,
-                         ::testing::Values(Soft{"Block", jelly, 0.01, 0.01, 0.25, 0.01},
-                                           Soft{"Sheet", sheet, 0.07, 0.02, 0.5, 0.05}),
+                         ::testing::Values(Soft{"Block", jelly, 1.0, 0.01, 0.25, 0.01},
+                                           Soft{"Sheet", sheet, 7.0, 0.02, 0.5, 0.05}),
                          [](const auto& soft) { return std::string(soft.param.name); });
 
 TEST(ConstraintContact, PenaltyAndConstraintsHoldAStackTogether) {
