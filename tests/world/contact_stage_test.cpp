@@ -5,6 +5,7 @@
 #include <map>
 #include <random>
 
+#include "brim/core/error.h"
 #include "support/worlds.h"
 
 namespace brim {
@@ -28,6 +29,32 @@ World crowd(unsigned seed, int count) {
       w.add(testing::box("box" + std::to_string(i), s, 0.5, 0.6 + 0.3 * std::abs(y)));
   }
   return w;
+}
+
+TEST(ContactStage, WhatMeetsTooFarAwayForTheGridIsRefusedByName) {
+  for (const double far : {1e9, 1e17, 1e300}) {
+    World w(testing::options_at(0.1));
+    w.add(testing::ground(0.5));
+    w.add(testing::ball("near", {Vec3(0, 0, 5)}));
+    w.add(testing::ball("far", {Vec3(far, 0, 0.4)}));
+    try {
+      w.step();
+      FAIL() << far;
+    } catch (const InputError& e) {
+      EXPECT_NE(std::string(e.what()).find("'far'"), std::string::npos) << e.what();
+    }
+  }
+  // Near enough, each of them, but with all that lies between them on one floor.
+  World apart(testing::options_at(0.1));
+  apart.add(testing::ground(0.5));
+  apart.add(testing::ball("one", {Vec3(0, 0, 0.49)}));
+  apart.add(testing::ball("other", {Vec3(3e4, 3e4, -3e4)}));
+  EXPECT_THROW(apart.step(), InputError);
+
+  World w(testing::options_at(0.1));
+  w.add(testing::ground(0.5));
+  w.add(testing::ball("ball", {Vec3(1e6, 0, 0.49)}));
+  EXPECT_GT(w.step().contacts, 0) << "a thousand kilometres are near enough";
 }
 
 TEST(ContactStage, FindsEveryOverlapThatASearchOfAllTilesFinds) {

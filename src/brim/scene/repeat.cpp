@@ -10,6 +10,18 @@ namespace {
 
 Quat yaw(double degrees) { return Quat(Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0, Vec3::UnitZ())); }
 
+/// Faster than this nothing can be stepped at 64 sub-steps of a voxel.
+constexpr double kFastest = 1e5;
+
+Vec3 motion_of(const Node& body, const char* key, const char* unit) {
+  const Vec3 v = body.vec3(key);
+  for (int a = 0; a < 3; ++a)
+    if (!(std::abs(v[a]) <= kFastest))
+      throw body.at(key).error(
+          fmt::format("{:g} {} is not allowed; must be from {:g} to {:g}", v[a], unit, -kFastest, kFastest));
+  return v;
+}
+
 }  // namespace
 
 std::uint64_t SceneRandom::next() {
@@ -40,8 +52,8 @@ std::vector<Placement> placements(const Node& body) {
   first.position = transform.vec3("position");
   first.scale = transform.number("scale");
   if (transform.has("rotation")) first.rotation = read_rotation(transform.at("rotation"));
-  first.velocity = body.vec3("velocity");
-  if (body.has("angular_velocity")) first.angular_velocity = body.vec3("angular_velocity");
+  first.velocity = motion_of(body, "velocity", "m/s");
+  if (body.has("angular_velocity")) first.angular_velocity = motion_of(body, "angular_velocity", "rad/s");
   if (!body.has("repeat")) return {first};
 
   const Node repeat = body.at("repeat");

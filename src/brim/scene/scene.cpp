@@ -168,6 +168,10 @@ Scene read_scene(Document&& read) {
   scene.file = document->file;
   scene.text = document->text;
   scene.name = root.string("name");
+  if (scene.name.find_first_of("/\\") != std::string::npos || scene.name.starts_with('.'))
+    throw root.at("name").error(fmt::format(
+        "\"{}\" is not allowed; must have no / or \\ and not begin with a dot: it names the folder of the run",
+        scene.name));
   scene.description = root.string("description");
   scene.world = read_world(root.at("world"));
   scene.steps_per_frame = static_cast<int>(root.integer("steps_per_frame"));

@@ -36,10 +36,10 @@ const std::set<std::string> kKeywords = {"type",
                                          "examples"};
 
 /// "a", "a or b", "a, b or c".
-std::string either(const std::vector<std::string>& words) {
+std::string either(const std::vector<std::string>& words, const char* last = " or ") {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i) {
-    if (i > 0) text += i + 1 == words.size() ? " or " : ", ";
+    if (i > 0) text += i + 1 == words.size() ? last : ", ";
     text += words[i];
   }
   return text;
@@ -108,8 +108,13 @@ class Validator {
       return (words.size() > 1 ? "one of " : "") + either(words);
     }
     if (s.contains("oneOf")) {
+      std::vector<const Json*> branches;
       std::vector<std::string> words;
-      for (const Json& b : s.at("oneOf")) words.push_back(allowed(b));
+      for (const Json& b : s.at("oneOf")) {
+        branches.push_back(&resolve(b));
+        words.push_back(allowed(b));
+      }
+      if (const std::string key = discriminator(branches); !key.empty()) return "an object with \"" + key + "\"";
       return either(words);
     }
     const std::string type = s.value("type", "");
@@ -134,7 +139,7 @@ class Validator {
       if (!s.contains("required")) return "an object";
       std::vector<std::string> words;
       for (const Json& k : s.at("required")) words.push_back(shown(k));
-      return "an object with " + either(words);
+      return "an object with " + either(words, " and ");
     }
     return "a value";
   }
@@ -182,7 +187,9 @@ class Validator {
       const std::string count = least == most          ? fmt::format("exactly {}", least)
                                 : value.size() < least ? fmt::format("at least {}", least)
                                                        : fmt::format("at most {}", most);
-      fail(at, fmt::format("a list of {} is not allowed; must have {} entries", value.size(), count));
+      const bool one = (value.size() < least ? least : most) == 1;
+      fail(at,
+           fmt::format("a list of {} is not allowed; must have {} {}", value.size(), count, one ? "entry" : "entries"));
     }
     if (!schema.contains("items")) return;
     for (std::size_t i = 0; i < value.size(); ++i) check(value[i], schema.at("items"), at + "/" + std::to_string(i));

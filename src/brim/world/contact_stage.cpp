@@ -24,6 +24,30 @@ void sort_unique(std::vector<TileKey>& tiles) {
   tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
 }
 
+/// Tiles are counted in 32 bits, and beyond 1e9 steps positions in double precision are rough against a step.
+/// @throws InputError  when what two parts share is farther from the origin
+void require_near(const WorldPart& a, const WorldPart& b, const Aabb& region, double h) {
+  const double far = std::max(region.lo.cwiseAbs().maxCoeff(), region.hi.cwiseAbs().maxCoeff());
+  if (far > 1e9 * h)
+    throw InputError(
+        fmt::format("world: '{}' and '{}' meet {:.3g} m from the origin, too far for steps of {} m (at most 1e9 of "
+                    "them); look for a speed, a position or a size that is too large",
+                    a.body->name(), b.body->name(), far, h));
+}
+
+/// Most tiles that presence may have to look at in the region of one part: seconds of work.
+constexpr double kMostTiles = 2e8;
+
+/// @throws InputError  when what touches a part lies so far apart that looking for it would not end
+void require_few(const WorldPart& part, const Aabb& region, double h) {
+  const Vec3 tiles = region.extent() / (kTileSize * h) + Vec3::Constant(2.0);
+  if (tiles.prod() > kMostTiles)
+    throw InputError(fmt::format(
+        "world: what touches '{}' lies up to {:.3g} m apart, {:.1g} tiles at steps of {} m (at most {:.0g}); "
+        "look for a speed or a position that is too large, or use a larger voxel_size",
+        part.body->name(), region.extent().maxCoeff(), tiles.prod(), h, kMostTiles));
+}
+
 }  // namespace
 
 void ContactStage::find(std::span<const WorldPart> parts, std::span<const double> v,
@@ -98,10 +122,12 @@ void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<c
     const double margin = std::min(0.4, 1.5 * (speed + fall) * dt / (ramp * h));
     c.pair = ContactPair{t.a, t.b, h, ramp * h, margin, 0, 0};
     c.region = t.region;
+    require_near(a, b, t.region, h);
     c.tiles.clear();
     c.pair_layer_a = layer_of(t.a, h, t.region);
     c.pair_layer_b = layer_of(t.b, h, t.region);
   }
+  for (std::size_t l = 0; l < layer_count_; ++l) require_few(parts[layers_[l].part], layers_[l].region, layers_[l].h);
 }
 
 std::int32_t ContactStage::layer_of(std::int32_t part, double h, const Aabb& region) {
