@@ -5,8 +5,8 @@
   tools/scene_pictures.py bridge drape          these
   tools/scene_pictures.py --reuse bridge        from the run of last time, if it is there
 
-What of a scene to look at (frame, camera, slice) is in the table below; the rest show their last frame. Runs stay in
-out/pictures/. A picture is reduced to a palette, to about 100 kB, where ffmpeg is installed.
+How many frames to run and what to look at (frame, camera, slice) is in the table below; the rest run to their end and show
+their last frame. Runs stay in out/pictures/. A picture is reduced to a palette, to about 100 kB, where ffmpeg is installed.
 """
 
 import argparse
@@ -19,10 +19,34 @@ import time
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SIZE = "960x540"
 
-# scene: options of brim render; "--frame" counts from the end when negative
+# scene: (frames to run, 0 for all; options of brim render). "--frame" counts from the end when negative.
 LOOKS = {
-    "bridge": ["--camera", "-70,16"],
-    "mixed_stack": ["--camera", "-62,24"],
+    "arch": (20, ["--camera", "-75,14", "--contacts", "forces"]),
+    "bounce": (0, ["--frame", "30"]),
+    "box_stack": (120, []),
+    "bridge": (60, ["--camera", "-70,16"]),
+    "chain_drape": (100, []),
+    "cloth_pour": (40, []),
+    "constraint_stack": (60, ["--contacts", "forces"]),
+    "ct_head": (40, []),
+    "dam_break": (30, ["--frame", "20"]),
+    "drape": (70, []),
+    "grain_heap": (60, []),
+    "grid_float": (120, []),
+    "gripper": (120, []),
+    "image_drop": (72, []),
+    "impact_wall": (0, ["--frame", "12"]),
+    "meshless_drop": (60, []),
+    "mixed_stack": (40, ["--camera", "-62,24"]),
+    "net_catch": (60, []),
+    "overlap_start": (30, []),
+    "pool_block": (20, []),
+    "pool_rack": (60, []),
+    "real_meshes": (50, []),
+    "rope_post": (90, []),
+    "three_sheets": (50, []),
+    "water_drop": (60, ["--frame", "34"]),
+    "wrecking_ball": (100, ["--frame", "75", "--camera", "-35,18"]),
 }
 
 
@@ -30,14 +54,16 @@ def picture_of(brim, scene, runs, pictures, reuse, frames):
     """Runs and renders one scene; returns a line that says how it went. Raises CalledProcessError."""
     run, out = runs / scene.stem, pictures / f"{scene.stem}.png"
     start = time.monotonic()
+    length, looks = LOOKS.get(scene.stem, (0, []))
     if not (reuse and (run / "summary.json").exists()):
-        length = ["--frames", str(frames)] if frames else []
-        subprocess.run([brim, "run", scene, "-o", run, "--force", "--quiet", *length], check=True,
-                       stdout=subprocess.DEVNULL)
+        length = min(frames or length, length or frames)
+        subprocess.run([brim, "run", scene, "-o", run, "--force", "--quiet",
+                        *(["--frames", str(length)] if length else [])], check=True, stdout=subprocess.DEVNULL)
     ran = time.monotonic()
     part = out.with_suffix(".part.png")
     try:
-        subprocess.run([brim, "render", run, "-o", part, "--frame", "-1", "--size", SIZE, *LOOKS.get(scene.stem, [])],
+        subprocess.run([brim, "render", run, "-o", part, "--size", SIZE,
+                        *([] if "--frame" in looks else ["--frame", "-1"]), *looks],
                        check=True)
         if shutil.which("ffmpeg"):
             subprocess.run(["ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-i", part, "-vf",

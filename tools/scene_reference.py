@@ -1,12 +1,16 @@
 #!/usr/bin/env python3
-"""Writes the tables of docs/scenes.md from schema/scene.schema.json; with --check only says whether they are up to date."""
+"""Writes the tables of docs/scenes.md from schema/scene.schema.json and its list of scenes from scenes/; with --check only
+says whether they are up to date."""
 import json
 import pathlib
+import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "scenes.md"
 MARK = "<!-- made by tools/scene_reference.py; change the schema, not this -->\n"
+GALLERY = "<!-- scenes: made by tools/scene_reference.py; pictures by tools/scene_pictures.py -->\n"
+GALLERY_END = "<!-- end of scenes -->\n"
 
 
 def resolve(schema, root):
@@ -97,18 +101,39 @@ def reference(root):
     return "\n".join(lines).rstrip() + "\n"
 
 
+def scene_of(path):
+    """A scene file; comments are allowed in it."""
+    text = path.read_text(encoding="utf-8")
+    plain = re.sub(r'("(?:[^"\\]|\\.)*")|//[^\n]*|/\*.*?\*/', lambda m: m.group(1) or "", text, flags=re.S)
+    return json.loads(plain)
+
+
+def gallery():
+    """Every scene with its picture, where tools/scene_pictures.py has made one."""
+    lines = []
+    for path in sorted((ROOT / "scenes").glob("*.json")):
+        scene = scene_of(path)
+        lines += [f"**[{path.stem}](../scenes/{path.name})**: {scene.get('description', '')}", ""]
+        if (ROOT / "docs/pictures/scenes" / f"{path.stem}.png").exists():
+            lines += [f"![{path.stem}](pictures/scenes/{path.stem}.png)", ""]
+    return "\n".join(lines)
+
+
 def main():
     root = json.loads((ROOT / "schema" / "scene.schema.json").read_text(encoding="utf-8"))
     page = PAGE.read_text(encoding="utf-8")
-    head, mark, old = page.partition(MARK)
-    if not mark:
-        sys.exit(f"{PAGE}: the line {MARK.strip()} is missing")
-    text = "\n" + reference(root)
+    head, first, rest = page.partition(GALLERY)
+    _, end, rest = rest.partition(GALLERY_END)
+    between, mark, _ = rest.partition(MARK)
+    for line, found in ((GALLERY, first), (GALLERY_END, end), (MARK, mark)):
+        if not found:
+            sys.exit(f"{PAGE}: the line {line.strip()} is missing")
+    text = head + GALLERY + "\n" + gallery() + GALLERY_END + between + MARK + "\n" + reference(root)
     if "--check" in sys.argv:
-        if text != old:
-            sys.exit("docs/scenes.md: not up to date with the schema; run tools/scene_reference.py")
+        if text != page:
+            sys.exit("docs/scenes.md: not up to date with schema and scenes; run tools/scene_reference.py")
         return
-    PAGE.write_text(head + mark + text, encoding="utf-8")
+    PAGE.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":
