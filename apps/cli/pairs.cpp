@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 struct PairOptions {
   std::vector<std::string> only, with;
-  std::string out, table, scenes, command;
+  std::string out, table, scenes, response, command;
   int threads = 0;
   bool json = false;
 };
@@ -45,6 +45,7 @@ int pairs(const PairOptions& o) {
   PairTable table = read_table(o.table);
   for (const std::string& file : o.with) table.add_kinds(read_table(file));
   for (const std::string& name : o.only) table.find(name);
+  if (!o.response.empty()) table.set_response(o.response);
   watch_interrupts();
   if (!o.json) fmt::print("{}\n", pair_line_head());
   std::vector<PairResult> results = run_pairs(table, o.only, [&](const PairResult& r) {
@@ -79,6 +80,8 @@ void add_pairs(CLI::App& app, int& code) {
   command->add_option("-o,--output", o->out, "write the table as a Markdown page");
   command->add_option("--kinds", o->table, "table of kinds to take (JSON) instead of brim's own");
   command->add_option("--with", o->with, "table (JSON) whose kinds are added, such as one's own (--plugin)");
+  command->add_option("--response", o->response, "how contacts act: penalty or constraint; default as the table says")
+      ->check(CLI::IsMember({"penalty", "constraint"}));
   command->add_option("--scenes", o->scenes, "write the scene of each pair into this folder, for brim run");
   command->add_option("--threads", o->threads, "use at most this many threads; default all cores")
       ->check(CLI::Range(1, 4096));
@@ -89,6 +92,7 @@ void add_pairs(CLI::App& app, int& code) {
       for (const std::string& path : plugin->results()) o->command += " --plugin " + path;
     for (const std::string& file : o->with) o->command += " --with " + file;
     if (!o->table.empty()) o->command += " --kinds " + o->table;
+    if (!o->response.empty()) o->command += " --response " + o->response;
     if (!o->out.empty()) o->command += " -o " + o->out;
     code = pairs(*o);
   });

@@ -55,6 +55,16 @@ TEST(Pairs, WhatNothingMovesIsAlwaysBelowAndTwoSuchAreNotRun) {
   EXPECT_FALSE(run_pair(table, table.find("ground"), table.find("ground")).run);
 }
 
+TEST(Pairs, UnderConstraintsTheSamePairsHaveNoOverlapToSpeakOf) {
+  PairTable table = standard_pairs();
+  const PairResult soft = run_pair(table, table.find("rigid"), table.find("rigid"));
+  table.set_response("constraint");
+  const PairResult hard = run_pair(table, table.find("rigid"), table.find("rigid"));
+  EXPECT_TRUE(hard.ok()) << hard.failures.front();
+  EXPECT_GT(hard.contacts, 0);
+  EXPECT_LT(hard.overlap, 0.5 * soft.overlap);
+}
+
 TEST(Pairs, AMissedBoundIsNamed) {
   const PairTable table = read_pair_table(small_table(R"("overlap": 0.01)"), "table.json");
   const PairResult r = run_pair(table, table.find("ball"), table.find("ball"));

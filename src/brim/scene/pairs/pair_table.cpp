@@ -58,6 +58,12 @@ const PairKind& PairTable::find(const std::string& name) const {
                                near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
 }
 
+void PairTable::set_response(const std::string& response) {
+  Json settings = Json::parse(world);
+  settings["response"] = response;
+  world = settings.dump();
+}
+
 void PairTable::add_kinds(const PairTable& other) {
   for (const PairKind& kind : other.kinds) {
     for (const PairKind& mine : kinds)

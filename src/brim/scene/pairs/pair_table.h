@@ -46,6 +46,8 @@ struct PairTable {
   /// Takes the kinds of another table in, under this table's drop, world and bounds.
   /// @throws InputError  when a name is already here
   void add_kinds(const PairTable& other);
+  /// Every pair answers like this, whatever the table's world says. @param response  "penalty" or "constraint"
+  void set_response(const std::string& response);
 };
 
 /// The table that brim brings along (scenes/pairs/kinds.json).
