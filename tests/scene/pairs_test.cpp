@@ -65,6 +65,15 @@ TEST(Pairs, UnderConstraintsTheSamePairsHaveNoOverlapToSpeakOf) {
   EXPECT_LT(hard.overlap, 0.5 * soft.overlap);
 }
 
+TEST(Pairs, SoftBodiesBounceOffUnderConstraintsWithoutGainingEnergy) {
+  PairTable table = standard_pairs();
+  table.set_response("constraint");
+  for (const auto& [lower, upper] : {std::pair("plane", "mass_spring"), std::pair("mass_spring", "finite_elements")}) {
+    const PairResult r = run_pair(table, table.find(lower), table.find(upper));
+    EXPECT_TRUE(r.ok()) << upper << " on " << lower << ": " << r.failures.front();
+  }
+}
+
 TEST(Pairs, AMissedBoundIsNamed) {
   const PairTable table = read_pair_table(small_table(R"("overlap": 0.01)"), "table.json");
   const PairResult r = run_pair(table, table.find("ball"), table.find("ball"));

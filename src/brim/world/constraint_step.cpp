@@ -16,6 +16,9 @@ namespace {
 constexpr int kMostRefinements = 40, kTravelRefinements = 4;
 /// Least part of a direction that is gone.
 constexpr double kLeastWay = 0.02;
+/// Share of a direction's curvature that must be left once it is made conjugate to the last: below it, the two are
+/// parallel and what is left is rounding.
+constexpr double kIndependent = 1e-8;
 /// Their tolerance over that of the sweeps.
 constexpr double kRefined = 30.0;
 /// Residual over the tolerance that is worth a warning.
@@ -267,6 +270,7 @@ void ConstraintStep::refine(const ImplicitStep::Respond& solve, std::span<const 
       for (std::size_t c = 0; c < n; ++c) d.curvature += d.lambda[c].dot(d.u[c]), down += d.lambda[c].dot(change_u[c]);
       t = d.curvature > 0.0 ? std::clamp(down / d.curvature, 0.0, 4.0) : 1.0;
     };
+    measure(now);
     bool conjugate = last.curvature > 0.0;
     if (conjugate) {
       double shared = 0.0;
@@ -276,7 +280,8 @@ void ConstraintStep::refine(const ImplicitStep::Respond& solve, std::span<const 
         last.lambda[c] = now.lambda[c] + beta * last.lambda[c], last.u[c] = now.u[c] + beta * last.u[c];
       for (std::size_t j = 0; j < nv; ++j) last.v[j] = now.v[j] + beta * last.v[j];
       measure(last);
-      conjugate = t > 0.0 && longest_way(lambda, last.lambda, t) >= 0.999 * t;
+      conjugate = last.curvature > kIndependent * now.curvature && t > 0.0 &&
+                  longest_way(lambda, last.lambda, t) >= 0.999 * t;
     }
     if (conjugate) {
       now = last;
