@@ -38,7 +38,25 @@ TEST(Loads, OneBoxByHand) {
   const Loads l = s.loads();
   EXPECT_NEAR(l.areal_mass, 1000.0, 1e-9);
   EXPECT_NEAR(l.pressure, 1000.0 * kGravity, 1e-6);
-  EXPECT_NEAR(l.impact_energy, 1000.0 * 2 * kGravity * 2.0, 1e-6);  // from its top, 2 m: it may topple
+  EXPECT_NEAR(l.impact_energy, 1000.0 * 2 * kGravity * 1.0, 1e-6);
+}
+
+TEST(Loads, WhatStandsFallsOnlyAsFarAsItCanTopple) {
+  const auto impact = [](const Vec3& size) {
+    Scene s;
+    s.add(ground(0.5));
+    RigidModel m;
+    m.shape = make_box(size);
+    m.mass = 1000.0 * size.prod();
+    m.inertia = m.mass * Mat3::Identity();
+    m.position = Vec3(0, 0, 0.5 * size.z());
+    s.add(std::make_unique<RigidBody>(m));
+    return s.loads();
+  };
+  EXPECT_NEAR(impact(Vec3(1, 1, 1)).impact_energy, 0.0, 1e-6) << "a cube lies as flat as it can";
+  EXPECT_NEAR(impact(Vec3(4, 3, 1)).impact_energy, 0.0, 1e-6) << "so does a plank";
+  const Loads tower = impact(Vec3(0.2, 0.3, 2));
+  EXPECT_NEAR(tower.impact_energy, tower.areal_mass * 2 * kGravity * 0.9, 1e-6) << "its middle from 1 m to 0.1 m";
 }
 
 TEST(Loads, AColumnWeighsWhatItsBoxesWeigh) {

@@ -7,7 +7,8 @@ namespace brim {
 
 namespace {
 
-/// Extent of the finite matter of the scene along one direction, for the height that things can fall.
+/// How far the middle of a box can come down onto the lowest thing that does not move, [m], lying on its flattest side
+/// in the end: what stands may topple, but its own height is no fall.
 double drop_height(std::span<const WorldPart> parts, const Vec3& down, const Aabb& box) {
   double lowest = -std::numeric_limits<double>::infinity();
   for (const WorldPart& p : parts)
@@ -24,13 +25,7 @@ double drop_height(std::span<const WorldPart> parts, const Vec3& down, const Aab
       if (std::isfinite(far)) lowest = std::max(lowest, far);
     }
   if (!std::isfinite(lowest)) return 0.0;
-  double highest = std::numeric_limits<double>::infinity();
-  for (int c = 0; c < 8; ++c) {
-    const Vec3 corner(c & 1 ? box.hi.x() : box.lo.x(), c & 2 ? box.hi.y() : box.lo.y(),
-                      c & 4 ? box.hi.z() : box.lo.z());
-    highest = std::min(highest, down.dot(corner));
-  }
-  return std::max(0.0, lowest - highest);
+  return std::max(0.0, lowest - 0.5 * box.extent().minCoeff() - down.dot(box.center()));
 }
 
 }  // namespace
