@@ -280,8 +280,8 @@ void ConstraintStep::refine(const ImplicitStep::Respond& solve, std::span<const 
         last.lambda[c] = now.lambda[c] + beta * last.lambda[c], last.u[c] = now.u[c] + beta * last.u[c];
       for (std::size_t j = 0; j < nv; ++j) last.v[j] = now.v[j] + beta * last.v[j];
       measure(last);
-      conjugate = last.curvature > kIndependent * now.curvature && t > 0.0 &&
-                  longest_way(lambda, last.lambda, t) >= 0.999 * t;
+      conjugate =
+          last.curvature > kIndependent * now.curvature && t > 0.0 && longest_way(lambda, last.lambda, t) >= 0.999 * t;
     }
     if (conjugate) {
       now = last;
