@@ -111,14 +111,14 @@ void about(const std::string& path) {
   if (name.ends_with(".json")) return about_scene(path);
   if (name.ends_with(".h5")) return about_run(path);
   if (name.ends_with(".msh") || name.ends_with(".vtk")) return about_tets(path);
-  for (const char* end : {".nii", ".nii.gz", ".nrrd", ".nhdr"})
+  for (const char* end : {".nii", ".nii.gz", ".nrrd", ".nhdr", ".vdb"})
     if (name.ends_with(end)) return about_volume(path);
   for (const char* end : {".obj", ".stl", ".ply", ".off", ".gltf", ".glb"})
     if (name.ends_with(end)) return about_surface(path);
-  throw InputError(
-      path +
-      ": not a kind of file that brim knows; it must be a scene (.json), a surface (.obj, .stl, .ply, "
-      ".off, .gltf, .glb), tetrahedra (.msh, .vtk), a volume (.nii, .nii.gz, .nrrd, .nhdr), or a run (folder, .h5)");
+  throw InputError(path +
+                   ": not a kind of file that brim knows; it must be a scene (.json), a surface (.obj, .stl, .ply, "
+                   ".off, .gltf, .glb), tetrahedra (.msh, .vtk), a volume (.nii, .nii.gz, .nrrd, .nhdr, .vdb), or a "
+                   "run (folder, .h5)");
 }
 
 }  // namespace

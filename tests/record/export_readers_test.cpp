@@ -4,6 +4,8 @@
 
 #include <filesystem>
 
+#include "brim/core/error.h"
+#include "brim/io/volume_reader.h"
 #include "brim/record/export/export.h"
 #include "brim/record/export/format.h"
 #include "support/made_run.h"
@@ -231,6 +233,43 @@ assert abs(floor.getValue((2, -3, 0)) - 0.5) < 1e-6 and floor.getValue((2, -3, 3
                                        "'" + out.string() + "'", made.path);
   if (code < 0) GTEST_SKIP() << "python3 without pyopenvdb";
   EXPECT_EQ(code, 0);
+}
+
+/// brim reads what it wrote: a ball as a volume of densities.
+TEST(ReadersOfDensities, BrimReadsTheVolumeOfABallFromOpenVdb) {
+  bool there = false;
+  for (const exporting::Format& f : exporting::formats()) there = there || f.name == std::string_view("vdb");
+  if (!there) GTEST_SKIP() << "built without OpenVDB";
+  const MadeRun made(2);
+  World world(testing::options_at(0.1));
+  world.add(testing::ground(0.5));
+  world.add(testing::ball("ball", {.x = Vec3(0.2, -0.3, 0.6)}, 0.5, 0.5));
+  const fs::path out = made.path / "out";
+  const RunReader run(made.folder());
+  export_run(run,
+             {.format = "vdb", .folder = out.string(), .frames = "1", .bodies = {"floor", "ball"}, .voxel_size = 0.05},
+             [&](std::int64_t) -> const World& { return world; });
+  const std::string file = (out / "frame_00001.vdb").string();
+  const VoxelImage image = read_volume(read_volume_info(file, "ball"));
+  EXPECT_TRUE(image.axes.isApprox(0.05 * Mat3::Identity()));
+  double mass = 0.0;
+  Vec3 moment = Vec3::Zero();
+  for (int k = 0, n = 0; k < image.size.z(); ++k)
+    for (int j = 0; j < image.size.y(); ++j)
+      for (int i = 0; i < image.size.x(); ++i, ++n) {
+        mass += image.values[n] * 1.25e-4;
+        moment += image.values[n] * 1.25e-4 * (image.origin + image.axes * Vec3(i, j, k));
+      }
+  EXPECT_NEAR(mass, 4.0 / 3.0 * 3.14159265 * 0.125, 0.02 * mass);
+  EXPECT_NEAR((moment / mass - Vec3(0.2, -0.3, 0.6)).norm(), 0.0, 1e-3);
+  EXPECT_GT(read_volume_info(file, "floor").size.x(), image.size.x());
+  try {
+    read_volume_info(file, "cube");
+    FAIL() << "there is no such grid";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("called 'cube'; there are: "), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("'ball' (float)"), std::string::npos) << e.what();
+  }
 }
 
 }  // namespace

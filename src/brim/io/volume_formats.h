@@ -7,5 +7,7 @@ namespace brim {
 /// Headers, one format a file. Sizes and axes are checked by the caller.
 VolumeInfo read_nifti_info(const std::string& path);
 VolumeInfo read_nrrd_info(const std::string& path);
+/// @param grid  name of the grid to take; empty: "density", or the first of numbers
+VolumeInfo read_vdb_info(const std::string& path, const std::string& grid);
 
 }  // namespace brim

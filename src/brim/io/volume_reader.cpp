@@ -124,7 +124,7 @@ std::optional<VoxelType> voxel_type(const std::string& word) {
   return std::nullopt;
 }
 
-VolumeInfo read_volume_info(const std::string& path) {
+VolumeInfo read_volume_info(const std::string& path, const std::string& grid) {
   std::string name = path;
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -133,8 +133,12 @@ VolumeInfo read_volume_info(const std::string& path) {
     info = read_nifti_info(path);
   else if (name.ends_with(".nrrd") || name.ends_with(".nhdr"))
     info = read_nrrd_info(path);
+  else if (name.ends_with(".vdb"))
+    info = read_vdb_info(path, grid);
   else
-    throw InputError(path + ": not a volume that brim reads; it must end in .nii, .nii.gz, .nrrd or .nhdr");
+    throw InputError(path + ": not a volume that brim reads; it must end in .nii, .nii.gz, .nrrd, .nhdr or .vdb");
+  if (!grid.empty() && !name.ends_with(".vdb"))
+    throw InputError(fmt::format("{}: a grid ('{}') can be chosen of .vdb files only", path, grid));
   check(info);
   return info;
 }
@@ -167,16 +171,19 @@ VoxelImage read_volume(const VolumeInfo& info, const VolumeReadOptions& options)
   image.origin = info.unit * (info.origin + info.axes * (0.5 * (cd - Vec3::Ones())));
   image.values.assign(image.count(), 0.0f);
 
+  const bool text_of_numbers = info.encoding == VolumeInfo::Encoding::Text;
   ByteSource source(info.data_path, info.file_offset, info.encoding == VolumeInfo::Encoding::Gzip);
   source.skip(info.data_offset);
   TextNumbers text(info.data_path, source);
   const std::size_t nx = static_cast<std::size_t>(info.size.x()), ny = static_cast<std::size_t>(info.size.y());
   const std::size_t slice = nx * ny, width = voxel_bytes(info.type);
-  std::vector<char> raw(info.encoding == VolumeInfo::Encoding::Text ? 0 : slice * width);
+  std::vector<char> raw(text_of_numbers || info.slices ? 0 : slice * width);
   std::vector<double> value(slice), sum(static_cast<std::size_t>(image.size.x()) * image.size.y(), 0.0);
   std::vector<double> count(sum.size(), 0.0);
   for (int k = 0; k < info.size.z(); ++k) {
-    if (info.encoding == VolumeInfo::Encoding::Text) {
+    if (info.slices) {
+      info.slices->read(k, value);
+    } else if (text_of_numbers) {
       text.read(slice, value.data());
     } else {
       source.read(raw.data(), raw.size());

@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "brim/mesh/voxel_image.h"
@@ -17,11 +19,19 @@ const char* voxel_word(VoxelType type);
 /// @return nothing for a word that is no type
 std::optional<VoxelType> voxel_type(const std::string& word);
 
+/// Voxels of a format that is no plain array.
+class SliceSource {
+ public:
+  virtual ~SliceSource() = default;
+  /// Stored values of slice k, shape (size.y, size.x).
+  virtual void read(int k, std::span<double> out) = 0;
+};
+
 /// What a volume file says of itself; the voxels are still to be read.
 struct VolumeInfo {
-  enum class Encoding : std::uint8_t { Plain, Gzip, Text };
+  enum class Encoding : std::uint8_t { Plain, Gzip, Text, Slices };
   std::string path;            ///< as the user named it
-  std::string format;          ///< "NIfTI-1", "NRRD", "raw"
+  std::string format;          ///< "NIfTI-1", "NRRD", "OpenVDB, grid 'density'", "raw"
   Vec3i size = Vec3i::Zero();  ///< voxels, all positive
   VoxelType type = VoxelType::UInt8;
   bool big_endian = false;
@@ -34,6 +44,7 @@ struct VolumeInfo {
   std::size_t file_offset = 0;   ///< where the (packed) voxels start in it
   std::size_t data_offset = 0;   ///< bytes to skip after unpacking
   Encoding encoding = Encoding::Plain;
+  std::shared_ptr<SliceSource> slices;  ///< where the encoding is Slices
 
   double count() const { return static_cast<double>(size.x()) * size.y() * size.z(); }
   /// [m] steps along i, j, k.
@@ -49,12 +60,15 @@ struct RawLayout {
   std::size_t skip = 0;  ///< bytes before the first voxel
 };
 
-/// Reads the header of a NIfTI-1 (.nii, .nii.gz; both byte orders, scaling, sform or qform) or NRRD file (.nrrd, .nhdr;
-/// raw, gzip, text; spacings or space directions), or makes up that of a raw file.
+/// Reads the header of a NIfTI-1 (.nii, .nii.gz; both byte orders, scaling, sform or qform), NRRD (.nrrd, .nhdr; raw,
+/// gzip, text; spacings or space directions) or OpenVDB file (.vdb, in metres: the grid called density, or the first of
+/// numbers, in the box of its active voxels; of level sets the intensity is minus the distance), or makes up that of a
+/// raw file.
+/// @param grid  name of the grid to take of an OpenVDB file; empty: as above
 /// @throws InputError  for files of another kind, with sizes that are not positive, steps that are zero or not finite,
 ///   axes in one plane, more than three axes, colours, voxels of no known type, or fewer bytes than voxels
 /// Tests: tests/io/volume_reader_test.cpp
-VolumeInfo read_volume_info(const std::string& path);
+VolumeInfo read_volume_info(const std::string& path, const std::string& grid = {});
 VolumeInfo raw_volume_info(const std::string& path, const RawLayout& layout);
 
 struct VolumeReadOptions {

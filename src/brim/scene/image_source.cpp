@@ -31,7 +31,7 @@ VolumeInfo read_info(const Node& n) {
       layout.skip = static_cast<std::size_t>(raw.integer("skip"));
       info = raw_volume_info(path, layout);
     } else {
-      info = read_volume_info(path);
+      info = read_volume_info(path, n.has("grid") ? n.string("grid") : "");
     }
     if (const auto unit = n.number_if("unit")) info.unit = *unit;
     return info;
