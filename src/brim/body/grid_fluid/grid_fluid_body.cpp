@@ -3,9 +3,7 @@
 #include <cmath>
 
 #include "brim/body/grid_fluid/face_map.h"
-#include "brim/body/grid_fluid/fluid_surface.h"
 #include "brim/core/error.h"
-#include "brim/math/ramp.h"
 
 namespace brim {
 
@@ -141,14 +139,19 @@ void GridFluidBody::advance(double dt, std::span<double> q, std::span<const doub
 
 void GridFluidBody::finish_step(double, double dt, std::span<double> q, std::span<double> v) {
   const MacGrid& g = model_.grid;
+  keeper_.note(wet_, mass_, v);
+  wall_impulse_ = solver_.wall_impulse(impulse_);
   take_level_set(q.first(g.cells()));
   std::vector<double>& moved = scratch_;
   moved.resize(g.faces());
   std::vector<double> forth;
   advect_velocity(g, extended_, dt, moved, forth);
+  const bool closed = std::none_of(model_.open.begin(), model_.open.end(), [](bool open) { return open; });
+  wall_impulse_ -= keeper_.restore(g, wet_, mass_, closed, moved);
   for (std::size_t f = 0; f < moved.size(); ++f) moved[f] *= mass_[f];
   std::vector<double> pressure(g.cells(), 0.0);
-  projection_.project(moved, kPressureTolerance * projection_.scale(moved), v, pressure);
+  projection_.project(moved, kPressureTolerance, v, pressure);
+  wall_impulse_ += projection_.wall_impulse(pressure);
 }
 
 void GridFluidBody::add_forces(const Environment& env, std::span<double> Q) const {
@@ -212,147 +215,12 @@ void GridFluidBody::prepare_preconditioner(std::size_t first, const BlockDiagona
 void GridFluidBody::precondition(std::size_t, const BlockDiagonal&, std::span<const double> r,
                                  std::span<double> z) const {
   // Starting from the last pressure, which hardly changes within a solve, only the correction is computed.
-  pressure_iterations_ += solver_.project(r, kPressureTolerance * solver_.scale(r), z, impulse_);
+  pressure_iterations_ += solver_.project(r, kPressureTolerance, z, impulse_);
 }
 
 void GridFluidBody::filter(std::span<double> x) const {
   for (std::size_t f = 0; f < x.size(); ++f)
     if (wet_.kind[f] != Kind::Free) x[f] = 0.0;
-}
-
-Vec3 GridFluidBody::carrier_velocity(int, std::span<const double> v) const {
-  const Vec3 p = linear_momentum(v);
-  Vec3 m = Vec3::Zero();
-  for (std::size_t f = 0; f < v.size(); ++f) m[static_cast<int>(f % 3)] += mass_[f];
-  return p.array() / m.array().max(1e-300);
-}
-
-double GridFluidBody::relative_speed_bound(int, std::span<const double> v) const {
-  const Vec3 mean = carrier_velocity(0, v);
-  Vec3 most = Vec3::Zero();
-  for (std::size_t f = 0; f < v.size(); ++f) {
-    const int a = static_cast<int>(f % 3);
-    if (wet_.kind[f] != Kind::Dry) most[a] = std::max(most[a], std::abs(v[f] - mean[a]));
-  }
-  return most.norm();
-}
-
-double GridFluidBody::distance(const Vec3& x) const {
-  const Aabb box = model_.grid.box();
-  const double beyond = (box.lo - x).cwiseMax(x - box.hi).maxCoeff();
-  return std::max(beyond, sample_cells(model_.grid, phi_, x));
-}
-
-void GridFluidBody::presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const {
-  if (bounds_.empty()) return;
-  const MacGrid& g = model_.grid;
-  const Aabb where = region.intersection(bounds_.inflated(0.5 * w + h));
-  if (where.empty()) return;
-  const TileRange range = tiles_meeting(where.inflated(h), h);
-  for (int z = range.lo.z; z <= range.hi.z; ++z)
-    for (int y = range.lo.y; y <= range.hi.y; ++y)
-      for (int x = range.lo.x; x <= range.hi.x; ++x) {
-        // Every cell that a node of the block may be interpolated from.
-        const Aabb block = tile_box({x, y, z}, h).inflated(h);
-        const auto place = [&](double p, int a) {
-          return std::clamp(static_cast<int>(std::floor((p - g.origin[a]) / g.dx - 0.5)), 0, g.n[a] - 1);
-        };
-        bool found = false;
-        for (int k = place(block.lo.z(), 2); k <= std::min(place(block.hi.z(), 2) + 1, g.n.z() - 1) && !found; ++k)
-          for (int j = place(block.lo.y(), 1); j <= std::min(place(block.hi.y(), 1) + 1, g.n.y() - 1) && !found; ++j)
-            for (int i = place(block.lo.x(), 0); i <= std::min(place(block.hi.x(), 0) + 1, g.n.x() - 1) && !found; ++i)
-              found = phi_[g.cell(i, j, k)] < 0.5 * w;
-        if (found) out.push_back({x, y, z});
-      }
-}
-
-void GridFluidBody::rasterize(int, double h, double w, std::span<const TileKey> tiles,
-                              std::span<DensityBlock> out) const {
-  parallel_for(tiles.size(), [&](std::size_t t) {
-    const Vec3 origin = block_origin(tiles[t], h);
-    std::fill(std::begin(out[t].source), std::end(out[t].source), 0);
-    double* rho = out[t].rho;
-    for (int k = 0; k < kBlockSize; ++k)
-      for (int j = 0; j < kBlockSize; ++j)
-        for (int i = 0; i < kBlockSize; ++i) *rho++ = ramp(distance(origin + h * Vec3(i, j, k)), w);
-  });
-}
-
-void GridFluidBody::make_map(int, std::span<const Vec3> points, std::span<const std::int32_t>,
-                             std::unique_ptr<Map>& map) const {
-  if (!map) map = std::make_unique<FaceMap>();
-  static_cast<FaceMap&>(*map).reset(model_.grid, wet_, phi_, slips(), points);
-}
-
-double GridFluidBody::volume() const {
-  double area = 0.0;
-  return level_.volume(phi_, 0.0, area);
-}
-
-double GridFluidBody::divergence(std::span<const double> v) const {
-  const double dx = model_.grid.dx;
-  return projection_.divergence(v) / (dx * dx * dx);
-}
-
-double GridFluidBody::potential_energy(const Environment& env) const {
-  const MacGrid& g = model_.grid;
-  const double sum = ordered_sum(
-      g.n.z(),
-      [&](std::size_t plane, std::size_t) {
-        double s = 0.0;
-        const int k = static_cast<int>(plane);
-        for (int j = 0; j < g.n.y(); ++j)
-          for (int i = 0; i < g.n.x(); ++i)
-            s += level_.fraction(phi_, i, j, k) * env.gravity.dot(g.cell_center(i, j, k));
-        return s;
-      },
-      1);
-  return -cell_mass_ * sum;
-}
-
-Vec3 GridFluidBody::linear_momentum(std::span<const double> v) const {
-  Vec3 p = Vec3::Zero();
-  for (std::size_t f = 0; f < v.size(); ++f) p[static_cast<int>(f % 3)] += mass_[f] * v[f];
-  return p;
-}
-
-Vec3 GridFluidBody::angular_momentum(std::span<const double> v) const {
-  const MacGrid& g = model_.grid;
-  Vec3 sum = Vec3::Zero();
-  for (int a = 0; a < 3; ++a) {
-    const Vec3i count = g.face_count(a);
-    for (int k = 0; k < count.z(); ++k)
-      for (int j = 0; j < count.y(); ++j)
-        for (int i = 0; i < count.x(); ++i) {
-          const int f = g.face(a, i, j, k);
-          if (mass_[f] > 0.0) sum += g.face_position(a, i, j, k).cross(mass_[f] * v[f] * Vec3::Unit(a));
-        }
-  }
-  return sum;
-}
-
-bool GridFluidBody::rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const {
-  const MacGrid& g = model_.grid;
-  std::fill(v.begin(), v.end(), 0.0);
-  for (int a = 0; a < 3; ++a)
-    for_places(g.face_count(a),
-               [&](int i, int j, int k) { v[g.face(a, i, j, k)] = (t + w.cross(g.face_position(a, i, j, k)))[a]; });
-  return true;
-}
-
-void GridFluidBody::make_surface() const {
-  fluid_surface(
-      model_.grid, [&](const Vec3& x) { return distance(x); }, surface_);
-}
-
-void GridFluidBody::display_positions(std::span<Vec3f> x) const {
-  make_surface();
-  const std::size_t n = std::min(surface_.size(), x.size());
-  std::copy(surface_.begin(), surface_.begin() + static_cast<std::ptrdiff_t>(n), x.begin());
-  // What is left of the room collapses to the middle, where nobody sees it and the mean stays what it was.
-  Vec3f middle = Vec3f::Zero();
-  for (std::size_t i = 0; i < n; ++i) middle += x[i] / static_cast<float>(n);
-  std::fill(x.begin() + static_cast<std::ptrdiff_t>(n), x.end(), middle);
 }
 
 }  // namespace brim

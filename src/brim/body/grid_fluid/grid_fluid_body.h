@@ -6,8 +6,10 @@
 #include "brim/body/grid_fluid/face_transport.h"
 #include "brim/body/grid_fluid/level_set.h"
 #include "brim/body/grid_fluid/mac_grid.h"
+#include "brim/body/grid_fluid/momentum_keeper.h"
 #include "brim/body/grid_fluid/pressure_projection.h"
 #include "brim/body/grid_fluid/wet_faces.h"
+#include "brim/body/walled.h"
 
 namespace brim {
 
@@ -30,7 +32,7 @@ struct GridFluidModel {
 /// volume of every wet cell, so conjugate gradients never leave these, and pressure, contact and all solids are solved
 /// together. After it: the level set is moved, and shifted along its normal by what moving it has lost.
 /// The box's closed sides let fluid slip.
-class GridFluidBody final : public Body {
+class GridFluidBody final : public Body, public Walled {
  public:
   /// @throws InputError for a grid without cells, or numbers out of range
   explicit GridFluidBody(GridFluidModel model);
@@ -66,6 +68,7 @@ class GridFluidBody final : public Body {
   double potential_energy(const Environment& env) const override;
   Vec3 linear_momentum(std::span<const double> v) const override;
   Vec3 angular_momentum(std::span<const double> v) const override;
+  Vec3 wall_impulse() const override { return wall_impulse_; }
   bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
 
   const Display& display() const override { return display_; }
@@ -110,11 +113,13 @@ class GridFluidBody final : public Body {
   mutable std::vector<double> impulse_;  ///< [Pa s] pressure, the first guess of the next
   mutable int pressure_iterations_ = 0;
   std::vector<double> mass_;
+  Vec3 wall_impulse_ = Vec3::Zero();  ///< [N s] by the walls, in the last step
 
   // Workspace:
   mutable LevelSet level_;
   mutable std::vector<double> extended_, scratch_;
   mutable ExtensionMarks marks_;
+  MomentumKeeper keeper_;
   mutable std::vector<Vec3f> surface_;  ///< corners of the display's triangles
 };
 

@@ -6,7 +6,9 @@ namespace brim {
 
 namespace {
 constexpr int kMaxIterations = 200;
-}
+/// Flow that is rounding, over the area of a face times the fastest velocity before the pressure.
+constexpr double kRounding = 1e-15;
+}  // namespace
 
 void PressureProjection::prepare(const MacGrid& g, const WetFaces& wet, std::span<const double> mass) {
   grid_ = &g;
@@ -53,20 +55,8 @@ double PressureProjection::divergence(std::span<const double> u) const {
   return most;
 }
 
-double PressureProjection::scale(std::span<const double> r) {
-  velocity_.resize(r.size());
-  for (std::size_t f = 0; f < r.size(); ++f) velocity_[f] = inverse_mass_[f] * r[f];
-  return divergence(velocity_);
-}
-
-int PressureProjection::project(std::span<const double> r, double tolerance, std::span<double> z,
-                                std::span<double> pressure) {
+void PressureProjection::add_push(std::span<const double> pressure, std::span<double> z) const {
   const MacGrid& g = *grid_;
-  for (std::size_t f = 0; f < z.size(); ++f) z[f] = inverse_mass_[f] > 0.0 ? inverse_mass_[f] * r[f] : 0.0;
-  flow_.resize(g.cells());
-  flow(z, flow_);
-  for (double& x : flow_) x = -x;
-  const int iterations = poisson_.solve(flow_, tolerance, kMaxIterations, pressure);
   const double area = g.dx * g.dx;
   for (int a = 0; a < 3; ++a)
     for_places(g.face_count(a), [&](int i, int j, int k) {
@@ -76,7 +66,47 @@ int PressureProjection::project(std::span<const double> r, double tolerance, std
       const double push = (g.inside(lo) ? pressure[g.cell(lo)] : 0.0) - (g.inside(hi) ? pressure[g.cell(hi)] : 0.0);
       z[f] += inverse_mass_[f] * area * push;
     });
+}
+
+int PressureProjection::project(std::span<const double> r, double tolerance, std::span<double> z,
+                                std::span<double> pressure) {
+  const MacGrid& g = *grid_;
+  double fastest = 0.0, most = 0.0;
+  for (std::size_t f = 0; f < z.size(); ++f) {
+    z[f] = inverse_mass_[f] > 0.0 ? inverse_mass_[f] * r[f] : 0.0;
+    fastest = std::max(fastest, std::abs(z[f]));
+  }
+  for (std::size_t c = 0; c < g.cells(); ++c)
+    if (!wet_->cell[c]) pressure[c] = 0.0;
+  add_push(pressure, z);
+  flow_.resize(g.cells());
+  flow(z, flow_);
+  for (double& x : flow_) {
+    x = -x;
+    most = std::max(most, std::abs(x));
+  }
+  change_.assign(g.cells(), 0.0);
+  const double floor = kRounding * g.dx * g.dx * fastest;
+  const int iterations = poisson_.solve(flow_, std::max(tolerance * most, floor), kMaxIterations, change_);
+  add_push(change_, z);
+  for (std::size_t c = 0; c < g.cells(); ++c) pressure[c] += change_[c];
   return iterations;
+}
+
+Vec3 PressureProjection::wall_impulse(std::span<const double> pressure) const {
+  const MacGrid& g = *grid_;
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < g.n.z(); ++k)
+    for (int j = 0; j < g.n.y(); ++j)
+      for (int i = 0; i < g.n.x(); ++i) {
+        const Vec3i at(i, j, k);
+        const double p = pressure[g.cell(at)];
+        for (int a = 0; a < 3; ++a) {
+          if (at[a] == 0 && wet_->kind[g.face(a, at)] == WetFaces::Kind::Wall) sum[a] += p;
+          if (at[a] + 1 == g.n[a] && wet_->kind[g.face(a, at + Vec3i::Unit(a))] == WetFaces::Kind::Wall) sum[a] -= p;
+        }
+      }
+  return g.dx * g.dx * sum;
 }
 
 }  // namespace brim

@@ -17,23 +17,28 @@ class PressureProjection {
  public:
   /// @param mass  [kg] per face, > 0 on free faces
   void prepare(const MacGrid& grid, const WetFaces& wet, std::span<const double> mass);
-  /// @param r       [N s] per face; only free faces count
-  /// @param z       [m/s], overwritten, zero on all others
+  /// @param r          [N s] per face; only free faces count
+  /// @param tolerance  of the flow that remains out of a cell, over that which the first guess of the pressure leaves:
+  ///                   within a solve, whose right-hand sides shrink while the pressure in them stays, the answers
+  ///                   become exact as they become small
+  /// @param z          [m/s], overwritten, zero on all others
   /// @param pressure   π, [Pa s] per cell: first guess, then solution
-  /// @param tolerance  [m³/s] of the flow out of a cell
+  /// @return number of iterations
   int project(std::span<const double> r, double tolerance, std::span<double> z, std::span<double> pressure);
-  /// Largest flow out of a cell that the impulses alone would make, [m³/s].
-  double scale(std::span<const double> r);
+  /// What the closed sides of the box push with, [N s]. @param pressure  π, [Pa s] per cell
+  Vec3 wall_impulse(std::span<const double> pressure) const;
   /// Largest flow out of a wet cell, [m³/s].
   double divergence(std::span<const double> u) const;
 
  private:
   void flow(std::span<const double> u, std::span<double> out) const;
+  /// z += M⁻¹ Dᵀ π
+  void add_push(std::span<const double> pressure, std::span<double> z) const;
 
   const MacGrid* grid_ = nullptr;
   const WetFaces* wet_ = nullptr;
   std::vector<double> inverse_mass_;  ///< [1/kg], 0 on faces that do not move
-  std::vector<double> flow_, velocity_;
+  std::vector<double> flow_, change_;
   GridPoisson poisson_;
 };
 

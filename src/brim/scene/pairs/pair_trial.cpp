@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brim/body/walled.h"
 #include "brim/scene/pairs/pair_sides.h"
 #include "brim/scene/scene.h"
 
@@ -22,8 +23,9 @@ struct MomentumBook {
   double force = 0.0;  ///< [N] largest gain over a step, over the step
 
   void begin(const Vec3& p) { start = last = p; }
-  void add(const Vec3& p, const Vec3& contact_force, double dt, bool movable) {
-    impulse += dt * contact_force;
+  /// @param walls  [N s] what the body took from walls of its own
+  void add(const Vec3& p, const Vec3& contact_force, const Vec3& walls, double dt, bool movable) {
+    impulse += dt * contact_force + walls;
     total += dt * contact_force.norm();
     force = std::max(force, movable ? (p - last).norm() / dt : contact_force.norm());
     if (movable) astray = std::max(astray, (p - start - impulse).norm());
@@ -51,6 +53,10 @@ class Trial {
 
  private:
   Vec3 momentum(int b) const { return movable(b) ? world_.body(b).linear_momentum(world_.v(b)) : Vec3(Vec3::Zero()); }
+  Vec3 wall_impulse(int b) const {
+    const auto* walled = dynamic_cast<const Walled*>(&world_.body(b));
+    return walled ? walled->wall_impulse() : Vec3::Zero();
+  }
   bool movable(int b) const { return std::isfinite(world_.body(b).mass()); }
 
   void step() {
@@ -67,7 +73,7 @@ class Trial {
       force[world_.part(pair.part_a).body] += pair.force_on_a;
       force[world_.part(pair.part_b).body] -= pair.force_on_a;
     }
-    for (const int b : {kLower, kUpper}) books_[b].add(momentum(b), force[b], r.dt, movable(b));
+    for (const int b : {kLower, kUpper}) books_[b].add(momentum(b), force[b], wall_impulse(b), r.dt, movable(b));
     // Contact energy is reported as of the beginning of a step, all else as of its end.
     if (result_.steps > 1) note_energy(energy_end_ + r.contact_energy);
     energy_end_ = r.kinetic_energy + r.potential_energy;

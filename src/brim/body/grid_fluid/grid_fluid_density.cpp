@@ -1,0 +1,72 @@
+#include "brim/body/grid_fluid/face_map.h"
+#include "brim/body/grid_fluid/grid_fluid_body.h"
+#include "brim/math/ramp.h"
+
+/// How a grid fluid shows itself to contact: density, presence, map.
+namespace brim {
+
+Vec3 GridFluidBody::carrier_velocity(int, std::span<const double> v) const {
+  const Vec3 p = linear_momentum(v);
+  Vec3 m = Vec3::Zero();
+  for (std::size_t f = 0; f < v.size(); ++f) m[static_cast<int>(f % 3)] += mass_[f];
+  return p.array() / m.array().max(1e-300);
+}
+
+double GridFluidBody::relative_speed_bound(int, std::span<const double> v) const {
+  const Vec3 mean = carrier_velocity(0, v);
+  Vec3 most = Vec3::Zero();
+  for (std::size_t f = 0; f < v.size(); ++f) {
+    const int a = static_cast<int>(f % 3);
+    if (wet_.kind[f] != WetFaces::Kind::Dry) most[a] = std::max(most[a], std::abs(v[f] - mean[a]));
+  }
+  return most.norm();
+}
+
+double GridFluidBody::distance(const Vec3& x) const {
+  const Aabb box = model_.grid.box();
+  const double beyond = (box.lo - x).cwiseMax(x - box.hi).maxCoeff();
+  return std::max(beyond, sample_cells(model_.grid, phi_, x));
+}
+
+void GridFluidBody::presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const {
+  if (bounds_.empty()) return;
+  const MacGrid& g = model_.grid;
+  const Aabb where = region.intersection(bounds_.inflated(0.5 * w + h));
+  if (where.empty()) return;
+  const TileRange range = tiles_meeting(where.inflated(h), h);
+  for (int z = range.lo.z; z <= range.hi.z; ++z)
+    for (int y = range.lo.y; y <= range.hi.y; ++y)
+      for (int x = range.lo.x; x <= range.hi.x; ++x) {
+        // Every cell that a node of the block may be interpolated from.
+        const Aabb block = tile_box({x, y, z}, h).inflated(h);
+        const auto place = [&](double p, int a) {
+          return std::clamp(static_cast<int>(std::floor((p - g.origin[a]) / g.dx - 0.5)), 0, g.n[a] - 1);
+        };
+        bool found = false;
+        for (int k = place(block.lo.z(), 2); k <= std::min(place(block.hi.z(), 2) + 1, g.n.z() - 1) && !found; ++k)
+          for (int j = place(block.lo.y(), 1); j <= std::min(place(block.hi.y(), 1) + 1, g.n.y() - 1) && !found; ++j)
+            for (int i = place(block.lo.x(), 0); i <= std::min(place(block.hi.x(), 0) + 1, g.n.x() - 1) && !found; ++i)
+              found = phi_[g.cell(i, j, k)] < 0.5 * w;
+        if (found) out.push_back({x, y, z});
+      }
+}
+
+void GridFluidBody::rasterize(int, double h, double w, std::span<const TileKey> tiles,
+                              std::span<DensityBlock> out) const {
+  parallel_for(tiles.size(), [&](std::size_t t) {
+    const Vec3 origin = block_origin(tiles[t], h);
+    std::fill(std::begin(out[t].source), std::end(out[t].source), 0);
+    double* rho = out[t].rho;
+    for (int k = 0; k < kBlockSize; ++k)
+      for (int j = 0; j < kBlockSize; ++j)
+        for (int i = 0; i < kBlockSize; ++i) *rho++ = ramp(distance(origin + h * Vec3(i, j, k)), w);
+  });
+}
+
+void GridFluidBody::make_map(int, std::span<const Vec3> points, std::span<const std::int32_t>,
+                             std::unique_ptr<Map>& map) const {
+  if (!map) map = std::make_unique<FaceMap>();
+  static_cast<FaceMap&>(*map).reset(model_.grid, wet_, phi_, slips(), points);
+}
+
+}  // namespace brim

@@ -1,0 +1,78 @@
+#include "brim/body/grid_fluid/fluid_surface.h"
+#include "brim/body/grid_fluid/grid_fluid_body.h"
+
+/// What is measured and shown of a grid fluid.
+namespace brim {
+
+double GridFluidBody::volume() const {
+  double area = 0.0;
+  return level_.volume(phi_, 0.0, area);
+}
+
+double GridFluidBody::divergence(std::span<const double> v) const {
+  const double dx = model_.grid.dx;
+  return projection_.divergence(v) / (dx * dx * dx);
+}
+
+double GridFluidBody::potential_energy(const Environment& env) const {
+  const MacGrid& g = model_.grid;
+  const double sum = ordered_sum(
+      g.n.z(),
+      [&](std::size_t plane, std::size_t) {
+        double s = 0.0;
+        const int k = static_cast<int>(plane);
+        for (int j = 0; j < g.n.y(); ++j)
+          for (int i = 0; i < g.n.x(); ++i)
+            s += level_.fraction(phi_, i, j, k) * env.gravity.dot(g.cell_center(i, j, k));
+        return s;
+      },
+      1);
+  return -cell_mass_ * sum;
+}
+
+Vec3 GridFluidBody::linear_momentum(std::span<const double> v) const {
+  Vec3 p = Vec3::Zero();
+  for (std::size_t f = 0; f < v.size(); ++f) p[static_cast<int>(f % 3)] += mass_[f] * v[f];
+  return p;
+}
+
+Vec3 GridFluidBody::angular_momentum(std::span<const double> v) const {
+  const MacGrid& g = model_.grid;
+  Vec3 sum = Vec3::Zero();
+  for (int a = 0; a < 3; ++a) {
+    const Vec3i count = g.face_count(a);
+    for (int k = 0; k < count.z(); ++k)
+      for (int j = 0; j < count.y(); ++j)
+        for (int i = 0; i < count.x(); ++i) {
+          const int f = g.face(a, i, j, k);
+          if (mass_[f] > 0.0) sum += g.face_position(a, i, j, k).cross(mass_[f] * v[f] * Vec3::Unit(a));
+        }
+  }
+  return sum;
+}
+
+bool GridFluidBody::rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const {
+  const MacGrid& g = model_.grid;
+  std::fill(v.begin(), v.end(), 0.0);
+  for (int a = 0; a < 3; ++a)
+    for_places(g.face_count(a),
+               [&](int i, int j, int k) { v[g.face(a, i, j, k)] = (t + w.cross(g.face_position(a, i, j, k)))[a]; });
+  return true;
+}
+
+void GridFluidBody::make_surface() const {
+  fluid_surface(
+      model_.grid, [&](const Vec3& x) { return distance(x); }, surface_);
+}
+
+void GridFluidBody::display_positions(std::span<Vec3f> x) const {
+  make_surface();
+  const std::size_t n = std::min(surface_.size(), x.size());
+  std::copy(surface_.begin(), surface_.begin() + static_cast<std::ptrdiff_t>(n), x.begin());
+  // What is left of the room collapses to the middle, where nobody sees it and the mean stays what it was.
+  Vec3f middle = Vec3f::Zero();
+  for (std::size_t i = 0; i < n; ++i) middle += x[i] / static_cast<float>(n);
+  std::fill(x.begin() + static_cast<std::ptrdiff_t>(n), x.end(), middle);
+}
+
+}  // namespace brim

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "brim/math/types.h"
+
+namespace brim {
+
+/// What a body also is when it has walls of its own that no other body knows, such as the box of a grid.
+class Walled {
+ public:
+  virtual ~Walled() = default;
+  /// Momentum that the body took from its walls in its last step, and that left through openings, [N s].
+  virtual Vec3 wall_impulse() const = 0;
+};
+
+}  // namespace brim
