@@ -47,12 +47,14 @@ ParticleFluidBody::ParticleFluidBody(std::vector<Vec3> x, ParticleFluidOptions o
     : start_(std::move(x)),
       options_(std::move(options)),
       kernel_(kSupport * options_.spacing),
+      cohesion_(kernel_.support(), options_.spacing, options_.surface_tension),
       volume_(1.0 / lattice_sum(kernel_, options_.spacing)),
       contact_(kernel_, volume_) {
   const ParticleFluidOptions& o = options_;
   require("spacing [m]", o.spacing, o.spacing > 0.0, "positive");
   require("density [kg/m³]", o.density, o.density > 0.0, "positive");
   require("viscosity [Pa s]", o.viscosity, o.viscosity >= 0.0, "zero or positive");
+  require("surface tension [N/m]", o.surface_tension, o.surface_tension >= 0.0, "zero or positive");
   require("bulk modulus [Pa]", o.bulk_modulus, o.bulk_modulus >= 0.0, "zero (automatic) or positive");
   require("compression", o.compression, o.compression > 0.0 && o.compression <= 0.1, "above 0 and at most 0.1");
   require("voxel size [m]", o.voxel_size, o.voxel_size >= 0.0 && o.voxel_size <= o.spacing * (1 + 1e-9),
@@ -164,6 +166,7 @@ void ParticleFluidBody::add_forces(const Environment& env, std::span<double> Q) 
     p->pressure[i] = static_cast<float>(-kappa * std::max(0.0, fill[i] - 1.0));
   pairs_.add_pressure(p->pressure, p->y);
   if (options_.viscosity > 0.0) pairs_.add_viscosity(-1.0, p->v, p->y);
+  if (cohesion_.acts()) cohesion_.add_forces(cells_.positions(), pairs_, p->y);
   for (Vec3& f : p->y) f += particle_mass_ * env.gravity;
   scatter(*p, 1.0, Q);
 }
@@ -244,6 +247,7 @@ double ParticleFluidBody::potential_energy(const Environment& env) const {
   double e = 0.0;
   for (const double fill : pairs_.fill()) e += 0.5 * kappa * std::max(0.0, fill - 1.0) * std::max(0.0, fill - 1.0);
   for (const Vec3& x : x_) e -= particle_mass_ * env.gravity.dot(x);
+  if (cohesion_.acts()) e += cohesion_.energy(cells_.positions(), pairs_);
   return e;
 }
 

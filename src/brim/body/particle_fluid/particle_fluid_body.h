@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "brim/body/body.h"
+#include "brim/body/particle_fluid/cohesion.h"
 #include "brim/body/particle_fluid/fluid_contact.h"
 #include "brim/body/particle_fluid/fluid_pairs.h"
 
@@ -14,6 +15,7 @@ struct ParticleFluidOptions {
   double spacing = 0.05;                 ///< [m] of the particles at rest, > 0: each stands for spacing³ of fluid
   double density = 1000.0;               ///< [kg/m³]
   double viscosity = 0.0;                ///< [Pa s] dynamic, >= 0; implicit, so it does not limit the time step
+  double surface_tension = 0.0;          ///< [N/m] >= 0; explicit, see docs for the time step that it allows
   double bulk_modulus = 0.0;             ///< [Pa] κ; 0: ρ g L / compression, L the diagonal of the fluid as it starts
   double compression = 0.01;             ///< [-] allowed where κ is chosen, (0, 0.1]
   Vec3 gravity = Vec3(0, 0, -9.81);      ///< [m/s²] that the choice of κ expects
@@ -95,6 +97,7 @@ class ParticleFluidBody final : public Body {
   std::vector<Vec3> start_;
   ParticleFluidOptions options_;
   FluidKernel kernel_;
+  Cohesion cohesion_;
   double volume_, particle_mass_, bulk_modulus_;
   PartInfo part_;
   Display display_;

@@ -54,6 +54,7 @@ class ParticleFluidMaker final : public BodyMaker {
     options.spacing = spacing_;
     options.density = node_.number("density");
     options.viscosity = node_.number("viscosity");
+    options.surface_tension = node_.number("surface_tension");
     options.bulk_modulus = node_.number("bulk_modulus");
     options.compression = node_.number("compression");
     options.gravity = gravity_;
