@@ -4,7 +4,8 @@
     tools/cost_apart.py scenes/mixed_stack.json --frames 60 [--brim build/release/brim] [--threads N]
 
 Prints the seconds of the steps (files and start-up left out), the share of each phase, and the ratio of the whole to the
-sum of the bodies apart. Bodies apart fall freely: they are never deformed as the pile deforms them.
+sum of the bodies apart. Bodies apart fall freely: they are never deformed as the pile deforms them, and one sub-step a
+frame does for them. A second ratio gives them as many sub-steps as the whole took on average.
 """
 import argparse
 import json
@@ -24,7 +25,7 @@ def read_scene(path: pathlib.Path) -> dict:
 
 
 def measure(brim: str, scene: dict, home: pathlib.Path, frames: int, threads: int) -> dict:
-    """Seconds of each phase, summed over the run."""
+    """Summary of a run; its "seconds" are those of each phase, summed over the run."""
     with tempfile.TemporaryDirectory() as folder:
         # Beside the original, so that relative paths of meshes still lead somewhere.
         with tempfile.NamedTemporaryFile("w", suffix=".json", dir=home, delete=True) as file:
@@ -35,10 +36,11 @@ def measure(brim: str, scene: dict, home: pathlib.Path, frames: int, threads: in
             done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode != 0:
             sys.exit(done.stderr)
-        return json.loads(pathlib.Path(folder, "run", "summary.json").read_text())["seconds"]
+        return json.loads(pathlib.Path(folder, "run", "summary.json").read_text())
 
 
-def step_seconds(seconds: dict) -> float:
+def step_seconds(summary: dict) -> float:
+    seconds = summary["seconds"]
     return sum(v for phase, v in seconds.items() if phase not in ("record", "solve_contact"))
 
 
@@ -56,11 +58,12 @@ def main() -> None:
     home = options.scene.resolve().parent
     whole = measure(options.brim, scene, home, options.frames, options.threads)
     total = step_seconds(whole)
-    print(f"whole: {total:.2f} s; contact {sum(whole[p] for p in CONTACT) / total:.2f} of it")
-    for phase, seconds in whole.items():
+    print(f"whole: {total:.2f} s; contact {sum(whole['seconds'][p] for p in CONTACT) / total:.2f} of it")
+    for phase, seconds in whole["seconds"].items():
         print(f"  {phase:14s} {seconds:8.2f} s")
 
-    apart = 0.0
+    substeps = max(1, round(whole["substeps"] / max(1, whole["steps"])))
+    apart = {1: 0.0, substeps: 0.0}
     for body in scene["bodies"]:
         if body["kind"] == "obstacle":
             continue
@@ -68,11 +71,14 @@ def main() -> None:
         if "repeat" in body:
             for n in body["repeat"]["count"]:
                 count *= n
-        alone = {**scene, "bodies": [{k: v for k, v in body.items() if k != "repeat"}]}
-        seconds = step_seconds(measure(options.brim, alone, home, options.frames, options.threads))
-        apart += count * seconds
-        print(f"apart: {count} x {body['name']}: {count * seconds:.2f} s")
-    print(f"ratio of the whole to its bodies apart: {total / apart:.2f}")
+        for pieces in apart:
+            alone = {**scene, "bodies": [{k: v for k, v in body.items() if k != "repeat"}]}
+            alone["world"] = {**scene.get("world", {}), "min_substeps": pieces}
+            seconds = step_seconds(measure(options.brim, alone, home, options.frames, options.threads))
+            apart[pieces] += count * seconds
+            print(f"apart, {pieces} sub-steps: {count} x {body['name']}: {count * seconds:.2f} s")
+    for pieces, seconds in apart.items():
+        print(f"ratio of the whole to its bodies apart, {pieces} sub-steps a frame: {total / seconds:.2f}")
 
 
 if __name__ == "__main__":
