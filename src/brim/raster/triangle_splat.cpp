@@ -68,25 +68,6 @@ class TriangleDistance {
   Vec3 local(const Vec3& r) const { return direction(r - a_); }
   Vec3 direction(const Vec3& d) const { return {eu_.dot(d), ev_.dot(d), n_.dot(d)}; }
 
-  /// Narrows lo..hi to the i for which start + i step (local coordinates) may be within reach of the triangle.
-  /// @param inverse_step  1 / step, or 0 where the step is too small to matter
-  void clip_row(const Vec3& start, const Vec3& inverse_step, double reach, int& lo, int& hi) const {
-    const double low[3] = {low_ - reach, -reach, -reach}, high[3] = {high_ + reach, cy_ + reach, reach};
-    double first = lo, last = hi;
-    for (int a = 0; a < 3; ++a) {
-      if (inverse_step[a] == 0.0) {
-        if (start[a] < low[a] - 1e-6 * reach || start[a] > high[a] + 1e-6 * reach) last = -1.0;
-        continue;
-      }
-      const double p = (low[a] - start[a]) * inverse_step[a], q = (high[a] - start[a]) * inverse_step[a];
-      first = std::max(first, std::min(p, q));
-      last = std::min(last, std::max(p, q));
-    }
-    // Half a node of tolerance costs little and forgives rounding.
-    lo = static_cast<int>(std::min(first + 0.5, double{kBlockSize}));
-    hi = last < 0.0 ? (last < -0.5 ? -1 : 0) : static_cast<int>(last + 0.5);
-  }
-
   /// Lowers kLanes squared distances and sets their nearest triangles where this one is closer.
   /// @param u, v, n  local coordinates of the points
   BRIM_INLINE void keep_nearest(const Lanes& u, const Lanes& v, const Lanes& n, std::int32_t id, double* distance2,
@@ -140,17 +121,12 @@ BRIM_WIDE void splat_triangle(const Vec3& a, const Vec3& b, const Vec3& c, std::
   const TriangleDistance triangle(a, b, c);
   const Vec3 corner = triangle.local(origin), dx = triangle.direction(h * Vec3::UnitX());
   const Vec3 dy = triangle.direction(h * Vec3::UnitY()), dz = triangle.direction(h * Vec3::UnitZ());
-  Vec3 inverse_dx = Vec3::Zero();
-  for (int axis = 0; axis < 3; ++axis)
-    if (std::abs(dx[axis]) * kBlockSize > 1e-6 * reach) inverse_dx[axis] = 1.0 / dx[axis];
   const Lanes steps = {0.0, 1.0, 2.0, 3.0};
   for (int k = n.lo[2]; k <= n.hi[2]; ++k)
     for (int j = n.lo[1]; j <= n.hi[1]; ++j) {
       const Vec3 start = corner + double(j) * dy + double(k) * dz;
-      int lo = n.lo[0], hi = n.hi[0];
-      triangle.clip_row(start, inverse_dx, reach, lo, hi);
-      // Whole groups of nodes within the row; what lies beyond lo..hi is out of reach and changes nothing.
-      for (int i = std::min(lo, kBlockSize - kLanes); i <= hi; i += kLanes) {
+      // Whole groups of nodes within the row; what lies beyond the box is out of reach and changes nothing.
+      for (int i = std::min(n.lo[0], kBlockSize - kLanes); i <= n.hi[0]; i += kLanes) {
         i = std::min(i, kBlockSize - kLanes);
         const Lanes at = steps + double(i);
         const int node = block_index(i, j, k);
