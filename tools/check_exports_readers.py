@@ -25,6 +25,7 @@ class Recorded:
     still: bool
     positions: dict  # frame -> (vertices, 3)
     cells: dict  # frame -> number of triangles or lines
+    changing: bool = False  # another surface in every frame
 
 
 class Truth:
@@ -52,7 +53,7 @@ class Truth:
                 first, end = shown[group]["offset"][f:f + 2]
                 return shown[group][column][first:end]
             return Recorded(name, kind, False, {f: rows("vertices", "position", f) for f in self.frames},
-                            {f: len(rows("triangles", "corner", f)) for f in self.frames})
+                            {f: len(rows("triangles", "corner", f)) for f in self.frames}, True)
         still = shown["positions"].shape[0] == 1
         cells = len(about[kind]) if kind in about else 0
         return Recorded(name, kind, still, {f: shown["positions"][0 if still else f] for f in self.frames},
@@ -234,6 +235,12 @@ def blender_reads_gltf(folder, truth, work):
     data = blender("gltf", [folder / "run.glb"], times, work)
     for body in truth.bodies:
         for k, f in enumerate(truth.frames):
+            if body.changing:  # an object for each frame; only the one of this frame has a size
+                mine = [data[n] for n in data if n.startswith(f"{body.name}_") and n.endswith(f"@{k}")]
+                shown = [x for x in mine if len(x) and np.ptp(x, axis=0).max() > 1e-6]
+                assert len(shown) == 1, f"{body.name}, frame {f}: {len(shown)} surfaces at once"
+                same_set(shown[0], body.positions[f], f"{body.name}, frame {f}")
+                continue
             same_set(found_in(data, f"{body.name}@{k}"), body.positions[f], f"{body.name}, frame {f}")
     return f"{len(truth.bodies)} objects, moving as recorded at {len(truth.frames)} times"
 

@@ -56,7 +56,7 @@ def picture_of(brim, scene, runs, pictures, reuse, frames):
     start = time.monotonic()
     length, looks = LOOKS.get(scene.stem, (0, []))
     if not (reuse and (run / "summary.json").exists()):
-        length = min(frames or length, length or frames)
+        length = min((n for n in (frames, length) if n), default=0)
         subprocess.run([brim, "run", scene, "-o", run, "--force", "--quiet",
                         *(["--frames", str(length)] if length else [])], check=True, stdout=subprocess.DEVNULL)
     ran = time.monotonic()

@@ -38,7 +38,7 @@ const line = (name, values, digits) => {
   const sorted = [...values].sort((a, b) => a - b);
   const at = (q) => sorted[Math.min(sorted.length - 1, Math.floor(q * sorted.length))].toFixed(digits);
   console.log(
-    `${name.padEnd(12)} median ${at(0.5).padStart(10)}   19 of 20 below ${at(0.95).padStart(10)}   worst ${at(1).padStart(10)}`,
+    `${name.padEnd(12)} least ${sorted[0].toFixed(digits).padStart(10)}   median ${at(0.5).padStart(10)}   19 of 20 below ${at(0.95).padStart(10)}   worst ${at(1).padStart(10)}`,
   );
 };
 console.log(`${run}: ${costs.length} frames at ${width}x${height}`);

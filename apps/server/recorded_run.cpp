@@ -148,6 +148,7 @@ Json RecordedRun::info() {
                       {"twoSided", list[b].display.two_sided},
                       {"radius", list[b].display.radius},
                       {"vertices", list[b].display.vertices},
+                      {"changing", list[b].changing},
                       {"fixed", fixed(b)},
                       {"parts", Json::array()}});
   Json parts = Json::array();
@@ -184,7 +185,7 @@ std::string RecordedRun::topology(int body) {
     throw InputError(fmt::format("no body {}", body));
   const RecordedBody& b = reader_->bodies()[static_cast<std::size_t>(body)];
   ArrayMessage message;
-  if (b.display.kind == Display::Kind::Triangles)
+  if (b.display.kind == Display::Kind::Triangles && !b.changing)
     message.add("triangles", reinterpret_cast<const std::int32_t*>(b.display.triangles.data()),
                 b.display.triangles.size(), 3, body);
   if (b.display.kind == Display::Kind::Lines)
@@ -207,6 +208,10 @@ std::string RecordedRun::frame(std::int64_t frame) {
     if (fixed(b)) continue;
     const std::vector<Vec3f> x = reader_->positions(static_cast<int>(b), frame);
     message.add("positions", reinterpret_cast<const float*>(x.data()), x.size(), 3, static_cast<int>(b));
+    if (!reader_->bodies()[b].changing) continue;
+    const std::vector<Triangle> triangles = reader_->triangles(static_cast<int>(b), frame);
+    message.add("triangles", reinterpret_cast<const std::int32_t*>(triangles.data()), triangles.size(), 3,
+                static_cast<int>(b));
   }
   const std::vector<ContactSample> contacts = reader_->contacts(frame);
   std::vector<float> position, force, friction, overlap;

@@ -5,9 +5,11 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "brim/body/changing_surface.h"
 #include "brim/core/error.h"
 #include "brim/record/runner.h"
 #include "brim/scene/scene.h"
@@ -187,6 +189,51 @@ TEST_F(Run, AnOlderRunReadsZerosForWhatItsVersionDidNotRecordAndCanBeGoneOnWith)
   ASSERT_EQ(voxels.size(), 13u);
   EXPECT_EQ(voxels[static_cast<std::size_t>(frames) - 1], 0.0);
   EXPECT_GT(voxels.back(), 0.0);
+}
+
+TEST_F(Run, ASurfaceThatChangesIsReadBackFrameByFrameAlsoAfterResuming) {
+  const Scene scene = parse_scene(R"({
+    "brim": 1, "name": "drop", "frames": 6, "world": {"time_step": 0.02},
+    "bodies": [{"kind": "grid_fluid", "name": "water", "cell_size": 0.1, "box": {"lo": [0, 0, 0], "hi": [1, 1, 1]},
+                "fill": [{"kind": "sphere", "center": [0.5, 0.5, 0.4], "radius": 0.3}]}]})");
+  std::vector<std::vector<Vec3f>> x(1);
+  std::vector<std::vector<Triangle>> triangles(1);
+  {
+    World world = build_world(scene);
+    const auto look = [&] { changing_surface(world.body(0))->display_surface(x.back(), triangles.back()); };
+    look();
+    record_run(world, plan(scene, at("run")), [&](const RunProgress&) {
+      x.emplace_back(), triangles.emplace_back();
+      look();
+      return true;
+    });
+  }
+  const auto expect_all = [&](const std::string& folder) {
+    const RunReader run(folder);
+    ASSERT_EQ(run.frames(), 7);
+    EXPECT_TRUE(run.bodies()[0].changing);
+    EXPECT_FALSE(run.still(0));
+    for (std::int64_t f = 0; f < 7; ++f) {
+      EXPECT_EQ(run.positions(0, f), x[static_cast<std::size_t>(f)]) << f;
+      EXPECT_EQ(run.triangles(0, f), triangles[static_cast<std::size_t>(f)]) << f;
+    }
+  };
+  expect_all(at("run"));
+  EXPECT_NE(x.front().size(), x.back().size()) << "the surface must change, or the test is blind";
+  // Closed and shared: every edge is passed once in each direction.
+  std::map<std::pair<int, int>, int> passes;
+  for (const Triangle& t : triangles.back())
+    for (int k = 0; k < 3; ++k) ++passes[{t[k], t[(k + 1) % 3]}];
+  for (const auto& [edge, count] : passes) EXPECT_EQ((passes.contains({edge.second, edge.first})), true);
+  {
+    World world = build_world(scene);
+    record_run(world, plan(scene, at("parts")), [](const RunProgress& p) { return p.frame < 3; });
+  }
+  World world = build_world(scene);
+  RunPlan p = plan(scene, at("parts"));
+  p.resume = true;
+  record_run(world, p, {});
+  expect_all(at("parts"));
 }
 
 TEST_F(Run, ResumingAnotherSceneIsRefusedAndLeavesTheRunAsItWas) {

@@ -21,7 +21,7 @@ describe.skipIf(!chromiumPath)('the page', () => {
   test('shows a run, asks nobody but its server, and throws nothing', async () => {
     const o = await open(browser);
     await o.page.waitForFunction(() => window.brim.app.picture.shown?.index === 0);
-    expect(await o.page.locator('.bodies li').count()).toBe(6);
+    expect(await o.page.locator('.bodies li').count()).toBe(7);
     expect(await o.page.locator('.plotcard').count()).toBe(6);
     expect(await o.page.locator('.mark').count()).toBe(2);
     // The picture is neither empty nor of one colour: the middle differs from the corner.
@@ -90,6 +90,23 @@ describe.skipIf(!chromiumPath)('the page', () => {
     expect(state.looks[1]![0]).toBe(false);
     expect(state.looks[2]![1]).toBe('#ff0000');
     expect(await o.page.locator('.pairs tbody tr').allInnerTexts()).toHaveLength(2);
+    expect(o.problems).toEqual([]);
+    await close(o);
+  });
+
+  test('a surface that changes has other triangles in every frame', async () => {
+    const o = await open(browser, fakeRun(10));
+    const drawn = (f: number) =>
+      o.page.evaluate(async (frame) => {
+        const { app } = window.brim;
+        for (const [body] of app.panel.looks.entries())
+          app.picture.setLook(body, { visible: body === 6, colour: '#3070b0', wireframe: false });
+        await app.showFrame(frame);
+        const { cells, positions } = app.picture.shown!;
+        return [cells.get(6)!.length / 3, positions.get(6)!.length / 3, app.picture.pointsOf(6)];
+      }, f);
+    expect(await drawn(0)).toEqual([72, 49, 49]);
+    expect(await drawn(3)).toEqual([162, 100, 100]);
     expect(o.problems).toEqual([]);
     await close(o);
   });

@@ -18,6 +18,7 @@ interface FakeBody {
   cells: Int32Array<ArrayBuffer>;
   fixed?: Float32Array<ArrayBuffer>;
   move?: Move;
+  surface?: (time: number) => Shape; // other vertices and triangles each time, as of a fluid
 }
 
 export interface FakeRun {
@@ -177,6 +178,22 @@ function makeBodies(): FakeBody[] {
         return out;
       },
     },
+    {
+      name: 'puddle',
+      kind: 'fluid',
+      display: 'triangles',
+      twoSided: false,
+      radius: 0,
+      cells: new Int32Array(0),
+      surface: (t) => {
+        const shape = sheet(6 + (Math.round(t / kFrameTime) % 7));
+        for (let i = 0; i < shape.positions.length; i += 3) {
+          const [x, y] = [shape.positions[i]!, shape.positions[i + 1]!];
+          shape.positions.set([0.9 + 0.2 * x, 0.5 + 0.2 * y, 0.04 + 0.02 * Math.sin(8 * t + 3 * x)], i);
+        }
+        return shape;
+      },
+    },
   ];
 }
 
@@ -297,7 +314,7 @@ export function fakeRun(frames = 180, complete = true): FakeRun {
 
   const sample = (f: number) => {
     const time = f * kFrameTime;
-    const positions = bodies.map((b) => b.move?.(time));
+    const positions = bodies.map((b) => b.surface?.(time).positions ?? b.move?.(time));
     const c = contactsOf(positions, time);
     const tiles = new Set<string>();
     const step = 0.025;
@@ -328,7 +345,8 @@ export function fakeRun(frames = 180, complete = true): FakeRun {
         display: b.display,
         twoSided: b.twoSided,
         radius: b.radius,
-        vertices: (b.fixed ?? b.move!(0)).length / 3,
+        vertices: (b.fixed ?? b.move?.(0) ?? []).length / 3,
+        changing: b.surface !== undefined,
         fixed: b.fixed !== undefined,
         parts: [partOf(index)],
       })),
@@ -351,7 +369,7 @@ export function fakeRun(frames = 180, complete = true): FakeRun {
       const b = bodies[body];
       if (!b) return undefined;
       const arrays: NamedArray[] = [];
-      if (b.display === 'triangles') arrays.push(array('triangles', b.cells, 3, body));
+      if (b.display === 'triangles' && !b.surface) arrays.push(array('triangles', b.cells, 3, body));
       if (b.display === 'lines') arrays.push(array('lines', b.cells, 2, body));
       if (b.fixed) arrays.push(array('positions', b.fixed, 3, body));
       return encodeArrays(arrays);
@@ -362,6 +380,9 @@ export function fakeRun(frames = 180, complete = true): FakeRun {
       const arrays: NamedArray[] = [array('time', new Float64Array([s.time]))];
       s.positions.forEach((p, body) => {
         if (p) arrays.push(array('positions', p as Float32Array<ArrayBuffer>, 3, body));
+      });
+      bodies.forEach((b, body) => {
+        if (b.surface) arrays.push(array('triangles', b.surface(s.time).triangles, 3, body));
       });
       arrays.push(
         array('contacts/position', new Float32Array(s.c.position), 3),

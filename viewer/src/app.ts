@@ -491,7 +491,7 @@ export class App {
         ['clicked at', point([picked.at.x, picked.at.y, picked.at.z])],
         ['nearest point', `number ${picked.vertex}`],
         ...(at ? [['lies at', point(at)] as [string, string]] : []),
-        ['points', picked.body.vertices.toLocaleString('en')],
+        ['points', this.picture.pointsOf(picked.body.index).toLocaleString('en')],
       ]);
     }
   }

@@ -114,7 +114,7 @@ export class Picture {
       const view = this.views[body];
       if (!view) continue;
       this.positions[body] = positions;
-      view.update(positions);
+      view.update(positions, frame.cells.get(body));
       view.object.visible = visible(body);
     }
     this.refreshContacts();
@@ -197,6 +197,10 @@ export class Picture {
       }
     }
     return best;
+  }
+
+  pointsOf(body: number): number {
+    return (this.positions[body]?.length ?? 0) / 3;
   }
 
   positionOf(body: number, vertex: number): [number, number, number] | undefined {

@@ -11,6 +11,7 @@ export interface BodyInfo {
   twoSided: boolean;
   radius: number; // [m] of lines and points
   vertices: number;
+  changing?: boolean; // its triangles come with every frame, and are others each time
   fixed: boolean; // its one set of positions comes with the topology
   parts: number[]; // global part numbers
 }
@@ -52,6 +53,7 @@ export interface Contacts {
 export interface Frame {
   index: number;
   positions: Map<number, Float32Array>; // body -> (nv, 3) [m]
+  cells: Map<number, Int32Array>; // body -> (nt, 3), of bodies whose triangles change
   contacts: Contacts;
   tiles: { key: Int32Array; step: Float32Array }; // (n, 3), (n) [m]
   pairs: PairTotal[];
@@ -69,11 +71,15 @@ const ints = (a: NamedArray[], name: string) => (find(a, name)?.data as Int32Arr
 
 export function frameFromArrays(index: number, arrays: NamedArray[], bytes: number): Frame {
   const positions = new Map<number, Float32Array>();
-  for (const a of arrays) if (a.name === 'positions') positions.set(a.body, a.data as Float32Array);
+  const cells = new Map<number, Int32Array>();
+  for (const a of arrays)
+    if (a.name === 'positions') positions.set(a.body, a.data as Float32Array);
+    else if (a.name === 'triangles') cells.set(a.body, a.data as Int32Array);
   const position = floats(arrays, 'contacts/position');
   return {
     index,
     positions,
+    cells,
     contacts: {
       count: position.length / 3,
       position,

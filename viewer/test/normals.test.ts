@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 import { box, sheet, sphere, type Shape } from '../dev/shapes';
-import { splitAtCreases, updateShading } from '../src/scene/normals';
+import { splitAtCreases, updateShading, vertexNormals } from '../src/scene/normals';
 
 const kCrease = (38 * Math.PI) / 180;
 
@@ -50,4 +50,15 @@ test('triangles without area, and no triangles, give normals without not-a-numbe
   const flat = { positions: new Float32Array(9), triangles: new Int32Array([0, 1, 2]) };
   expect([...shade(flat).normals].every(Number.isFinite)).toBe(true);
   expect(shade({ positions: new Float32Array(0), triangles: new Int32Array(0) }).mesh.source.length).toBe(0);
+});
+
+test('the normals of a surface of its own for one frame point along the radii of a sphere', () => {
+  const shape = sphere(3);
+  const normals = vertexNormals(shape.positions, shape.triangles);
+  expect(normals.length).toBe(shape.positions.length);
+  for (let i = 0; i < normals.length; i += 3) {
+    let dot = 0;
+    for (let k = 0; k < 3; ++k) dot += normals[i + k]! * shape.positions[i + k]!;
+    expect(dot).toBeGreaterThan(0.99);
+  }
 });

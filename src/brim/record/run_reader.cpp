@@ -89,13 +89,14 @@ void RunReader::Impl::read_bodies() {
     body.display.radius = file.number(at, "radius");
     body.display.vertices = whole("vertices");
     body.immobile = whole("immobile") != 0;
+    body.changing = file.has_attribute(at, "changing") && whole("changing") != 0;
     body.mass = file.number(at, "mass");
     body.q_offset = whole("q_offset");
     body.q_size = whole("q_size");
     body.v_offset = whole("v_offset");
     body.v_size = whole("v_size");
     body.parts = static_cast<int>(whole("parts"));
-    if (body.display.kind == Display::Kind::Triangles) {
+    if (body.display.kind == Display::Kind::Triangles && !body.changing) {
       const h5::Dataset set = file.open(at + "/triangles");
       body.display.triangles.resize(set.shape()[0]);
       set.read(body.display.triangles.data(), 0, set.shape()[0], Type::Int32);
@@ -176,6 +177,14 @@ std::vector<Vec3f> RunReader::positions(int body, std::int64_t frame) const {
   if (body < 0 || static_cast<std::size_t>(body) >= d.bodies.size())
     throw InputError(
         fmt::format("{}: body {} is not there; it must be from 0 to {}", d.path, body, d.bodies.size() - 1));
+  if (d.bodies[static_cast<std::size_t>(body)].changing) {
+    const std::string at = fmt::format("/display/{}/vertices", body);
+    const auto [first, n] = d.range(at, frame);
+    const auto rows = d.rows<float>(at + "/position", first, n, 3, Type::Float32);
+    std::vector<Vec3f> x(n);
+    for (std::size_t i = 0; i < n; ++i) x[i] = Vec3f(&rows[3 * i]);
+    return x;
+  }
   const h5::Dataset set = d.file.open(fmt::format("/display/{}/positions", body));
   std::vector<Vec3f> x(d.bodies[static_cast<std::size_t>(body)].display.vertices);
   // One row stands for all frames of a body that never moved.
@@ -184,7 +193,19 @@ std::vector<Vec3f> RunReader::positions(int body, std::int64_t frame) const {
   return x;
 }
 
+std::vector<Triangle> RunReader::triangles(int body, std::int64_t frame) const {
+  const RecordedBody& b = impl_->bodies.at(static_cast<std::size_t>(body));
+  if (!b.changing) return b.display.triangles;
+  const std::string at = fmt::format("/display/{}/triangles", body);
+  const auto [first, n] = impl_->range(at, frame);
+  const auto rows = impl_->rows<std::int32_t>(at + "/corner", first, n, 3, Type::Int32);
+  std::vector<Triangle> list(n);
+  for (std::size_t i = 0; i < n; ++i) list[i] = {rows[3 * i], rows[3 * i + 1], rows[3 * i + 2]};
+  return list;
+}
+
 bool RunReader::still(int body) const {
+  if (impl_->bodies.at(static_cast<std::size_t>(body)).changing) return false;
   return impl_->file.open(fmt::format("/display/{}/positions", body)).shape()[0] <= 1;
 }
 

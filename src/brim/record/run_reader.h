@@ -16,7 +16,8 @@ struct RecordedBody {
   std::string name, kind;
   Display display;
   bool immobile = false;
-  double mass = 0.0;  ///< [kg], may be infinite
+  bool changing = false;  ///< other vertices and triangles in every frame: the display has none of its own
+  double mass = 0.0;      ///< [kg], may be infinite
   std::size_t q_offset = 0, q_size = 0, v_offset = 0, v_size = 0;
   int parts = 0;
 };
@@ -54,8 +55,10 @@ class RunReader {
 
   /// Everything that the world needs to go on from a frame, bit for bit.
   State state(std::int64_t frame) const;
-  /// Display positions of one body, [m], shape (vertices).
+  /// Display positions of one body, [m], shape (vertices); of a changing one, those of the frame.
   std::vector<Vec3f> positions(int body, std::int64_t frame) const;
+  /// Triangles of a body in a frame: those of its display, or of a changing one, those of the frame.
+  std::vector<Triangle> triangles(int body, std::int64_t frame) const;
   /// True while one set of positions stands for all frames of a body.
   bool still(int body) const;
   std::vector<ContactSample> contacts(std::int64_t frame) const;

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "brim/body/changing_surface.h"
 #include "brim/record/h5.h"
 #include "brim/record/process_mark.h"
 #include "brim/record/run_layout.h"
@@ -62,6 +63,8 @@ const std::vector<Column> kPairColumns = {{"parts", Type::Int32, 2},      {"forc
                                           {"contacts", Type::Int32, 0},   {"overlap", Type::Float64, 0},
                                           {"pressure", Type::Float64, 0}};
 const std::vector<Column> kMemoryColumns = {{"value", Type::Float64, 0}};
+const std::vector<Column> kVertexColumns = {{"position", Type::Float32, 3}};
+const std::vector<Column> kTriangleColumns = {{"corner", Type::Int32, 3}};
 const std::vector<Column> kWarningColumns = {{"text", Type::UInt8, 0}};
 
 /// Appends one column of a list of structs, gathered by get(item, target).
@@ -103,11 +106,19 @@ void check_run_folder(const std::string& folder, bool force) {
     throw InputError(fmt::format("{}: holds a run already; --force replaces it, --resume goes on with it", folder));
 }
 
+/// Display of a body: one row of positions a frame, or of a surface that changes, lists of vertices and triangles.
+struct Shown {
+  Dataset positions;
+  Ragged vertices, triangles;
+  bool changing = false;
+};
+
 struct RunWriter::Impl {
   std::string folder;
   std::unique_ptr<h5::File> file;
   Dataset time, step, q, v;
-  std::vector<Dataset> series, motion, display;
+  std::vector<Dataset> series, motion;
+  std::vector<Shown> display;
   Dataset series_steps, series_warnings;
   Ragged contacts, tiles, pairs, memory, warnings;
   std::vector<double> times;
@@ -115,6 +126,7 @@ struct RunWriter::Impl {
   Clock::time_point last_flush = Clock::now(), last_xdmf = Clock::now();
   double flush_cost = 0.0;  ///< [s] of the last flush
   std::vector<Vec3f> positions;
+  std::vector<Triangle> corners;
   std::vector<std::vector<Vec3f>> first_positions;  ///< of bodies that have not moved yet
 
   void make(const World& world, const RunInfo& info);
@@ -169,6 +181,7 @@ void RunWriter::Impl::describe(const World& world) {
     file->attribute(at, "two_sided", std::int64_t{d.two_sided});
     file->attribute(at, "radius", d.radius);
     file->attribute(at, "vertices", static_cast<std::int64_t>(d.vertices));
+    file->attribute(at, "changing", std::int64_t{changing_surface(body) != nullptr});
     file->attribute(at, "q_offset", q_offset);
     file->attribute(at, "q_size", static_cast<std::int64_t>(body.q_size()));
     file->attribute(at, "v_offset", v_offset);
@@ -178,7 +191,7 @@ void RunWriter::Impl::describe(const World& world) {
     file->attribute(at, "parts", std::int64_t{body.part_count()});
     q_offset += static_cast<std::int64_t>(body.q_size());
     v_offset += static_cast<std::int64_t>(body.v_size());
-    if (d.kind == Display::Kind::Triangles)
+    if (d.kind == Display::Kind::Triangles && !changing_surface(body))
       file->write(at + "/triangles", Type::Int32, Row{d.triangles.size(), 3}, d.triangles.data());
     if (d.kind == Display::Kind::Lines) file->write(at + "/lines", Type::Int32, Row{d.lines.size(), 2}, d.lines.data());
   }
@@ -239,10 +252,24 @@ void RunWriter::Impl::open_all(const World& world, bool create) {
     const Display& d = world.body(b).display();
     const std::string at = "/display/" + std::to_string(b);
     if (create) file->group(at);
-    display.push_back(set(at + "/positions", Type::Float32, {d.vertices, 3}, 1, 1));
-    xdmf.bodies.push_back({world.body(b).name(), b, d.kind, d.vertices,
+    Shown shown;
+    shown.changing = changing_surface(world.body(b)) != nullptr;
+    if (shown.changing) {
+      shown.vertices = open_ragged(at + "/vertices", kVertexColumns, create);
+      shown.triangles = open_ragged(at + "/triangles", kTriangleColumns, create);
+    } else {
+      shown.positions = set(at + "/positions", Type::Float32, {d.vertices, 3}, 1, 1);
+    }
+    xdmf.bodies.push_back({world.body(b).name(),
+                           b,
+                           d.kind,
+                           d.vertices,
                            d.kind == Display::Kind::Triangles ? d.triangles.size() : d.lines.size(),
-                           world.body(b).immobile()});
+                           world.body(b).immobile() && !shown.changing,
+                           shown.changing,
+                           {0},
+                           {0}});
+    display.push_back(std::move(shown));
   }
   first_positions.resize(display.size());
   contacts = open_ragged("/contacts", kContactColumns, create);
@@ -257,8 +284,14 @@ void RunWriter::Impl::cut_all(std::int64_t frames) {
   for (Dataset* d : {&time, &step, &q, &v, &series_steps, &series_warnings}) d->cut(n);
   for (Dataset& d : series) d.cut(n);
   for (Dataset& d : motion) d.cut(n);
-  for (Dataset& d : display) d.cut(n);
-  for (Ragged* r : {&contacts, &tiles, &pairs, &memory, &warnings}) {
+  std::vector<Ragged*> lists = {&contacts, &tiles, &pairs, &memory, &warnings};
+  for (Shown& d : display) {
+    if (!d.changing)
+      d.positions.cut(n);
+    else
+      lists.insert(lists.end(), {&d.vertices, &d.triangles});
+  }
+  for (Ragged* r : lists) {
     r->offset.cut(n + 1);
     r->offset.read(&r->total, n, 1, Type::Int64);
     for (Dataset& d : r->columns) d.cut(static_cast<std::uint64_t>(r->total));
@@ -267,28 +300,46 @@ void RunWriter::Impl::cut_all(std::int64_t frames) {
   time.read(times.data(), 0, n, Type::Float64);
   for (std::size_t b = 0; b < display.size(); ++b) {
     XdmfModel::Item& item = xdmf.bodies[b];
-    item.still = item.still && display[b].shape()[0] == 1;
+    if (item.changing) {
+      for (auto [offsets, list] : {std::pair(&item.vertex_offset, &display[b].vertices),
+                                   std::pair(&item.cell_offset, &display[b].triangles)}) {
+        offsets->resize(n + 1);
+        list->offset.read(offsets->data(), 0, n + 1, Type::Int64);
+      }
+      continue;
+    }
+    item.still = item.still && display[b].positions.shape()[0] == 1;
     if (!item.still) continue;
     first_positions[b].resize(item.vertices);
-    display[b].read(first_positions[b].data(), 0, 1, Type::Float32);
+    display[b].positions.read(first_positions[b].data(), 0, 1, Type::Float32);
   }
 }
 
 void RunWriter::Impl::add_display(const World& world) {
   for (std::size_t b = 0; b < display.size(); ++b) {
     const Body& body = world.body(static_cast<int>(b));
-    positions.resize(body.display().vertices);
-    body.display_positions(positions);
     XdmfModel::Item& item = xdmf.bodies[b];
+    if (const ChangingSurface* surface = changing_surface(body)) {
+      surface->display_surface(positions, corners);
+      display[b].vertices.columns[0].append(positions.data(), positions.size(), Type::Float32);
+      display[b].vertices.close_frame(static_cast<std::int64_t>(positions.size()));
+      display[b].triangles.columns[0].append(corners.data(), corners.size(), Type::Int32);
+      display[b].triangles.close_frame(static_cast<std::int64_t>(corners.size()));
+      item.vertex_offset.push_back(display[b].vertices.total);
+      item.cell_offset.push_back(display[b].triangles.total);
+      continue;
+    }
+    display_now(body, positions);
     if (times.empty()) {
       if (item.still) first_positions[b] = positions;
     } else if (item.still) {
       if (positions == first_positions[b]) continue;
       // It moves after all: the frames that stood for themselves get their rows.
-      for (std::size_t f = 1; f < times.size(); ++f) display[b].append(first_positions[b].data(), 1, Type::Float32);
+      for (std::size_t f = 1; f < times.size(); ++f)
+        display[b].positions.append(first_positions[b].data(), 1, Type::Float32);
       item.still = false;
     }
-    display[b].append(positions.data(), 1, Type::Float32);
+    display[b].positions.append(positions.data(), 1, Type::Float32);
   }
 }
 

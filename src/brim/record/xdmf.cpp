@@ -32,6 +32,26 @@ void geometry(std::string& out, const XdmfModel::Item& b, std::size_t frame, std
                  b.still ? 0 : frame, b.vertices, b.still ? 1 : frames, b.index);
 }
 
+/// A frame of a surface that changes: rows of its lists of triangles and of vertices.
+void changing(std::string& out, const XdmfModel::Item& b, std::size_t frame) {
+  const auto rows = [&](const char* list, const char* column, const std::vector<std::int64_t>& offset) {
+    return fmt::format("Format=\"HDF\">run.h5:/display/{}/{}/{}|{} 0:1 1:{} 3:{} 3</DataItem>", b.index, list, column,
+                       offset[frame], offset[frame + 1] - offset[frame], offset.back());
+  };
+  const auto count = [&](const std::vector<std::int64_t>& offset) { return offset[frame + 1] - offset[frame]; };
+  fmt::format_to(std::back_inserter(out),
+                 "<Topology TopologyType=\"Triangle\" NumberOfElements=\"{0}\"><DataItem Dimensions=\"{0} 3\" "
+                 "NumberType=\"Int\" Precision=\"4\" {1}</Topology><Geometry GeometryType=\"XYZ\"><DataItem "
+                 "Dimensions=\"{2} 3\" NumberType=\"Float\" Precision=\"4\" {3}</Geometry>",
+                 count(b.cell_offset), rows("triangles", "corner", b.cell_offset), count(b.vertex_offset),
+                 rows("vertices", "position", b.vertex_offset));
+}
+
+/// False in frames in which there is nothing to show: readers do not take empty grids.
+bool shown(const XdmfModel::Item& b, std::size_t frame) {
+  return b.changing ? b.cell_offset[frame + 1] > b.cell_offset[frame] : b.vertices > 0;
+}
+
 }  // namespace
 
 std::string xml_escaped(const std::string& text) {
@@ -66,10 +86,14 @@ std::string xdmf_text(const XdmfModel& model, std::span<const double> times) {
                    "<Grid Name=\"frame {}\" GridType=\"Collection\" CollectionType=\"Spatial\"><Time Value=\"{}\"/>\n",
                    f, times[f]);
     for (const XdmfModel::Item& b : model.bodies) {
-      if (b.vertices == 0) continue;
+      if (!shown(b, f)) continue;
       out += "<Grid Name=\"" + xml_escaped(b.name) + "\">";
-      topology(out, b);
-      geometry(out, b, f, times.size());
+      if (b.changing) {
+        changing(out, b, f);
+      } else {
+        topology(out, b);
+        geometry(out, b, f, times.size());
+      }
       out += "</Grid>\n";
     }
     out += "</Grid>\n";

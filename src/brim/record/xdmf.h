@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,7 +16,9 @@ struct XdmfModel {
     int index = 0;  ///< of the body
     Display::Kind kind = Display::Kind::Triangles;
     std::size_t vertices = 0, cells = 0;
-    bool still = false;  ///< recorded once
+    bool still = false;     ///< recorded once
+    bool changing = false;  ///< of another number of vertices and cells in every frame: then these say which rows
+    std::vector<std::int64_t> vertex_offset, cell_offset;  ///< rows of frame f: offset[f] to offset[f + 1] - 1
   };
   std::vector<Item> bodies;
 };

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 
+#include "brim/body/changing_surface.h"
 #include "brim/core/error.h"
 #include "brim/world/report_fields.h"
 
@@ -96,8 +97,8 @@ Measures::Measures(const World& world, std::vector<Expectation> expectations, do
     const bool movable = std::isfinite(body.mass());
     if (movable) {
       if (body.v_size() > 6) particles_ += static_cast<double>(body.v_size()) / 3.0;
-      start_[b].resize(body.display().vertices);
-      body.display_positions(start_[b]);
+      // A surface that changes keeps no vertices by which a turn could be told.
+      if (!changing_surface(body)) display_now(body, start_[b]);
     }
     const auto asks = [&](const Expectation& e) {
       return about_bodies(e.metric) && (e.body.empty() ? movable : concerns(e.body, body.name()));
@@ -110,8 +111,7 @@ void Measures::sample(const World& world, const StepReport& frame) {
   for (std::size_t b = 0; b < samples_.size(); ++b) {
     const Body& body = world.body(static_cast<int>(b));
     BodySample s;
-    scratch_.resize(body.display().vertices);
-    body.display_positions(scratch_);
+    display_now(body, scratch_);
     if (!scratch_.empty()) {
       s.lowest = s.highest = scratch_.front().z();
       for (const Vec3f& x : scratch_) {

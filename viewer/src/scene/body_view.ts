@@ -2,13 +2,14 @@
 import * as THREE from 'three';
 import { mergeVertices } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import type { BodyInfo, Topology } from '../run';
-import { splitAtCreases, updateShading, type SplitMesh } from './normals';
+import { splitAtCreases, updateShading, vertexNormals, type SplitMesh } from './normals';
 
 const kCrease = THREE.MathUtils.degToRad(38);
 
 export interface BodyView {
   readonly object: THREE.Object3D;
-  update(positions: Float32Array): void;
+  /** @param cells triangles of the frame, of a body whose triangles change */
+  update(positions: Float32Array, cells?: Int32Array): void;
   setColour(colour: string): void;
   setWireframe(on: boolean): void;
   /** Hides what lies behind the planes, as the slice does to look inside. */
@@ -122,6 +123,20 @@ class TriangleView implements BodyView {
   dispose() {
     this.object.geometry.dispose();
     this.object.material.dispose();
+  }
+}
+
+/** A surface that is another one in every frame; smooth all over, since its creases would come and go. */
+class ChangingView extends TriangleView {
+  override update(positions: Float32Array, cells?: Int32Array): void {
+    if (!cells) return;
+    // Buffers cannot change their size, so each frame has its own.
+    const geometry = new THREE.BufferGeometry();
+    geometry.setIndex(new THREE.BufferAttribute(Uint32Array.from(cells), 1));
+    geometry.setAttribute('position', new THREE.BufferAttribute(positions, 3));
+    geometry.setAttribute('normal', new THREE.BufferAttribute(vertexNormals(positions, cells), 3));
+    this.object.geometry.dispose();
+    this.object.geometry = geometry;
   }
 }
 
@@ -255,5 +270,5 @@ export function makeBodyView(body: BodyInfo, topology: Topology, colour: string,
   const radius = body.radius > 0 ? body.radius : thinnest;
   if (body.display === 'points') return new PointView(body, colour, radius);
   if (body.display === 'lines') return new LineView(body, topology, colour, radius);
-  return new TriangleView(body, topology, colour);
+  return body.changing ? new ChangingView(body, topology, colour) : new TriangleView(body, topology, colour);
 }

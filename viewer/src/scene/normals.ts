@@ -113,19 +113,29 @@ export function updateShading(
     outPositions[3 * i + 1] = positions[s + 1]!;
     outPositions[3 * i + 2] = positions[s + 2]!;
   }
-  const faces = faceNormals(outPositions, index);
-  outNormals.fill(0);
-  for (let c = 0; c < index.length; ++c) {
+  vertexNormals(outPositions, index, outNormals);
+}
+
+/** Normals of the vertices of a surface, weighted by the areas around them, (nv, 3). */
+export function vertexNormals(
+  positions: Float32Array,
+  triangles: ArrayLike<number>,
+  out: Float32Array = new Float32Array(positions.length),
+): Float32Array {
+  const faces = faceNormals(positions, triangles);
+  out.fill(0);
+  for (let c = 0; c < triangles.length; ++c) {
     const f = c - (c % 3);
-    const v = 3 * index[c]!;
-    outNormals[v]! += faces[f]!;
-    outNormals[v + 1]! += faces[f + 1]!;
-    outNormals[v + 2]! += faces[f + 2]!;
+    const v = 3 * triangles[c]!;
+    out[v]! += faces[f]!;
+    out[v + 1]! += faces[f + 1]!;
+    out[v + 2]! += faces[f + 2]!;
   }
-  for (let i = 0; i < outNormals.length; i += 3) {
-    const length = Math.hypot(outNormals[i]!, outNormals[i + 1]!, outNormals[i + 2]!) || 1;
-    outNormals[i]! /= length;
-    outNormals[i + 1]! /= length;
-    outNormals[i + 2]! /= length;
+  for (let i = 0; i < out.length; i += 3) {
+    const length = Math.hypot(out[i]!, out[i + 1]!, out[i + 2]!) || 1;
+    out[i]! /= length;
+    out[i + 1]! /= length;
+    out[i + 2]! /= length;
   }
+  return out;
 }

@@ -188,7 +188,9 @@ export class Panel {
         h(
           'small',
           {},
-          body.fixed ? `${body.kind}` : `${body.kind} · ${body.vertices.toLocaleString('en')} points`,
+          body.fixed || body.changing
+            ? `${body.kind}`
+            : `${body.kind} · ${body.vertices.toLocaleString('en')} points`,
         ),
       ),
       wire,

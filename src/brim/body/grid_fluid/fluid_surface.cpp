@@ -2,15 +2,19 @@
 
 namespace brim {
 
-void fluid_surface(const MacGrid& g, const std::function<double(const Vec3&)>& distance, std::vector<Vec3f>& quads) {
+void fluid_surface(const MacGrid& g, const std::function<double(const Vec3&)>& distance, std::vector<Vec3f>& x,
+                   std::vector<Triangle>& triangles) {
   const Vec3i nodes = g.n + Vec3i::Ones();
   const std::array<int, 3> step = {1, nodes.x(), nodes.x() * nodes.y()};
   const auto at = [&](const Vec3i& c) { return c.x() + nodes.x() * (c.y() + nodes.y() * c.z()); };
   std::vector<double> value(static_cast<std::size_t>(nodes.x()) * nodes.y() * nodes.z());
   for_places(nodes, [&](int i, int j, int k) { value[at({i, j, k})] = distance(g.origin + g.dx * Vec3(i, j, k)); });
 
-  // The vertex of the cube whose low corner is a node.
+  // The vertex of the cube whose low corner is a node, made when it is first asked for.
+  std::vector<std::int32_t> number(value.size(), -1);
   const auto vertex = [&](const Vec3i& c) {
+    std::int32_t& known = number[static_cast<std::size_t>(at(c))];
+    if (known >= 0) return known;
     Vec3 sum = Vec3::Zero();
     int cuts = 0;
     for (int corner = 0; corner < 8; ++corner)
@@ -22,10 +26,12 @@ void fluid_surface(const MacGrid& g, const std::function<double(const Vec3&)>& d
         sum += offset.cast<double>() + (p / (p - q)) * Vec3::Unit(a);
         ++cuts;
       }
-    return Vec3f((g.origin + g.dx * (c.cast<double>() + sum / std::max(cuts, 1))).cast<float>());
+    x.push_back((g.origin + g.dx * (c.cast<double>() + sum / std::max(cuts, 1))).cast<float>());
+    return known = static_cast<std::int32_t>(x.size()) - 1;
   };
 
-  quads.clear();
+  x.clear();
+  triangles.clear();
   for (int k = 0; k < nodes.z(); ++k)
     for (int j = 0; j < nodes.y(); ++j)
       for (int i = 0; i < nodes.x(); ++i)
@@ -37,8 +43,10 @@ void fluid_surface(const MacGrid& g, const std::function<double(const Vec3&)>& d
           const double p = value[at(c)], q = value[at(c) + step[a]];
           if ((p < 0.0) == (q < 0.0)) continue;
           const Vec3i eb = Vec3i::Unit(b), ed = Vec3i::Unit(d);
-          const std::array<Vec3f, 4> ring = {vertex(c - eb - ed), vertex(c - ed), vertex(c), vertex(c - eb)};
-          for (int n = 0; n < 4; ++n) quads.push_back(ring[p < 0.0 ? n : 3 - n]);
+          const std::array<std::int32_t, 4> ring = {vertex(c - eb - ed), vertex(c - ed), vertex(c), vertex(c - eb)};
+          const auto corner = [&](int n) { return ring[p < 0.0 ? n : 3 - n]; };
+          triangles.push_back({corner(0), corner(1), corner(2)});
+          triangles.push_back({corner(0), corner(2), corner(3)});
         }
 }
 

@@ -4,13 +4,16 @@
 #include <vector>
 
 #include "brim/body/grid_fluid/mac_grid.h"
+#include "brim/mesh/tri_mesh.h"
 
 namespace brim {
 
 /// Surface of a fluid for display: one vertex in every cube of cell corners that the surface cuts, at the mean of where
 /// it cuts the cube's edges, and a quadrilateral around every cut edge (naive surface nets: Gibson 1998).
 /// @param distance  [m] signed distance at a point of the box; must not be negative on its sides
-/// @param quads     [m] four corners each, counter-clockwise from outside; overwritten
-void fluid_surface(const MacGrid& grid, const std::function<double(const Vec3&)>& distance, std::vector<Vec3f>& quads);
+/// @param x          [m] vertices; overwritten
+/// @param triangles  two a quadrilateral, counter-clockwise from outside; overwritten
+void fluid_surface(const MacGrid& grid, const std::function<double(const Vec3&)>& distance, std::vector<Vec3f>& x,
+                   std::vector<Triangle>& triangles);
 
 }  // namespace brim

@@ -17,8 +17,6 @@ constexpr double kPressureTolerance = 1e-9;
 constexpr double kMostShift = 0.1;
 /// Layers of faces beyond the surface to which the velocity is extended, besides what the motion of a step needs.
 constexpr int kExtraLayers = 4;
-/// Room for the surface that viewers show, over what it takes at the start.
-constexpr std::size_t kDisplayRoom = 2;
 
 void need(const char* what, double value, bool good) {
   if (!good) throw InputError(fmt::format("grid fluid: {} = {} is out of range", what, value));
@@ -49,15 +47,6 @@ GridFluidBody::GridFluidBody(GridFluidModel model) : model_(std::move(model)), l
   part_.shapeless = true;
   part_.thickness = bounds_.extent().minCoeff();
   part_.material = model_.material;
-  // The number of triangles of a body is constant: room for a surface that breaks up, empty while it does not.
-  make_surface();
-  const std::size_t quads = kDisplayRoom * (surface_.size() / 4) + 1000;
-  display_.vertices = 4 * quads;
-  for (std::size_t i = 0; i < quads; ++i) {
-    const auto first = static_cast<std::int32_t>(4 * i);
-    display_.triangles.push_back({first, first + 1, first + 2});
-    display_.triangles.push_back({first, first + 2, first + 3});
-  }
 }
 
 void GridFluidBody::initial_state(std::span<double> q, std::span<double> v) const {

@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "brim/body/body.h"
+#include "brim/body/changing_surface.h"
 #include "brim/body/grid_fluid/face_transport.h"
 #include "brim/body/grid_fluid/level_set.h"
 #include "brim/body/grid_fluid/mac_grid.h"
@@ -32,7 +33,7 @@ struct GridFluidModel {
 /// volume of every wet cell, so conjugate gradients never leave these, and pressure, contact and all solids are solved
 /// together. After it: the level set is moved, and shifted along its normal by what moving it has lost.
 /// The box's closed sides let fluid slip.
-class GridFluidBody final : public Body, public Walled {
+class GridFluidBody final : public Body, public Walled, public ChangingSurface {
  public:
   /// @throws InputError for a grid without cells, or numbers out of range
   explicit GridFluidBody(GridFluidModel model);
@@ -72,7 +73,8 @@ class GridFluidBody final : public Body, public Walled {
   bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
 
   const Display& display() const override { return display_; }
-  void display_positions(std::span<Vec3f> x) const override;
+  void display_positions(std::span<Vec3f>) const override {}
+  void display_surface(std::vector<Vec3f>& x, std::vector<Triangle>& triangles) const override;
 
   // ---- of the last update, for tests and tools -------------------------------------------------------------------
   const MacGrid& grid() const { return model_.grid; }
@@ -93,7 +95,6 @@ class GridFluidBody final : public Body, public Walled {
   void take_level_set(std::span<const double> phi);
   double face_mass(int f) const { return cell_mass_ * wet_.share[f]; }
   bool slips() const { return model_.material.friction == 0.0; }
-  void make_surface() const;
 
   GridFluidModel model_;
   double cell_mass_ = 0.0;  ///< [kg] of a full cell
@@ -120,7 +121,6 @@ class GridFluidBody final : public Body, public Walled {
   mutable std::vector<double> extended_, scratch_;
   mutable ExtensionMarks marks_;
   MomentumKeeper keeper_;
-  mutable std::vector<Vec3f> surface_;  ///< corners of the display's triangles
 };
 
 }  // namespace brim

@@ -60,19 +60,9 @@ bool GridFluidBody::rigid_motion(const Vec3& t, const Vec3& w, std::span<double>
   return true;
 }
 
-void GridFluidBody::make_surface() const {
+void GridFluidBody::display_surface(std::vector<Vec3f>& x, std::vector<Triangle>& triangles) const {
   fluid_surface(
-      model_.grid, [&](const Vec3& x) { return distance(x); }, surface_);
-}
-
-void GridFluidBody::display_positions(std::span<Vec3f> x) const {
-  make_surface();
-  const std::size_t n = std::min(surface_.size(), x.size());
-  std::copy(surface_.begin(), surface_.begin() + static_cast<std::ptrdiff_t>(n), x.begin());
-  // What is left of the room collapses to the middle, where nobody sees it and the mean stays what it was.
-  Vec3f middle = Vec3f::Zero();
-  for (std::size_t i = 0; i < n; ++i) middle += x[i] / static_cast<float>(n);
-  std::fill(x.begin() + static_cast<std::ptrdiff_t>(n), x.end(), middle);
+      model_.grid, [&](const Vec3& p) { return distance(p); }, x, triangles);
 }
 
 }  // namespace brim

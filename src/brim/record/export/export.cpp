@@ -69,6 +69,7 @@ Frame read_frame(const Job& job, std::int64_t index, std::int64_t order) {
   for (const Item& item : job.items) {
     chosen[static_cast<std::size_t>(item.body)] = 1;
     frame.positions.push_back(job.run->positions(item.body, index));
+    frame.triangles.push_back(job.run->triangles(item.body, index));
     frame.velocities.push_back(vertex_velocities(*item.recorded, state, frame.positions.back()));
   }
   const auto takes_part = [&](std::int32_t part) {

@@ -25,12 +25,13 @@ struct Item {
 
 /// One frame of the items, in their order.
 struct Frame {
-  std::int64_t index = 0;                      ///< in the run
-  std::int64_t order = 0;                      ///< 0, 1, ... among those written
-  double time = 0.0;                           ///< [s]
-  std::vector<std::vector<Vec3f>> positions;   ///< [m], per item, shape (vertices)
-  std::vector<std::vector<Vec3f>> velocities;  ///< [m/s], per item; empty where the run has none per vertex
-  std::vector<ContactSample> contacts;         ///< those in which an item takes part
+  std::int64_t index = 0;                        ///< in the run
+  std::int64_t order = 0;                        ///< 0, 1, ... among those written
+  double time = 0.0;                             ///< [s]
+  std::vector<std::vector<Vec3f>> positions;     ///< [m], per item, shape (vertices)
+  std::vector<std::vector<Triangle>> triangles;  ///< per item; those of this frame where they change
+  std::vector<std::vector<Vec3f>> velocities;    ///< [m/s], per item; empty where the run has none per vertex
+  std::vector<ContactSample> contacts;           ///< those in which an item takes part
 };
 
 /// What a writer is told before the first frame. Outlives the writer.

@@ -72,6 +72,11 @@ class GltfWriter : public Writer {
     Json children = Json::array();
     nodes_.push_back({{"name", "brim"}, {"rotation", {-half, 0, 0, half}}});
     for (std::size_t i = 0; i < job_.items.size(); ++i) {
+      if (job_.items[i].recorded->changing) {
+        for (std::size_t f = 0; f < film_.positions[i].size(); ++f)
+          if (!film_.triangles[i][f].empty()) children.push_back(changing(i, f));
+        continue;
+      }
       if (film_.positions[i].front().empty()) continue;
       children.push_back(nodes_.size());
       body(i);
@@ -92,29 +97,62 @@ class GltfWriter : public Writer {
   }
 
  private:
-  void body(std::size_t i) {
-    const Item& item = job_.items[i];
-    const auto& frames = film_.positions[i];
+  void material(const Item& item) {
     materials_.push_back({{"name", item.name},
                           {"doubleSided", true},
                           {"pbrMetallicRoughness",
                            {{"baseColorFactor", {item.colour[0], item.colour[1], item.colour[2], 1}},
                             {"metallicFactor", 0},
                             {"roughnessFactor", 0.5}}}});
+  }
+
+  /// One frame of a surface that changes: a mesh of its own, whose node has size only while that frame lasts.
+  std::size_t changing(std::size_t i, std::size_t f) {
+    const Item& item = job_.items[i];
+    if (f == 0 || materials_.empty() || materials_.back()["name"] != item.name) material(item);
+    const std::size_t node = nodes_.size();
+    const std::string name = numbered(item.name, film_.indices[f], "frame");
+    const std::string plain = name.substr(0, name.rfind('.'));
+    Json about = {{"name", plain}, {"mesh", meshes_.size()}};
+    mesh(item, plain, {film_.positions[i][f]}, film_.triangles[i][f]);
+    if (film_.times.size() > 1) {
+      std::vector<float> times;
+      std::vector<Vec3f> sizes;
+      const auto at = [&](std::size_t frame, float size) {
+        times.push_back(static_cast<float>(film_.times[frame] - film_.times.front()));
+        sizes.push_back(Vec3f::Constant(size));
+      };
+      if (f > 0) at(0, 0.0f);
+      at(f, 1.0f);
+      if (f + 1 < film_.times.size()) at(f + 1, 0.0f);
+      const int input = buffer_.add(times, kFloat, "SCALAR", 1, true);
+      channels_.push_back({{"sampler", samplers_.size()}, {"target", {{"node", node}, {"path", "scale"}}}});
+      samplers_.push_back({{"input", input}, {"output", buffer_.add_points(sizes, false)}, {"interpolation", "STEP"}});
+      if (f > 0) about["scale"] = {0, 0, 0};
+    }
+    nodes_.push_back(std::move(about));
+    return node;
+  }
+
+  void body(std::size_t i) {
+    const Item& item = job_.items[i];
+    const auto& frames = film_.positions[i];
+    material(item);
     Json node = {{"name", item.name}, {"mesh", meshes_.size()}};
     const auto motion = find_rigid_motion(frames);
     if (motion) {
-      mesh(item, {motion->local});
+      mesh(item, item.name, {motion->local}, item.recorded->display.triangles);
       place(node, *motion);
     } else {
-      mesh(item, frames);
+      mesh(item, item.name, frames, item.recorded->display.triangles);
       if (frames.size() > 1) morph();
     }
     nodes_.push_back(std::move(node));
   }
 
   /// A mesh with the first frame as its shape and the others as morph targets.
-  void mesh(const Item& item, const std::vector<std::vector<Vec3f>>& frames) {
+  void mesh(const Item& item, const std::string& name, const std::vector<std::vector<Vec3f>>& frames,
+            const std::vector<Triangle>& triangles) {
     const Display& d = item.recorded->display;
     if (frames.size() > kMostTargets)
       throw InputError(
@@ -122,8 +160,8 @@ class GltfWriter : public Writer {
                       "--frames first:last:stride",
                       item.name, frames.size(), kMostTargets));
     Json attributes, primitive, targets = Json::array();
-    const bool surface = !d.triangles.empty();
-    const SplitMesh split = surface ? split_at_creases(frames.front(), d.triangles, kCrease) : SplitMesh();
+    const bool surface = !triangles.empty();
+    const SplitMesh split = surface ? split_at_creases(frames.front(), triangles, kCrease) : SplitMesh();
     std::vector<Vec3f> x0, n0, x, n;
     for (std::size_t f = 0; f < frames.size(); ++f) {
       if (surface)
@@ -144,7 +182,7 @@ class GltfWriter : public Writer {
       primitive["indices"] = buffer_.add(split.triangles, kUnsignedInt, "SCALAR", 1);
     else if (!d.lines.empty())
       primitive["indices"] = buffer_.add(d.lines, kUnsignedInt, "SCALAR", 1);
-    Json mesh = {{"name", item.name}, {"primitives", Json::array()}};
+    Json mesh = {{"name", name}, {"primitives", Json::array()}};
     if (!targets.empty()) {
       primitive["targets"] = targets;
       mesh["weights"] = std::vector<int>(targets.size(), 0);

@@ -9,10 +9,12 @@ void Film::add(const Job& job, const Frame& frame) {
   times.push_back(frame.time);
   indices.push_back(frame.index);
   positions.resize(job.items.size());
+  triangles.resize(job.items.size());
   velocities.resize(job.items.size());
   for (std::size_t i = 0; i < job.items.size(); ++i) {
     if (job.items[i].still && frame.order > 0) continue;
     positions[i].push_back(frame.positions[i]);
+    if (job.items[i].recorded->changing) triangles[i].push_back(frame.triangles[i]);
     velocities[i].push_back(frame.velocities[i]);
   }
   contacts.push_back(frame.contacts);

@@ -10,11 +10,12 @@ namespace brim::exporting {
 
 /// Frames of all items, kept until the file is written.
 struct Film {
-  std::vector<double> times;                                ///< [s], shape (frames)
-  std::vector<std::int64_t> indices;                        ///< frames in the run
-  std::vector<std::vector<std::vector<Vec3f>>> positions;   ///< [item][frame]; one frame of an item that is still
-  std::vector<std::vector<std::vector<Vec3f>>> velocities;  ///< likewise; empty lists where the run has none
-  std::vector<std::vector<ContactSample>> contacts;         ///< [frame]
+  std::vector<double> times;                                  ///< [s], shape (frames)
+  std::vector<std::int64_t> indices;                          ///< frames in the run
+  std::vector<std::vector<std::vector<Vec3f>>> positions;     ///< [item][frame]; one frame of an item that is still
+  std::vector<std::vector<std::vector<Triangle>>> triangles;  ///< likewise, of items whose triangles change; else empty
+  std::vector<std::vector<std::vector<Vec3f>>> velocities;    ///< likewise; empty lists where the run has none
+  std::vector<std::vector<ContactSample>> contacts;           ///< [frame]
 
   void add(const Job& job, const Frame& frame);
 };

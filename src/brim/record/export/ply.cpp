@@ -18,22 +18,23 @@ class PlyWriter : public Writer {
     for (std::size_t i = 0; i < job_.items.size(); ++i) {
       const Item& item = job_.items[i];
       if (item.still && frame.order > 0) continue;
-      body(item, frame.positions[i], frame.velocities[i],
+      body(item, frame.positions[i], frame.triangles[i], frame.velocities[i],
            item.still ? item.file_name + ".ply" : numbered(item.file_name, frame.index, "ply"));
     }
     contacts(frame);
   }
 
  private:
-  void body(const Item& item, const std::vector<Vec3f>& x, const std::vector<Vec3f>& v, const std::string& name) const {
+  void body(const Item& item, const std::vector<Vec3f>& x, const std::vector<Triangle>& triangles,
+            const std::vector<Vec3f>& v, const std::string& name) const {
     const Display& d = item.recorded->display;
     const bool sized = d.kind != Display::Kind::Triangles && d.radius > 0.0;
     std::string head = "ply\nformat binary_little_endian 1.0\ncomment brim: " + item.file_name + "; metres, z up\n";
     head += fmt::format("element vertex {}\nproperty float x\nproperty float y\nproperty float z\n", x.size());
     if (!v.empty()) head += "property float vx\nproperty float vy\nproperty float vz\n";
     if (sized) head += "property float pscale\n";
-    if (!d.triangles.empty())
-      head += fmt::format("element face {}\nproperty list uchar int vertex_indices\n", d.triangles.size());
+    if (!triangles.empty())
+      head += fmt::format("element face {}\nproperty list uchar int vertex_indices\n", triangles.size());
     if (!d.lines.empty())
       head += fmt::format("element edge {}\nproperty int vertex1\nproperty int vertex2\n", d.lines.size());
     OutputFile file(job_.folder / name);
@@ -43,7 +44,7 @@ class PlyWriter : public Writer {
       if (!v.empty()) file.write(v[i].data(), sizeof(Vec3f));
       if (sized) file.write_number(static_cast<float>(d.radius));
     }
-    for (const Triangle& t : d.triangles) {
+    for (const Triangle& t : triangles) {
       file.write_number(std::uint8_t{3});
       file.write(t.data(), sizeof t);
     }

@@ -91,7 +91,13 @@ class UsdaWriter : public Writer {
         "        }}\n    )\n    {{\n",
         type, item.identifier, quoted(item.name));
     std::vector<std::int32_t> order;  // vertices as the prim lists them; empty: as recorded
-    if (d.kind == Display::Kind::Triangles) out += surface(d);
+    const bool changing = item.recorded->changing;
+    if (d.kind == Display::Kind::Triangles) {
+      const std::size_t samples = changing ? frames.size() : 1;
+      out += surface(d, samples, [&](std::size_t f) -> const std::vector<Triangle>& {
+        return changing ? film_.triangles[i][f] : d.triangles;
+      });
+    }
     if (d.kind == Display::Kind::Lines) out += curves(d, order);
     if (d.kind != Display::Kind::Triangles)
       out += fmt::format("{}float[] widths = [{}] (\n{}    interpolation = \"constant\"\n{})\n", kPad,
@@ -99,7 +105,7 @@ class UsdaWriter : public Writer {
     out += fmt::format("{}color3f[] primvars:displayColor = [{}]\n", kPad, tuple(item.colour));
     const auto& v = film_.velocities[i];
     // Where there are velocities the points move in their own right.
-    const auto motion = frames.size() > 1 && v.front().empty() ? find_rigid_motion(frames) : std::nullopt;
+    const auto motion = frames.size() > 1 && v.front().empty() && !changing ? find_rigid_motion(frames) : std::nullopt;
     const auto picked = [&](const std::vector<Vec3f>& x) {
       if (order.empty()) return joined(x);
       return joined(order, [&](std::int32_t n) { return tuple(x[static_cast<std::size_t>(n)]); });
@@ -118,14 +124,16 @@ class UsdaWriter : public Writer {
     return out + "    }\n\n";
   }
 
-  static std::string surface(const Display& d) {
+  /// @param at  triangles of a sample
+  template <class At>
+  std::string surface(const Display& d, std::size_t samples, At at) const {
     std::string out = fmt::format("{0}uniform token subdivisionScheme = \"none\"\n{0}uniform bool doubleSided = {1}\n",
                                   kPad, d.two_sided ? 1 : 0);
-    out += fmt::format("{}int[] faceVertexCounts = {}\n", kPad,
-                       joined(d.triangles, [](const Triangle&) { return std::string("3"); }));
-    return out + fmt::format("{}int[] faceVertexIndices = {}\n", kPad, joined(d.triangles, [](const Triangle& t) {
-                               return fmt::format("{}, {}, {}", t[0], t[1], t[2]);
-                             }));
+    out += sampled("int[] faceVertexCounts", samples,
+                   [&](std::size_t f) { return joined(at(f), [](const Triangle&) { return std::string("3"); }); });
+    return out + sampled("int[] faceVertexIndices", samples, [&](std::size_t f) {
+             return joined(at(f), [](const Triangle& t) { return fmt::format("{}, {}, {}", t[0], t[1], t[2]); });
+           });
   }
 
   static std::string curves(const Display& d, std::vector<std::int32_t>& order) {

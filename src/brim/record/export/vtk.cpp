@@ -86,7 +86,8 @@ class VtkWriter : public Writer {
     for (std::size_t i = 0; i < job_.items.size(); ++i) {
       const Item& item = job_.items[i];
       const std::string name = item.still ? item.file_name + ".vtp" : numbered(item.file_name, frame.index, "vtp");
-      if (!item.still || frame.order == 0) body(item, frame.positions[i], frame.velocities[i], frame.time, name);
+      if (!item.still || frame.order == 0)
+        body(item, frame.positions[i], frame.triangles[i], frame.velocities[i], frame.time, name);
       list(frame.time, i, item.name, name);
     }
     const std::string name = numbered("contacts", frame.index, "vtp");
@@ -107,19 +108,19 @@ class VtkWriter : public Writer {
                                part, xml_escaped(title), name);
   }
 
-  void body(const Item& item, const std::vector<Vec3f>& x, const std::vector<Vec3f>& v, double time,
-            const std::string& name) const {
+  void body(const Item& item, const std::vector<Vec3f>& x, const std::vector<Triangle>& triangles,
+            const std::vector<Vec3f>& v, double time, const std::string& name) const {
     const Display& d = item.recorded->display;
     const std::size_t verts = d.kind == Display::Kind::Points ? x.size() : 0;
     PolyData file;
-    std::string piece = piece_head(x.size(), verts, d.lines.size(), d.triangles.size());
+    std::string piece = piece_head(x.size(), verts, d.lines.size(), triangles.size());
     piece += "<PointData>\n";
     if (!v.empty()) piece += file.array("Float32", "velocity", 3, flat(v));
     if (d.kind != Display::Kind::Triangles && d.radius > 0.0)
       piece += file.array("Float32", "radius", 1, std::vector<float>(x.size(), static_cast<float>(d.radius)));
     piece += "</PointData>\n<Points>\n" + file.array("Float32", "points", 3, flat(x)) + "</Points>\n";
     piece += file.cells("Verts", each(verts), 1) + file.cells("Lines", flat_cells(d.lines), 2) +
-             file.cells("Polys", flat_cells(d.triangles), 3) + "</Piece>\n";
+             file.cells("Polys", flat_cells(triangles), 3) + "</Piece>\n";
     file.write(job_.folder / name, piece, time);
   }
 

@@ -85,12 +85,19 @@ class XdmfWriter : public Writer {
   void body(const Frame& frame, std::size_t i) {
     const Item& body = job_.items[i];
     const Display& d = body.recorded->display;
-    if (d.vertices == 0) return;
+    const std::size_t vertices = frame.positions[i].size();
+    if (vertices == 0) return;
     text_ += "<Grid Name=\"" + xml_escaped(body.name) + "\">\n";
     const bool lines = d.kind == Display::Kind::Lines;
     if (d.kind == Display::Kind::Points)
-      text_ += points(d.vertices, cells_of(i), frame.order == 0);
-    else {
+      text_ += points(vertices, cells_of(i), frame.order == 0);
+    else if (body.recorded->changing) {
+      const std::size_t n = frame.triangles[i].size();
+      const std::string at = fmt::format("/frames/{}/{}", frame.index, i);
+      data_.group(at);
+      text_ += fmt::format("<Topology TopologyType=\"Triangle\" NumberOfElements=\"{}\">{}</Topology>\n", n,
+                           put(at + "/triangles", Type::Int32, n, 3, frame.triangles[i].front().data()));
+    } else {
       const std::size_t n = lines ? d.lines.size() : d.triangles.size();
       text_ += fmt::format("<Topology TopologyType=\"{}\" NumberOfElements=\"{}\"{}>{}</Topology>\n",
                            lines ? "Polyline" : "Triangle", n, lines ? " NodesPerElement=\"2\"" : "",
@@ -99,13 +106,12 @@ class XdmfWriter : public Writer {
     const std::string at = fmt::format("/frames/{}/{}", body.still ? job_.frames.first : frame.index, i);
     if (!body.still || frame.order == 0) {
       data_.group(at);
-      put(at + "/positions", Type::Float32, d.vertices, 3, frame.positions[i].data());
+      put(at + "/positions", Type::Float32, vertices, 3, frame.positions[i].data());
     }
-    text_ +=
-        "<Geometry GeometryType=\"XYZ\">" + item(at + "/positions", Type::Float32, d.vertices, 3) + "</Geometry>\n";
+    text_ += "<Geometry GeometryType=\"XYZ\">" + item(at + "/positions", Type::Float32, vertices, 3) + "</Geometry>\n";
     if (!frame.velocities[i].empty() && !body.still)
       text_ += attribute("velocity", "Vector",
-                         put(at + "/velocity", Type::Float32, d.vertices, 3, frame.velocities[i].data()));
+                         put(at + "/velocity", Type::Float32, vertices, 3, frame.velocities[i].data()));
     text_ += "</Grid>\n";
   }
 

@@ -5,6 +5,8 @@
 #include <map>
 #include <utility>
 
+#include "brim/body/changing_surface.h"
+
 namespace brim {
 
 namespace {
@@ -35,12 +37,14 @@ int pieces(double length, double width) { return std::clamp(static_cast<int>(std
 
 void PairSides::sample(const Body& body, std::vector<Vec3f>& points) {
   const Display& d = body.display();
-  corners_.resize(d.vertices);
-  body.display_positions(corners_);
+  std::vector<Triangle> changing;
+  const ChangingSurface* const surface = changing_surface(body);
+  if (surface) surface->display_surface(corners_, changing);
+  if (!surface) display_now(body, corners_);
   points.clear();
   // Points within the elements, so that no column is jumped over.
   if (d.kind == Display::Kind::Triangles) {
-    for (const Triangle& t : d.triangles) {
+    for (const Triangle& t : surface ? changing : d.triangles) {
       const Vec3f &a = corners_[t[0]], u = corners_[t[1]] - a, v = corners_[t[2]] - a;
       const int n = pieces(std::max(u.norm(), v.norm()), width_);
       for (int i = 0; i <= n; ++i)
