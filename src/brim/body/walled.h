@@ -8,6 +8,8 @@ namespace brim {
 class Walled {
  public:
   virtual ~Walled() = default;
+  /// True when the walls keep the body from moving as a rigid whole: such motions are none of its own.
+  virtual bool confined() const = 0;
   /// Momentum that the body took from its walls in its last step, and that left through openings, [N s].
   virtual Vec3 wall_impulse() const = 0;
 };

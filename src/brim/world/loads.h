@@ -27,8 +27,10 @@ double choose_stiffness(const Loads& loads, double w, double dt);
 /// flat; stiffer still, it would only spoil the condition of the solve. Only stiff bodies stacked high need all of k.
 double soften_stiffness(double k, double E, const Loads& loads, double w, double dt);
 
-/// Contact stiffness of what is shapeless (PartInfo::shapeless), [Pa]: 1000 p_max, at most k (k without weight). It
+/// Contact stiffness of what is shapeless (PartInfo::shapeless), [Pa]: 20 E, between 20 and 1000 p_max, at most k (k
+/// without weight), E the modulus of the shapeless side, which is 0 where its surface is only as good as its own grid:
+/// at 1000 p_max a hundredth of a voxel of such noise presses ten times as hard as the weight, and stirs the fluid. It
 /// gives way to a blow, so that nothing has to stop its whole depth within a voxel.
-double shapeless_stiffness(double k, const Loads& loads);
+double shapeless_stiffness(double k, double E, const Loads& loads);
 
 }  // namespace brim

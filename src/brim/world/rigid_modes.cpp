@@ -1,5 +1,6 @@
 #include "brim/world/rigid_modes.h"
 
+#include "brim/body/walled.h"
 #include "brim/core/parallel.h"
 
 namespace brim {
@@ -16,6 +17,8 @@ void RigidModes::take_modes(const Body& body, std::size_t n, Modes& m) const {
   m.columns.resize(kModes * n);
   m.system.setZero();
   if (body.immobile()) return;
+  // A motion that a body's own walls forbid would carry the solve out of what its preconditioner keeps to.
+  if (const auto* walled = dynamic_cast<const Walled*>(&body); walled && walled->confined()) return;
   const Aabb box = body.bounds(0);
   const Vec3 center = box.lo.allFinite() && box.hi.allFinite() ? box.center() : Vec3::Zero();
   for (int k = 0; k < kModes; ++k) {

@@ -194,7 +194,8 @@ PairMaterial World::Impl::material_of(const PartInfo& a, const PartInfo& b) cons
   if (options.stiffness > 0.0)
     m.stiffness = options.stiffness;
   else if (a.shapeless || b.shapeless)
-    m.stiffness = shapeless_stiffness(stiffness, loads);
+    m.stiffness = shapeless_stiffness(
+        stiffness, std::min(a.shapeless ? a.modulus : b.modulus, b.shapeless ? b.modulus : a.modulus), loads);
   else
     m.stiffness = soften_stiffness(stiffness, std::min(a.modulus, b.modulus), loads, loads_width, options.time_step);
   return m;

@@ -69,6 +69,7 @@ class GridFluidBody final : public Body, public Walled, public ChangingSurface {
   double potential_energy(const Environment& env) const override;
   Vec3 linear_momentum(std::span<const double> v) const override;
   Vec3 angular_momentum(std::span<const double> v) const override;
+  bool confined() const override { return wet_.touches_walls; }
   Vec3 wall_impulse() const override { return wall_impulse_; }
   bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
 

@@ -38,6 +38,7 @@ void WetFaces::find(const MacGrid& g, std::span<const double> phi, const std::ar
       share[f] = std::max(in / (in - out), kLeastShare);
     }
   });
+  touches_walls = std::find(kind.begin(), kind.end(), Kind::Wall) != kind.end();
 }
 
 }  // namespace brim

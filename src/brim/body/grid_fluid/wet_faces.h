@@ -21,6 +21,7 @@ struct WetFaces {
   std::vector<Kind> kind;           ///< shape (faces)
   std::vector<double> share;        ///< θ, [-], 0 where dry, shape (faces)
   std::size_t wet_cells = 0;
+  bool touches_walls = false;  ///< some face is a wall's
 
   /// @param open  sides −x, +x, −y, +y, −z, +z beyond which there is air
   void find(const MacGrid& grid, std::span<const double> phi, const std::array<bool, 6>& open);

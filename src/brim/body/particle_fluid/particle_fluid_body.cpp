@@ -77,7 +77,7 @@ ParticleFluidBody::ParticleFluidBody(std::vector<Vec3> x, ParticleFluidOptions o
   const Vec3 down = g > 0.0 ? Vec3(o.gravity / g) : Vec3(0, 0, -1);
   part_.voxel_size = o.voxel_size > 0.0 ? o.voxel_size : 0.5 * o.spacing;
   part_.areal_mass = o.density * down.cwiseAbs().dot(extent);
-  part_.modulus = 0.0;  // contact as soft as the loads allow: it presses matter that yields
+  part_.modulus = bulk_modulus_;
   part_.shapeless = true;
   part_.material = o.material;
   display_.kind = Display::Kind::Points;
