@@ -1,6 +1,6 @@
 #include "brim/body/grid_fluid/face_map.h"
 #include "brim/body/grid_fluid/grid_fluid_body.h"
-#include "brim/math/ramp.h"
+#include "brim/raster/fill_tiles.h"
 
 /// How a grid fluid shows itself to contact: density, presence, map.
 namespace brim {
@@ -53,14 +53,7 @@ void GridFluidBody::presence(int, double h, double w, const Aabb& region, std::v
 
 void GridFluidBody::rasterize(int, double h, double w, std::span<const TileKey> tiles,
                               std::span<DensityBlock> out) const {
-  parallel_for(tiles.size(), [&](std::size_t t) {
-    const Vec3 origin = block_origin(tiles[t], h);
-    std::fill(std::begin(out[t].source), std::end(out[t].source), 0);
-    double* rho = out[t].rho;
-    for (int k = 0; k < kBlockSize; ++k)
-      for (int j = 0; j < kBlockSize; ++j)
-        for (int i = 0; i < kBlockSize; ++i) *rho++ = ramp(distance(origin + h * Vec3(i, j, k)), w);
-  });
+  fill_tiles([this](const Vec3& r) { return distance(r); }, tiles, h, w, out);
 }
 
 void GridFluidBody::make_map(int, std::span<const Vec3> points, std::span<const std::int32_t>,
