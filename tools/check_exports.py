@@ -6,7 +6,7 @@
 
 Each reader compares what it finds with the numbers in run.h5. Readers that are not installed are skipped and named:
 VTK (python3-vtk9), meshio (python3-meshio), Blender (blender), vdb_print (libopenvdb-tools), ParaView (pvpython, or the
-command in BRIM_PVPYTHON). Ends with 1 when one of them finds something else than was recorded. Needs h5py.
+command in BRIM_PVPYTHON), TinyUSDZ (`npm install tinyusdz` somewhere; BRIM_TINYUSDZ names node_modules/tinyusdz). Ends with 1 when one of them finds something else than was recorded. Needs h5py.
 """
 
 import argparse

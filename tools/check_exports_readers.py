@@ -291,6 +291,30 @@ def paraview_reads(name):
     return check
 
 
+# ---- TinyUSDZ ------------------------------------------------------------------------------------------------------
+
+def tinyusdz():
+    """Folder of the npm package tinyusdz, which BRIM_TINYUSDZ names."""
+    folder = os.environ.get("BRIM_TINYUSDZ")
+    return folder if folder and shutil.which("node") and (pathlib.Path(folder) / "tinyusdz.wasm").exists() else None
+
+
+def tinyusdz_reads_usda(folder, truth, work):
+    out = work / "usd.json"
+    result = subprocess.run(["node", TOOLS / "check_exports_usd.mjs", tinyusdz(), folder / "run.usda", out],
+                            capture_output=True, text=True)
+    assert result.returncode == 0, result.stderr.strip()[-400:]
+    found, f = json.loads(out.read_text()), truth.frames[0]
+    meshes = [b for b in truth.bodies if b.display == "triangles"]
+    for body in meshes:
+        mesh = found_in(found["meshes"], body.name)
+        same(mesh["points"], body.positions[f], body.name)
+        assert mesh["faces"] == body.cells[f], f"{body.name}: {mesh['faces']} faces instead of {body.cells[f]}"
+    missing = {b.name for b in truth.bodies} - set(found["prims"])
+    assert not missing, f"nothing of {', '.join(missing)}"
+    return f"{len(found['prims'])} prims, {len(meshes)} meshes in place, frame {f} (it knows no later time)"
+
+
 @dataclass
 class Reader:
     format: str
@@ -315,5 +339,6 @@ READERS = [
     Reader("gltf", "Blender", has_program("blender"), blender_reads_gltf),
     Reader("vdb", "vdb_print", has_program("vdb_print"), vdb_print_reads_vdb),
     Reader("vdb", "Blender", has_program("blender"), blender_reads_vdb),
+    Reader("usda", "TinyUSDZ", tinyusdz, tinyusdz_reads_usda),
     Reader("npz", "NumPy", lambda: True, numpy_reads_npz),
 ]

@@ -194,24 +194,40 @@ assert zipfile.ZipFile(folder + '/run.npz').testzip() is None
 )");
 }
 
-TEST(ReadersOfDensities, OpenVdbReadsTheDensityOfABallAndAFloor) {
-  bool there = false;
-  for (const exporting::Format& f : exporting::formats()) there = there || f.name == std::string_view("vdb");
-  if (!there) GTEST_SKIP() << "built without OpenVDB";
-  const MadeRun made(2);  // lends its frames; the densities come from the world below
-  World world(testing::options_at(0.1));
-  world.add(testing::ground(0.5));
-  world.add(testing::ball("ball", {.x = Vec3(0.2, -0.3, 0.6)}, 0.5, 0.5));
-  const fs::path out = made.path / "out";
-  const RunReader run(made.folder());
-  export_run(run,
-             {.format = "vdb", .folder = out.string(), .frames = "1", .bodies = {"floor", "ball"}, .voxel_size = 0.1},
-             [&](std::int64_t) -> const World& { return world; });
+/// Densities of a ball of radius 0.5 at (0.2, −0.3, 0.6) and of a floor, in the VDB file of a frame.
+class ReadersOfDensities : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    bool there = false;
+    for (const exporting::Format& f : exporting::formats()) there = there || f.name == std::string_view("vdb");
+    if (!there) GTEST_SKIP() << "built without OpenVDB";
+  }
+
+  void write(double voxel_size) {
+    World world(testing::options_at(0.1));
+    world.add(testing::ground(0.5));
+    world.add(testing::ball("ball", {.x = Vec3(0.2, -0.3, 0.6)}, 0.5, 0.5));
+    const RunReader run(made_.folder());
+    export_run(run,
+               {.format = "vdb",
+                .folder = out_.string(),
+                .frames = "1",
+                .bodies = {"floor", "ball"},
+                .voxel_size = voxel_size},
+               [&](std::int64_t) -> const World& { return world; });
+  }
+
+  const MadeRun made_{2};  // lends its frames; the densities come from a world of their own
+  const fs::path out_ = made_.path / "out";
+};
+
+TEST_F(ReadersOfDensities, OpenVdbReadsTheDensityOfABallAndAFloor) {
+  write(0.1);
   const int code = testing::run_python("numpy, pyopenvdb", R"(
 import sys, math, numpy as np, pyopenvdb as vdb
 grids, about = vdb.readAll(sys.argv[1] + '/frame_00001.vdb')
 grids = {g.name: g for g in grids}
-assert grids['ball.1'].activeVoxelCount() == 0  # the world below has no such body
+assert grids['ball.1'].activeVoxelCount() == 0  # the world has no such body
 assert abs(about['time'] - 0.1) < 1e-12
 g = grids['ball']
 assert g.gridClass == 'fog volume' and g.transform.voxelSize() == (0.1, 0.1, 0.1)
@@ -230,26 +246,15 @@ assert abs(total / (4 / 3 * math.pi * 0.125) - 1) < 0.06, total   # the ramp add
 floor = grids['floor'].getConstAccessor()
 assert abs(floor.getValue((2, -3, 0)) - 0.5) < 1e-6 and floor.getValue((2, -3, 3)) == 0 and floor.getValue((2, -3, -2)) == 1
 )",
-                                       "'" + out.string() + "'", made.path);
+                                       "'" + out_.string() + "'", made_.path);
   if (code < 0) GTEST_SKIP() << "python3 without pyopenvdb";
   EXPECT_EQ(code, 0);
 }
 
 /// brim reads what it wrote: a ball as a volume of densities.
-TEST(ReadersOfDensities, BrimReadsTheVolumeOfABallFromOpenVdb) {
-  bool there = false;
-  for (const exporting::Format& f : exporting::formats()) there = there || f.name == std::string_view("vdb");
-  if (!there) GTEST_SKIP() << "built without OpenVDB";
-  const MadeRun made(2);
-  World world(testing::options_at(0.1));
-  world.add(testing::ground(0.5));
-  world.add(testing::ball("ball", {.x = Vec3(0.2, -0.3, 0.6)}, 0.5, 0.5));
-  const fs::path out = made.path / "out";
-  const RunReader run(made.folder());
-  export_run(run,
-             {.format = "vdb", .folder = out.string(), .frames = "1", .bodies = {"floor", "ball"}, .voxel_size = 0.05},
-             [&](std::int64_t) -> const World& { return world; });
-  const std::string file = (out / "frame_00001.vdb").string();
+TEST_F(ReadersOfDensities, BrimReadsTheVolumeOfABallFromOpenVdb) {
+  write(0.05);
+  const std::string file = (out_ / "frame_00001.vdb").string();
   const VoxelImage image = read_volume(read_volume_info(file, "ball"));
   EXPECT_TRUE(image.axes.isApprox(0.05 * Mat3::Identity()));
   double mass = 0.0;
