@@ -195,6 +195,7 @@ async function main() {
     if (!movie) await browser.evaluate(`brim.app.frameOn(${frame})`);
     await browser.evaluate(`brim.app.setPose(${JSON.stringify(job.camera)})`);
     if (job.contacts) await browser.evaluate(`brim.app.panel.setContacts(${JSON.stringify(job.contacts)})`);
+    if (job.surface) await browser.evaluate(`brim.app.panel.setSurfaces(${JSON.stringify(job.surface)})`);
     if (job.tiles) await browser.evaluate('brim.app.panel.setTiles(true)');
     if (job.slice)
       await browser.evaluate(`brim.app.showSlice(${JSON.stringify(job.slice)}).then(() => true)`);

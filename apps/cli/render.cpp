@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 struct RenderOptions {
-  std::string run, out, size = "1280x720", camera = "fit", contacts, slice;
+  std::string run, out, size = "1280x720", camera = "fit", contacts, slice, surface;
   long long frame = 0;
   double fps = 0.0;  ///< 0: the run's own
   bool tiles = false;
@@ -96,6 +96,18 @@ Json slice_wish(const std::string& text) {
   return wish;
 }
 
+/// "all", or a list of names of bodies.
+Json surface_wish(const std::string& text) {
+  if (text.empty() || text == "all") return text;
+  Json names = Json::array();
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', at), text.size());
+    names.push_back(text.substr(at, comma - at));
+    at = comma + 1;
+  }
+  return names;
+}
+
 /// Runs a program to its end and returns its exit code. No shell sees the arguments.
 int run_program(const std::string& program, const std::vector<std::string>& arguments) {
   std::vector<char*> argv = {const_cast<char*>(program.c_str())};
@@ -160,6 +172,7 @@ int render(const RenderOptions& options) {
                     {"contacts", options.contacts},
                     {"tiles", options.tiles},
                     {"slice", slice},
+                    {"surface", surface_wish(options.surface)},
                     {"fps", options.fps > 0 ? options.fps : run.frame_rate()}};
   const std::jthread serving([&server] { server.listen(); });
   const int code = run_program(tools.node, {script, job.dump()});
@@ -181,10 +194,12 @@ void add_render(CLI::App& app, int& code) {
       ->add_option("--camera", options->camera,
                    "azimuth,elevation[,distance] in degrees and metres around the middle of the scene, or fit")
       ->capture_default_str();
-  command->add_option("--contacts", options->contacts, "show contacts: points, forces or all")
-      ->check(CLI::IsMember({"points", "forces", "all"}));
+  command->add_option("--contacts", options->contacts, "show contacts: points, forces, all (both) or voxels")
+      ->check(CLI::IsMember({"points", "forces", "all", "voxels"}));
   command->add_option("--slice", options->slice,
                       "show the densities on a plane: x, y or z, then perhaps =place [m], then perhaps ,body");
+  command->add_option("--surface", options->surface,
+                      "show particles as the surface around them: all, or names of bodies separated by commas");
   command->add_flag("--tiles", options->tiles, "show active tiles");
   command->add_option("--fps", options->fps, "frames per second of a film; without it, the run plays in its own time")
       ->check(CLI::PositiveNumber);

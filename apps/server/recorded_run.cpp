@@ -155,7 +155,7 @@ Json RecordedRun::info() {
   for (std::size_t p = 0; p < reader_->parts().size(); ++p) {
     const RecordedPart& part = reader_->parts()[p];
     const auto body = static_cast<std::size_t>(part.body);
-    parts.push_back({{"name", part.name}, {"body", part.body}});
+    parts.push_back({{"name", part.name}, {"body", part.body}, {"voxelSize", part.voxel_size}});
     if (body < list.size()) bodies[body]["parts"].push_back(p);
   }
   for (; warnings_read_ < reader_->frames() && warnings_.size() < kWarningsShown; ++warnings_read_)

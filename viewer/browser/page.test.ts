@@ -100,13 +100,46 @@ describe.skipIf(!chromiumPath)('the page', () => {
       o.page.evaluate(async (frame) => {
         const { app } = window.brim;
         for (const [body] of app.panel.looks.entries())
-          app.picture.setLook(body, { visible: body === 6, colour: '#3070b0', wireframe: false });
+          app.picture.setLook(body, {
+            visible: body === 6,
+            colour: '#3070b0',
+            wireframe: false,
+            surface: false,
+          });
         await app.showFrame(frame);
         const { cells, positions } = app.picture.shown!;
         return [cells.get(6)!.length / 3, positions.get(6)!.length / 3, app.picture.pointsOf(6)];
       }, f);
     expect(await drawn(0)).toEqual([72, 49, 49]);
     expect(await drawn(3)).toEqual([162, 100, 100]);
+    expect(o.problems).toEqual([]);
+    await close(o);
+  });
+
+  test('particles turn into the surface around them and back, and contacts into voxels', async () => {
+    const o = await open(browser);
+    const drawn = () => o.page.evaluate(() => window.brim.app.picture.stage.renderer.info.render.triangles);
+    await o.page.evaluate(() => window.brim.app.showFrame(120));
+    const balls = await o.page.evaluate(() => window.brim.app.png(120));
+    await o.page.getByRole('button', { name: /^surface around the particles/ }).click();
+    const surface = await o.page.evaluate(() => window.brim.app.png(120));
+    expect(surface).not.toBe(balls);
+    const kinds = await o.page.evaluate(() => {
+      const kinds: string[] = [];
+      window.brim.app.picture.stage.scene.traverse((x) => {
+        if (x.parent?.userData.body !== undefined) kinds.push(x.type);
+      });
+      return kinds;
+    });
+    expect(kinds).toContain('Mesh');
+    await o.page.getByRole('button', { name: /^surface around the particles/ }).click();
+    expect(await o.page.evaluate(() => window.brim.app.png(120))).toBe(balls);
+    const before = await drawn();
+    await o.page.getByRole('button', { name: 'voxels' }).click();
+    await o.page.evaluate(() => window.brim.app.showFrame(120));
+    const count = await o.page.evaluate(() => window.brim.app.picture.shown!.contacts.count);
+    expect(count).toBeGreaterThan(0);
+    expect((await drawn()) - before).toBe(24 * count); // a box and its ghost
     expect(o.problems).toEqual([]);
     await close(o);
   });

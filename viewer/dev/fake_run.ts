@@ -350,7 +350,7 @@ export function fakeRun(frames = 180, complete = true): FakeRun {
         fixed: b.fixed !== undefined,
         parts: [partOf(index)],
       })),
-      parts: bodies.map((b, body) => ({ name: b.name, body })),
+      parts: bodies.map((b, body) => ({ name: b.name, body, voxelSize: 0.05 })),
       warnings: [
         {
           time: 0.38,

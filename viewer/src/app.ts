@@ -191,6 +191,7 @@ export class App {
     const other = run.frames < known || JSON.stringify(run.bodies) !== JSON.stringify(this.run?.bodies);
     if (other) return location.reload(); // another run is served now
     this.run = run;
+    this.failed = -1; // what could not be read while it was written may be whole now
     if (run.frames > known) {
       const following = known > 1 && this.player.frame === known - 1 && !this.player.playing;
       this.setSeries(appendSeries(this.series, await fetchSeries(known)));
@@ -337,6 +338,7 @@ export class App {
     this.player.seek(index);
     if (this.player.frames > 0) this.display(await this.cache.get(this.player.frame));
     await this.refreshSlice();
+    await this.picture.settled();
     this.picture.stage.draw(true);
   }
 
@@ -467,6 +469,19 @@ export class App {
     });
   }
 
+  /** What a body touches in the frame shown, with the normal force of each pair. */
+  private touching(body: number): [string, string][] {
+    const part = (p: number) => this.run?.parts[p];
+    return (this.picture.shown?.pairs ?? [])
+      .filter((t) => (part(t.a)?.body === body) !== (part(t.b)?.body === body))
+      .sort((s, t) => t.normal - s.normal)
+      .slice(0, 6)
+      .map((t) => [
+        'touches',
+        `${part(part(t.a)?.body === body ? t.b : t.a)?.name ?? '?'}, ${human(t.normal, 'N')}`,
+      ]);
+  }
+
   pickAt(x: number, y: number): void {
     const picked = this.picture.pick(x, y);
     const point = (p: ArrayLike<number>) => [0, 1, 2].map((k) => (p[k] ?? 0).toFixed(4)).join(', ') + ' m';
@@ -492,6 +507,7 @@ export class App {
         ['nearest point', `number ${picked.vertex}`],
         ...(at ? [['lies at', point(at)] as [string, string]] : []),
         ['points', this.picture.pointsOf(picked.body.index).toLocaleString('en')],
+        ...this.touching(picked.body.index),
       ]);
     }
   }

@@ -1,6 +1,6 @@
 /** The picture of a run: bodies, contacts and tiles on the stage, for one frame at a time. */
 import * as THREE from 'three';
-import type { BodyInfo, Frame, RunInfo, Topology } from './run';
+import { contactSteps, type BodyInfo, type Frame, type RunInfo, type Topology } from './run';
 import { makeBodyView, type BodyView } from './scene/body_view';
 import { boxOf, framing } from './scene/bounds';
 import { ContactView, type ContactStyle } from './scene/contact_view';
@@ -9,6 +9,14 @@ import { Stage } from './scene/stage';
 import { SliceView } from './scene/slice_view';
 import { TileView } from './scene/tile_view';
 import type { Slice } from './slice';
+
+/** How a person wants to see a body. */
+export interface BodyLook {
+  visible: boolean;
+  colour: string;
+  wireframe: boolean;
+  surface: boolean; // particles as the surface around them
+}
 
 export interface Picked {
   at: THREE.Vector3;
@@ -27,6 +35,7 @@ export class Picture {
   shown: Frame | undefined;
   private views: BodyView[] = [];
   private bodies: BodyInfo[] = [];
+  private parts: RunInfo['parts'] = [];
   private positions: (Float32Array | undefined)[] = [];
   private fixedBoxes: THREE.Box3[] = [];
 
@@ -45,13 +54,16 @@ export class Picture {
     this.views = [];
     if (this.contacts) this.stage.scene.remove(this.contacts.object);
     this.bodies = run.bodies;
+    this.parts = run.parts;
     this.colours = defaultColours(run.bodies);
     this.contacts = new ContactView((part) => run.bodies[run.parts[part]?.body ?? -1]?.fixed ?? false);
     this.stage.scene.add(this.contacts.object);
     this.fixedBoxes = topologies.flatMap((t) => (t.positions ? [boxOf(t.positions)] : []));
     this.frameScene(samples);
     this.views = run.bodies.map((body, i) => {
-      const view = makeBodyView(body, topologies[i]!, this.colours[i]!, 0.003 * this.stage.radius);
+      const view = makeBodyView(body, topologies[i]!, this.colours[i]!, 0.003 * this.stage.radius, () =>
+        this.stage.invalidate(),
+      );
       view.object.userData.body = i;
       view.object.visible = false; // until its positions are known
       this.stage.scene.add(view.object);
@@ -122,13 +134,19 @@ export class Picture {
     this.stage.invalidate();
   }
 
-  setLook(body: number, look: { visible: boolean; colour: string; wireframe: boolean }): void {
+  setLook(body: number, look: BodyLook): void {
     const view = this.views[body];
     if (!view) return;
     view.object.visible = look.visible && this.positions[body] !== undefined;
     view.setColour(look.colour);
     view.setWireframe(look.wireframe);
+    view.setSurface?.(look.surface);
     this.stage.invalidate();
+  }
+
+  /** Comes true when everything that is made beside the page is in the picture. */
+  async settled(): Promise<void> {
+    await Promise.all(this.views.map((v) => v.settled?.()));
   }
 
   /** Shows a plane of densities, or none. @param colours of the bodies @param single whether it is of one body */
@@ -157,7 +175,11 @@ export class Picture {
   }
 
   private refreshContacts() {
-    if (this.contacts && this.shown) this.contacts.update(this.shown.contacts, this.stage.radius);
+    const { contacts, shown } = this;
+    if (contacts && shown)
+      contacts.update(shown.contacts, this.stage.radius, () =>
+        contactSteps(shown.contacts, this.parts, shown.tiles.step),
+      );
   }
 
   setTiles(on: boolean): void {

@@ -31,7 +31,7 @@ export interface RunInfo {
   stopped?: boolean; // because the writer is gone without having ended the run
   slices?: boolean; // densities can be asked for
   bodies: BodyInfo[];
-  parts: { name: string; body: number }[];
+  parts: { name: string; body: number; voxelSize?: number }[];
   warnings: Warning[];
   summary: Record<string, unknown>;
 }
@@ -48,6 +48,31 @@ export interface Contacts {
   friction: Float32Array; // (n, 3) [N] on the first part
   overlap: Float32Array; // (n) [voxels]
   pair: Int32Array; // (n, 2) global part numbers
+}
+
+/**
+ * Size of the voxel that each contact lies in: the grid's step is the finer of what the two parts ask for, taken from the
+ * steps of the frame's tiles, which are the finest one times powers of two. (n) [m]
+ */
+export function contactSteps(
+  c: Contacts,
+  parts: RunInfo['parts'],
+  tileSteps: ArrayLike<number>,
+): Float32Array {
+  const steps = [...new Set(Array.from(tileSteps))].sort((a, b) => a - b);
+  const known = new Map<number, number>();
+  const stepFor = (wanted: number) => {
+    const at = known.get(wanted);
+    if (at !== undefined) return at;
+    const step = steps.findLast((s) => s <= wanted * 1.001) ?? steps[0] ?? wanted;
+    known.set(wanted, step);
+    return step;
+  };
+  return Float32Array.from({ length: c.count }, (_, i) => {
+    const sizes = [c.pair[2 * i]!, c.pair[2 * i + 1]!].map((p) => parts[p]?.voxelSize || Infinity);
+    const finer = Math.min(...sizes);
+    return stepFor(finer < Infinity ? finer : (steps[0] ?? 0));
+  });
 }
 
 export interface Frame {

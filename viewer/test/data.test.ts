@@ -1,7 +1,7 @@
 import { expect, test } from 'vitest';
 import { FrameCache } from '../src/frame_cache';
 import { array } from '../src/codec';
-import { frameFromArrays, type Frame } from '../src/run';
+import { contactSteps, frameFromArrays, type Frame } from '../src/run';
 import { roundLength } from '../src/scene/ground';
 import { tileEdges } from '../src/scene/tile_view';
 import { human } from '../src/ui/dom';
@@ -117,4 +117,23 @@ test('a zip holds its files under the checksum that the format asks for', async 
   expect(view.getUint32(directory, true)).toBe(0x02014b50);
   expect(view.getUint32(directory + 16, true)).toBe(crc32(data));
   expect(new TextDecoder().decode(bytes.subarray(30 + 5, 30 + 5 + 5))).toBe('hello');
+});
+
+test('a contact lies in a voxel of the finer of its two parts, in a step that the grid has', () => {
+  const parts = [0.1, 0.05, 0.021, undefined].map((voxelSize, i) => ({
+    name: String(i),
+    body: i,
+    ...(voxelSize === undefined ? {} : { voxelSize }),
+  }));
+  const pair = new Int32Array([0, 1, 1, 2, 0, 3, 3, 3]);
+  const { contacts } = frameFromArrays(
+    0,
+    [array('contacts/position', new Float32Array(12), 3), array('contacts/pair', pair, 2)],
+    0,
+  );
+  // Steps are the finest times powers of two: 0.1 and 0.05 are rounded down to 0.08 and 0.04.
+  const steps = [...contactSteps(contacts, parts, new Float32Array([0.08, 0.02, 0.04, 0.02]))];
+  [0.04, 0.02, 0.08, 0.02].forEach((h, i) => expect(steps[i]).toBeCloseTo(h, 6));
+  const unknown = [...contactSteps(contacts, parts, [])];
+  expect(unknown[0]).toBeCloseTo(0.05, 6);
 });

@@ -1,38 +1,13 @@
 /** Bodies as the picture shows them. One class per display kind behind one small interface. */
 import * as THREE from 'three';
-import { mergeVertices } from 'three/examples/jsm/utils/BufferGeometryUtils.js';
 import type { BodyInfo, Topology } from '../run';
+import { clip, everywhere, instances, material, type BodyView } from './body_parts';
 import { splitAtCreases, updateShading, vertexNormals, type SplitMesh } from './normals';
+import { ParticleView, PointView } from './point_view';
+
+export type { BodyView };
 
 const kCrease = THREE.MathUtils.degToRad(38);
-
-export interface BodyView {
-  readonly object: THREE.Object3D;
-  /** @param cells triangles of the frame, of a body whose triangles change */
-  update(positions: Float32Array, cells?: Int32Array): void;
-  setColour(colour: string): void;
-  setWireframe(on: boolean): void;
-  /** Hides what lies behind the planes, as the slice does to look inside. */
-  setClipping(planes: THREE.Plane[] | null): void;
-  /** Only surfaces can be floors. */
-  asFloor?(center: THREE.Vector3, reach: number): void;
-  dispose(): void;
-}
-
-function clip(m: THREE.Material, planes: THREE.Plane[] | null) {
-  m.clippingPlanes = planes;
-  m.needsUpdate = true;
-}
-
-function material(colour: string, body: BodyInfo): THREE.MeshStandardMaterial {
-  return new THREE.MeshStandardMaterial({
-    color: colour,
-    roughness: body.fixed ? 0.95 : body.twoSided ? 0.8 : 0.46,
-    metalness: 0,
-    side: THREE.DoubleSide, // a look inside shows the inside, and open surfaces have two sides
-    shadowSide: THREE.DoubleSide,
-  });
-}
 
 /**
  * Lets a surface end in nothing, between two distances from a point, and makes it paler: a floor that stands for an
@@ -94,13 +69,12 @@ class TriangleView implements BodyView {
           name,
           new THREE.BufferAttribute(new Float32Array(n), 3).setUsage(THREE.DynamicDrawUsage),
         );
+      geometry.boundingSphere = everywhere();
     }
     const p = geometry.getAttribute('position') as THREE.BufferAttribute;
     const n = geometry.getAttribute('normal') as THREE.BufferAttribute;
     updateShading(this.split, positions, p.array as Float32Array, n.array as Float32Array);
     p.needsUpdate = n.needsUpdate = true;
-    geometry.boundingSphere = null;
-    geometry.boundingBox = null;
   }
 
   /** Draws the surface as a floor without an end, under everything else; the studio's ground lays the shadows on it. */
@@ -135,73 +109,9 @@ class ChangingView extends TriangleView {
     geometry.setIndex(new THREE.BufferAttribute(Uint32Array.from(cells), 1));
     geometry.setAttribute('position', new THREE.BufferAttribute(positions, 3));
     geometry.setAttribute('normal', new THREE.BufferAttribute(vertexNormals(positions, cells), 3));
+    geometry.boundingSphere = everywhere();
     this.object.geometry.dispose();
     this.object.geometry = geometry;
-  }
-}
-
-/** Instances of one small mesh; picking needs their bounds renewed whenever they move. */
-function instances(geometry: THREE.BufferGeometry, m: THREE.Material, count: number): THREE.InstancedMesh {
-  const mesh = new THREE.InstancedMesh(geometry, m, count);
-  mesh.instanceMatrix.setUsage(THREE.DynamicDrawUsage);
-  mesh.castShadow = true;
-  mesh.receiveShadow = true;
-  mesh.frustumCulled = false;
-  return mesh;
-}
-
-/**
- * A ball with fewer triangles the more of them there are: about 10⁵ in all, as long as they still look round; where
- * there are so many that each is small, its shading alone does.
- */
-function ballGeometry(count: number): THREE.BufferGeometry {
-  const detail = Math.round(Math.sqrt(100_000 / (20 * Math.max(1, count)))) - 1;
-  const ball = new THREE.IcosahedronGeometry(1, Math.max(count > 12_000 ? 0 : 1, Math.min(6, detail)));
-  ball.deleteAttribute('uv');
-  ball.deleteAttribute('normal');
-  const indexed = mergeVertices(ball);
-  indexed.setAttribute('normal', indexed.getAttribute('position').clone());
-  return indexed;
-}
-
-class PointView implements BodyView {
-  readonly object: THREE.InstancedMesh;
-  private readonly material: THREE.MeshStandardMaterial;
-
-  constructor(
-    body: BodyInfo,
-    colour: string,
-    private readonly radius: number,
-  ) {
-    this.material = material(colour, body);
-    this.object = instances(ballGeometry(body.vertices), this.material, body.vertices);
-  }
-
-  update(positions: Float32Array): void {
-    const m = this.object.instanceMatrix.array;
-    for (let i = 0, j = 0; i < positions.length; i += 3, j += 16) {
-      m[j] = m[j + 5] = m[j + 10] = this.radius;
-      m[j + 12] = positions[i]!;
-      m[j + 13] = positions[i + 1]!;
-      m[j + 14] = positions[i + 2]!;
-      m[j + 15] = 1;
-    }
-    this.object.instanceMatrix.needsUpdate = true;
-    this.object.boundingSphere = null;
-  }
-  setColour(colour: string) {
-    this.material.color.set(colour);
-  }
-  setWireframe(on: boolean) {
-    this.material.wireframe = on;
-  }
-  setClipping(planes: THREE.Plane[] | null) {
-    clip(this.material, planes);
-  }
-  dispose() {
-    this.object.geometry.dispose();
-    this.object.dispose();
-    this.material.dispose();
   }
 }
 
@@ -242,7 +152,6 @@ class LineView implements BodyView {
       this.tubes.setMatrixAt(s, matrix);
     }
     this.tubes.instanceMatrix.needsUpdate = true;
-    this.tubes.boundingSphere = null;
     this.joints.update(positions);
   }
   setColour(colour: string) {
@@ -265,10 +174,16 @@ class LineView implements BodyView {
   }
 }
 
-/** @param thinnest [m] lines and points without a radius of their own are drawn this thick */
-export function makeBodyView(body: BodyInfo, topology: Topology, colour: string, thinnest: number): BodyView {
+/** @param thinnest [m] lines and points without a radius of their own are drawn this thick @param changed called when a view has changed by itself */
+export function makeBodyView(
+  body: BodyInfo,
+  topology: Topology,
+  colour: string,
+  thinnest: number,
+  changed: () => void,
+): BodyView {
   const radius = body.radius > 0 ? body.radius : thinnest;
-  if (body.display === 'points') return new PointView(body, colour, radius);
+  if (body.display === 'points') return new ParticleView(body, colour, radius, changed);
   if (body.display === 'lines') return new LineView(body, topology, colour, radius);
   return body.changing ? new ChangingView(body, topology, colour) : new TriangleView(body, topology, colour);
 }

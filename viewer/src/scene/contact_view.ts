@@ -1,8 +1,14 @@
-/** Contacts of a frame: a dot where each is, an arrow for its normal force, another for friction. */
+/** Contacts of a frame: a dot or its voxel where each is, an arrow for its normal force, another for friction. */
 import * as THREE from 'three';
 import type { Contacts } from '../run';
+import { between, overlapStops, rgbOf } from '../slice';
+import { everywhere } from './body_parts';
 
-export type ContactStyle = 'off' | 'points' | 'forces' | 'all';
+export type ContactStyle = 'off' | 'points' | 'forces' | 'all' | 'voxels';
+
+/** Colour of voxels that both bodies' ramps reach, where densities do not overlap yet and no force acts. */
+export const nearColour = '#a9bccb';
+export const deepOverlap = 0.5; // [voxels] at which a voxel has the last colour
 
 export const normalColour = '#c2303a';
 export const frictionColour = '#e0a100';
@@ -19,12 +25,13 @@ class Glyphs {
   constructor(
     private readonly geometry: THREE.BufferGeometry,
     colour: string,
+    faintness = 0.3,
   ) {
     this.solid = new THREE.MeshStandardMaterial({ color: colour, roughness: 0.6 });
     this.faint = new THREE.MeshBasicMaterial({
       color: colour,
       transparent: true,
-      opacity: 0.3,
+      opacity: faintness,
       depthTest: false,
       depthWrite: false,
     });
@@ -41,13 +48,20 @@ class Glyphs {
       this.shown.instanceMatrix.setUsage(THREE.DynamicDrawUsage);
       this.ghost.instanceMatrix = this.shown.instanceMatrix;
       this.shown.frustumCulled = this.ghost.frustumCulled = false;
+      this.shown.boundingSphere = this.ghost.boundingSphere = everywhere();
       this.ghost.renderOrder = 5;
       this.object.add(this.shown, this.ghost);
     }
     this.shown.count = this.ghost.count = count;
     this.shown.instanceMatrix.needsUpdate = true;
-    this.shown.boundingSphere = null;
     return this.shown;
+  }
+
+  /** Colours that were set on the instances hold for their ghosts too. */
+  shareColours() {
+    if (!this.shown?.instanceColor || !this.ghost) return;
+    this.shown.instanceColor.needsUpdate = true;
+    this.ghost.instanceColor = this.shown.instanceColor;
   }
 
   get mesh(): THREE.InstancedMesh | undefined {
@@ -60,6 +74,7 @@ export class ContactView {
   style: ContactStyle = 'off';
   scale = 1; // of arrows, times the length chosen from the run's largest force
   private readonly dots = new Glyphs(new THREE.IcosahedronGeometry(1, 2), '#202a36');
+  private readonly voxels = new Glyphs(new THREE.BoxGeometry(1, 1, 1), '#ffffff', 0.4);
   private readonly shafts = [0, 1].map((k) => this.glyphs(new THREE.CylinderGeometry(1, 1, 1, 10), k));
   private readonly heads = [0, 1].map((k) => this.glyphs(new THREE.ConeGeometry(1, 1, 14), k));
   private largest = 0; // [N] largest force seen so far in the run: arrows keep their scale from frame to frame
@@ -68,6 +83,7 @@ export class ContactView {
   constructor(private readonly isFixed: (part: number) => boolean) {
     this.object.add(
       this.dots.object,
+      this.voxels.object,
       ...this.shafts.map((g) => g.object),
       ...this.heads.map((g) => g.object),
     );
@@ -83,15 +99,18 @@ export class ContactView {
     return this.isFixed(c.pair[2 * i]!) && !this.isFixed(c.pair[2 * i + 1]!) ? -1 : 1;
   }
 
-  update(c: Contacts, radius: number): void {
-    for (let i = 0; i < c.count; ++i) {
-      const f = Math.hypot(c.force[3 * i]!, c.force[3 * i + 1]!, c.force[3 * i + 2]!);
-      if (Number.isFinite(f)) this.largest = Math.max(this.largest, f);
+  /** @param steps [m] voxel size of each contact, asked for only when voxels are shown */
+  update(c: Contacts, radius: number, steps: () => Float32Array): void {
+    let largest = 0; // squared
+    for (let i = 0; i < 3 * c.count; i += 3) {
+      const f = c.force[i]! ** 2 + c.force[i + 1]! ** 2 + c.force[i + 2]! ** 2;
+      if (f > largest && f < Infinity) largest = f;
     }
+    this.largest = Math.max(this.largest, Math.sqrt(largest));
     this.object.visible = this.style !== 'off';
     if (!this.object.visible) return;
-    const showDots = this.style !== 'forces';
-    const showArrows = this.style !== 'points';
+    const showDots = this.style === 'points' || this.style === 'all';
+    const showArrows = this.style === 'forces' || this.style === 'all';
     const matrix = new THREE.Matrix4();
     const dot = this.dots.begin(showDots ? c.count : 0);
     const size = 0.0045 * radius;
@@ -102,8 +121,29 @@ export class ContactView {
           .setPosition(c.position[3 * i]!, c.position[3 * i + 1]!, c.position[3 * i + 2]!);
         dot.setMatrixAt(i, matrix);
       }
+    this.cubes(c, this.style === 'voxels' ? steps() : undefined);
     this.arrows(0, c, showArrows ? c.force : undefined, radius);
     this.arrows(1, c, showArrows ? c.friction : undefined, radius);
+  }
+
+  private cubes(c: Contacts, steps: Float32Array | undefined): void {
+    const mesh = this.voxels.begin(steps ? c.count : 0);
+    if (!steps) return;
+    const stops = overlapStops.map(rgbOf);
+    const near = rgbOf(nearColour);
+    const colour = new THREE.Color();
+    const matrix = new THREE.Matrix4();
+    for (let i = 0; i < c.count; ++i) {
+      const size = 0.94 * steps[i]!; // a gap shows one from the next
+      matrix
+        .makeScale(size, size, size)
+        .setPosition(c.position[3 * i]!, c.position[3 * i + 1]!, c.position[3 * i + 2]!);
+      mesh.setMatrixAt(i, matrix);
+      const overlap = c.overlap[i]!;
+      const [r, g, b] = overlap > 0 ? between(stops, overlap / deepOverlap) : near;
+      mesh.setColorAt(i, colour.setRGB(r / 255, g / 255, b / 255, THREE.SRGBColorSpace));
+    }
+    this.voxels.shareColours();
   }
 
   private arrows(kind: number, c: Contacts, vectors: Float32Array | undefined, radius: number): void {
@@ -136,10 +176,9 @@ export class ContactView {
   /** The contact under a ray, or -1. */
   pick(ray: THREE.Raycaster): number {
     if (!this.object.visible) return -1;
-    const meshes = [this.dots, ...this.shafts, ...this.heads].flatMap((g) =>
+    const meshes = [this.dots, this.voxels, ...this.shafts, ...this.heads].flatMap((g) =>
       g.mesh && g.mesh.count > 0 ? [g.mesh] : [],
     );
-    for (const mesh of meshes) mesh.boundingSphere = null;
     return ray.intersectObjects(meshes, false)[0]?.instanceId ?? -1;
   }
 }

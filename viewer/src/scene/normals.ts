@@ -107,35 +107,60 @@ export function updateShading(
   outNormals: Float32Array,
 ) {
   const { source, index } = mesh;
-  for (let i = 0; i < source.length; ++i) {
+  for (let i = 0, o = 0; i < source.length; ++i, o += 3) {
     const s = 3 * source[i]!;
-    outPositions[3 * i] = positions[s]!;
-    outPositions[3 * i + 1] = positions[s + 1]!;
-    outPositions[3 * i + 2] = positions[s + 2]!;
+    outPositions[o] = positions[s]!;
+    outPositions[o + 1] = positions[s + 1]!;
+    outPositions[o + 2] = positions[s + 2]!;
   }
   vertexNormals(outPositions, index, outNormals);
 }
 
-/** Normals of the vertices of a surface, weighted by the areas around them, (nv, 3). */
+/**
+ * Normals of the vertices of a surface, weighted by the areas around them, (nv, 3). One pass over the triangles and no
+ * memory of its own: every moving surface comes through here in every frame.
+ */
 export function vertexNormals(
   positions: Float32Array,
-  triangles: ArrayLike<number>,
+  triangles: Uint32Array | Int32Array,
   out: Float32Array = new Float32Array(positions.length),
 ): Float32Array {
-  const faces = faceNormals(positions, triangles);
   out.fill(0);
-  for (let c = 0; c < triangles.length; ++c) {
-    const f = c - (c % 3);
-    const v = 3 * triangles[c]!;
-    out[v]! += faces[f]!;
-    out[v + 1]! += faces[f + 1]!;
-    out[v + 2]! += faces[f + 2]!;
+  for (let t = 0; t < triangles.length; t += 3) {
+    const a = 3 * triangles[t]!;
+    const b = 3 * triangles[t + 1]!;
+    const c = 3 * triangles[t + 2]!;
+    const ax = positions[a]!;
+    const ay = positions[a + 1]!;
+    const az = positions[a + 2]!;
+    const ux = positions[b]! - ax;
+    const uy = positions[b + 1]! - ay;
+    const uz = positions[b + 2]! - az;
+    const vx = positions[c]! - ax;
+    const vy = positions[c + 1]! - ay;
+    const vz = positions[c + 2]! - az;
+    const nx = uy * vz - uz * vy;
+    const ny = uz * vx - ux * vz;
+    const nz = ux * vy - uy * vx;
+    out[a]! += nx;
+    out[a + 1]! += ny;
+    out[a + 2]! += nz;
+    out[b]! += nx;
+    out[b + 1]! += ny;
+    out[b + 2]! += nz;
+    out[c]! += nx;
+    out[c + 1]! += ny;
+    out[c + 2]! += nz;
   }
   for (let i = 0; i < out.length; i += 3) {
-    const length = Math.hypot(out[i]!, out[i + 1]!, out[i + 2]!) || 1;
-    out[i]! /= length;
-    out[i + 1]! /= length;
-    out[i + 2]! /= length;
+    const x = out[i]!;
+    const y = out[i + 1]!;
+    const z = out[i + 2]!;
+    const squared = x * x + y * y + z * z; // Math.hypot takes ten times as long
+    const scale = squared > 0 ? 1 / Math.sqrt(squared) : 1;
+    out[i] = x * scale;
+    out[i + 1] = y * scale;
+    out[i + 2] = z * scale;
   }
   return out;
 }

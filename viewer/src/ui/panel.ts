@@ -1,16 +1,18 @@
 /** The side panel: bodies, contacts, tiles, touching pairs, warnings. */
 import type { Player } from '../player';
+import type { BodyLook } from '../picture';
 import type { BodyInfo, Frame, RunInfo } from '../run';
-import { frictionColour, normalColour, type ContactStyle } from '../scene/contact_view';
+import { overlapStops } from '../slice';
+import {
+  deepOverlap,
+  frictionColour,
+  nearColour,
+  normalColour,
+  type ContactStyle,
+} from '../scene/contact_view';
 import { h, human, iconButton, setIcon } from './dom';
 import { swatch } from './plots';
 import { SliceCard } from './slice_card';
-
-export interface BodyLook {
-  visible: boolean;
-  colour: string;
-  wireframe: boolean;
-}
 
 export interface PanelEvents {
   look(body: number, look: BodyLook): void;
@@ -19,11 +21,14 @@ export interface PanelEvents {
   slice(): void;
 }
 
+const kReadable = 200; // [ms] between two fillings of the table while the run plays
+
 const styles: [ContactStyle, string][] = [
   ['off', 'off'],
   ['points', 'points'],
   ['forces', 'arrows'],
   ['all', 'both'],
+  ['voxels', 'voxels'],
 ];
 
 export class Panel {
@@ -39,8 +44,20 @@ export class Panel {
   private readonly warnings = h('section', { class: 'card' });
   private readonly segments: HTMLButtonElement[];
   private readonly tilesBox = h('input', { type: 'checkbox', id: 'tiles' });
+  private readonly voxelLegend = h(
+    'div',
+    { class: 'legend', hidden: true },
+    ...[
+      [nearColour, 'near'],
+      [overlapStops[0]!, 'touching'],
+      [overlapStops[2]!, `${deepOverlap} voxels deep or more`],
+    ].map(([colour, text]) => h('span', { class: 'item' }, swatch(colour!), text)),
+  );
   private rows: { refresh(): void }[] = [];
   private run: RunInfo | undefined;
+  private latest: Frame | undefined; // frame shown
+  private tabled: Frame | undefined; // frame whose pairs the table has
+  private tabledAt = 0; // [ms]
 
   constructor(
     private readonly player: Player,
@@ -83,6 +100,7 @@ export class Panel {
           h('span', { class: 'item' }, swatch(normalColour), 'normal force'),
           h('span', { class: 'item' }, swatch(frictionColour), 'friction'),
         ),
+        this.voxelLegend,
         this.pairs,
       ),
       this.slice.element,
@@ -100,6 +118,9 @@ export class Panel {
       this.warnings,
     );
     this.refreshContacts();
+    player.onChange(() => {
+      if (!player.playing && this.latest && this.latest !== this.tabled) this.fillTable(this.latest);
+    });
   }
 
   /** Fills the panel; what the user chose for bodies shown before is kept. */
@@ -107,7 +128,12 @@ export class Panel {
     this.run = run;
     const fresh = this.looks.length !== run.bodies.length;
     if (fresh) {
-      this.looks = colours.map((colour) => ({ visible: true, colour, wireframe: false }));
+      this.looks = colours.map((colour) => ({
+        visible: true,
+        colour,
+        wireframe: false,
+        surface: false,
+      }));
       this.rows = [];
       this.bodies.replaceChildren(...run.bodies.map((b) => this.bodyRow(b)));
     }
@@ -167,6 +193,10 @@ export class Panel {
       look().wireframe = !look().wireframe;
       tell();
     });
+    const surface = iconButton('drop', `surface around the particles of ${body.name}`, () => {
+      look().surface = !look().surface;
+      tell();
+    });
     const colour = h('input', {
       type: 'color',
       value: look().colour,
@@ -193,6 +223,7 @@ export class Panel {
             : `${body.kind} · ${body.vertices.toLocaleString('en')} points`,
         ),
       ),
+      ...(body.display === 'points' ? [surface] : []),
       wire,
       eye,
     );
@@ -200,6 +231,8 @@ export class Panel {
       row.classList.toggle('off', !look().visible);
       wire.classList.toggle('on', look().wireframe);
       wire.setAttribute('aria-pressed', String(look().wireframe));
+      surface.classList.toggle('on', look().surface);
+      surface.setAttribute('aria-pressed', String(look().surface));
       setIcon(eye, look().visible ? 'eye' : 'hidden', `${look().visible ? 'hide' : 'show'} ${body.name}`);
     };
     refresh();
@@ -219,6 +252,23 @@ export class Panel {
     this.changeAll((look) => (look.visible = visible));
   }
 
+  /** Shows particles as surfaces: of the bodies of these names and their numbered copies, or of all. */
+  setSurfaces(names: string[] | 'all'): void {
+    const named = (body: string, name: string) =>
+      body === name || (body.startsWith(`${name}.`) && /^\d+$/.test(body.slice(name.length + 1)));
+    const bodies = this.run?.bodies.filter((b) => b.display === 'points') ?? [];
+    for (const name of names === 'all' ? [] : names)
+      if (!bodies.some((b) => named(b.name, name)))
+        throw new Error(`no body of particles is named "${name}"`);
+    for (const b of bodies) {
+      if (names !== 'all' && !names.some((name) => named(b.name, name))) continue;
+      const look = this.looks[b.index]!;
+      look.surface = true;
+      this.rows[b.index]?.refresh();
+      this.on.look(b.index, look);
+    }
+  }
+
   /** Wireframe for all bodies, or for none if all have it. */
   toggleWireframe(): void {
     const on = !this.looks.every((l) => l.wireframe);
@@ -231,7 +281,7 @@ export class Panel {
     this.on.contacts(style, this.contactScale);
   }
 
-  /** Goes through off, points, arrows, both. */
+  /** Goes through off, points, arrows, both, voxels. */
   cycleContacts(): void {
     const at = styles.findIndex(([s]) => s === this.contactStyle);
     this.setContacts(styles[(at + 1) % styles.length]![0]);
@@ -244,6 +294,7 @@ export class Panel {
   }
 
   private refreshContacts() {
+    this.voxelLegend.hidden = this.contactStyle !== 'voxels';
     for (const s of this.segments) {
       const on = s.dataset.style === this.contactStyle;
       s.classList.toggle('on', on);
@@ -251,8 +302,16 @@ export class Panel {
     }
   }
 
-  /** The table of touching pairs of the frame shown. */
+  /** The table of touching pairs of the frame shown; while playing no oftener than can be read. */
   showFrame(frame: Frame): void {
+    this.latest = frame;
+    if (this.player.playing && performance.now() - this.tabledAt < kReadable) return;
+    this.fillTable(frame);
+  }
+
+  private fillTable(frame: Frame) {
+    this.tabled = frame;
+    this.tabledAt = performance.now();
     const totals = frame.pairs;
     if (!totals.length) {
       this.pairs.replaceChildren(h('p', { class: 'empty' }, 'Nothing touches in this frame.'));
@@ -277,7 +336,12 @@ export class Panel {
               h(
                 'tr',
                 {},
-                h('td', { title: `${name(t.a)} and ${name(t.b)}` }, `${name(t.a)} – ${name(t.b)}`),
+                h(
+                  'td',
+                  { title: `${name(t.a)} and ${name(t.b)}` },
+                  h('div', {}, name(t.a)),
+                  h('div', {}, name(t.b)),
+                ),
                 h('td', {}, String(t.count)),
                 h('td', {}, human(t.normal, 'N')),
                 h('td', {}, human(t.friction, 'N')),
@@ -329,7 +393,7 @@ const keys: [string, string][] = [
   ['f', 'fit the view to what is shown'],
   ['1 2 3', 'view from the front, the side, above'],
   ['w', 'wireframe'],
-  ['c', 'contacts: off, points, arrows, both'],
+  ['c', 'contacts: off, points, arrows, both, voxels'],
   ['t', 'active tiles'],
   ['d', 'slice through the densities'],
   ['x y z', 'across which axis'],
