@@ -83,5 +83,27 @@ TEST(Substeps, PiecesMakeUpTheStepExactly) {
   EXPECT_NEAR(moved, testing::position(w, 0).x(), 1e-9);
 }
 
+TEST(Substeps, WhatIsSqueezedOutMovesNoFartherThanAllowed) {
+  // Between two steep slopes a ball that overlaps both is at rest, and is thrown up within the step: the speeds before
+  // it ask for one sub-step.
+  const double h = 0.125, tilt = 4.0 * std::numbers::pi / 180.0;
+  WorldOptions o = options_at(h);
+  o.environment.gravity = Vec3::Zero();
+  o.damping_steps = 0.0;
+  o.stiffness = 1e10;
+  World w(o);
+  for (const double side : {-1.0, 1.0}) {
+    const Vec3 n(-side * std::cos(tilt), 0, std::sin(tilt));
+    w.add(obstacle(side < 0 ? "left" : "right", make_half_space(), 0.0, Vec3(side * (0.5 - 0.7 * h), 0, 0),
+                   Quat::FromTwoVectors(Vec3(0, 0, 1), n)));
+  }
+  w.add(ball("seed", {}, 0.0));
+  const StepReport r = w.step();
+  const double speed = testing::velocity(w, 2).norm();
+  EXPECT_GT(speed * o.time_step, 3.0 * h) << "the case does not throw";
+  EXPECT_GT(r.substeps, 1);
+  EXPECT_LE(speed * o.time_step / r.substeps, 2.0 * h);
+}
+
 }  // namespace
 }  // namespace brim

@@ -8,10 +8,15 @@
 
 namespace brim {
 
-/// Length of the next sub-step, [s]: `left` cut into equal pieces so that no two parts that can meet in the remaining
-/// time move by more than max_motion_voxels of their common step relative to each other in one piece (a CFL rule).
-double choose_substep(std::span<const WorldPart> parts, std::span<const std::unique_ptr<Body>> bodies,
-                      std::span<const double> v, std::span<const std::size_t> first_v, const WorldOptions& options,
-                      double left, StepReport& report);
+/// Pieces, at least 1, that `time` [s] must be cut into so that no two parts that can meet in it move by more than
+/// max_motion_voxels of their common step relative to each other in one piece (a CFL rule).
+/// @param v       velocities of all bodies, that of body b from first_v[b] on
+/// @param change  [m/s] what the velocities may gain in that time
+double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
+                     const WorldOptions& options, double time, double change);
+
+/// Length of the next sub-step, [s]: `left` cut into equal pieces by motion_pieces.
+double choose_substep(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
+                      const WorldOptions& options, double left, StepReport& report);
 
 }  // namespace brim

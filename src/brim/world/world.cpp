@@ -32,6 +32,9 @@ Response choose_response(Response pair, Response a, Response b, Response world) 
 /// True when the part cannot deform: its body has no more velocities than rigid parts would have.
 bool is_stiff(const WorldPart& p) { return p.body->v_size() <= 6 * static_cast<std::size_t>(p.body->part_count()); }
 
+/// Motion of a sub-step, over what is allowed, above which it is solved again in pieces.
+constexpr double kOutrun = 1.25;
+
 }  // namespace
 
 struct World::Impl {
@@ -61,7 +64,8 @@ struct World::Impl {
 
   void start();
   void update_bodies();
-  double substep(double dt, StepReport& report);
+  double substep(double left, StepReport& report);
+  bool solve_substep(double dt, StepReport& report);
   void choose_pair_states();
   PairMaterial material_of(const PartInfo& a, const PartInfo& b) const;
   void measure(StepReport& report);
@@ -240,19 +244,13 @@ StepReport World::step() {
   return report;
 }
 
-double World::Impl::substep(double left, StepReport& report) {
+bool World::Impl::solve_substep(double dt, StepReport& report) {
   const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
-  const double dt = choose_substep(parts, bodies, state.v, first_v, options, left, report);
-  ++report.substeps;
-  const bool last = left - dt <= 1e-9 * options.time_step;
-  before_q = state.q;
-  before_v = state.v;
   for (std::size_t b = 0; b < bodies.size(); ++b) bodies[b]->prescribe(state.time, dt, q(b), v(b));
   update_bodies();
 
   stage.find(parts, state.v, first_v, dt, options, report);
   const ContactSet& contacts = stage.contacts();
-  report.contacts = static_cast<std::int64_t>(contacts.size());
   velocity_a.resize(contacts.size()), velocity_b.resize(contacts.size());
   {
     const ScopedSeconds timer(seconds(Phase::Respond));
@@ -287,11 +285,35 @@ double World::Impl::substep(double left, StepReport& report) {
   settings.max_iterations = options.cg_max_iterations;
   settings.passes = options.max_passes;
   delta.resize(state.v.size());
-  const bool finite =
-      implicit.solve(bodies, first_v, parts, options.environment, maps, response, contacts, state.v, settings, delta,
-                     report, constraints.impulse(), [&](const ImplicitStep::Respond& solve, std::span<double> change) {
-                       return constraints.correct(solve, change, report);
-                     });
+  return implicit.solve(bodies, first_v, parts, options.environment, maps, response, contacts, state.v, settings, delta,
+                        report, constraints.impulse(),
+                        [&](const ImplicitStep::Respond& solve, std::span<double> change) {
+                          return constraints.correct(solve, change, report);
+                        });
+}
+
+double World::Impl::substep(double left, StepReport& report) {
+  const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
+  double dt = choose_substep(parts, state.v, first_v, options, left, report);
+  before_q = state.q;
+  before_v = state.v;
+  bool finite = solve_substep(dt, report);
+  // What contact throws may outrun the choice, which knows the speeds before only: cut again, once.
+  if (finite && report.substeps + 1 < options.max_substeps) {
+    travel = state.v;
+    for (std::size_t i = 0; i < travel.size(); ++i) travel[i] += delta[i];
+    const double pieces = motion_pieces(parts, travel, first_v, options, dt, 0.0);
+    if (pieces > kOutrun) {
+      state.q = before_q;
+      state.v = before_v;
+      dt /= std::ceil(pieces);
+      finite = solve_substep(dt, report);
+    }
+  }
+  ++report.substeps;
+  const bool last = left - dt <= 1e-9 * options.time_step;
+  const ContactSet& contacts = stage.contacts();
+  report.contacts = static_cast<std::int64_t>(contacts.size());
   if (!finite) {
     state.q = before_q;
     state.v = before_v;

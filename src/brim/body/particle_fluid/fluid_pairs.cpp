@@ -68,17 +68,22 @@ void FluidPairs::add_pressure(std::span<const float> p, std::span<Eigen::Vector3
   });
 }
 
-void FluidPairs::add_viscosity(double s, std::span<const Vec4> v, std::span<Eigen::Vector3d> y) const {
+void FluidPairs::add_viscosity(double s, std::span<const Vec4> v, std::span<float> rate,
+                               std::span<Eigen::Vector3d> y) const {
   parallel_blocks(size_, kBlock, [&](std::size_t begin, std::size_t end) {
     const Block& b = blocks_[begin / kBlock];
     for (std::size_t i = begin; i < end; ++i) {
       Vec4 sum = Vec4::Zero();
+      float total = 0.0f;
       const Vec4 vi = v[i];
       for (std::int32_t e = b.first[i - begin]; e < b.first[i - begin + 1]; ++e) {
         const Vec4& g = b.gradient[e];
         const Vec4 t = g * (vi - v[b.neighbour[e]]);
-        sum += (g[3] * (t[0] + t[1] + t[2])) * g;
+        const float closing = t[0] + t[1] + t[2];
+        total += closing;
+        sum += (g[3] * closing) * g;
       }
+      if (!rate.empty()) rate[i] = total;
       y[i] += s * sum.head<3>().matrix().cast<double>();
     }
   });

@@ -39,7 +39,11 @@ class FluidPairs {
   void add_pressure(std::span<const float> p, std::span<Eigen::Vector3d> y) const;
   /// y_i += s Σ_j a_ij (g_ij · (v_i − v_j)) g_ij, the viscous drag of the neighbours (Weiler et al. 2018, equation 6):
   ///   −f_i = 10 μ V Σ_j  (x_ij · v_ij) / (|x_ij|² + 0.01 H²) (−g_ij),  symmetric and definite, conserving both momenta
-  void add_viscosity(double s, std::span<const Vec4> v, std::span<Eigen::Vector3d> y) const;
+  void add_viscosity(double s, std::span<const Vec4> v, std::span<Eigen::Vector3d> y) const {
+    add_viscosity(s, v, {}, y);
+  }
+  /// add_viscosity and the rates of all particles in one reading of the pairs.
+  void add_viscosity(double s, std::span<const Vec4> v, std::span<float> rate, std::span<Eigen::Vector3d> y) const;
 
   /// Particles of one block of memory and work.
   static constexpr std::size_t kBlock = 256;

@@ -146,14 +146,15 @@ void ParticleFluidBody::multiply(double pressure_factor, double viscous_factor, 
                                  std::span<double> y) const {
   auto p = products_.borrow();
   gather(x, *p);
+  const bool viscous = viscous_factor != 0.0 && options_.viscosity > 0.0;
+  if (viscous) pairs_.add_viscosity(viscous_factor, p->v, p->rate, p->y);
   if (pressure_factor != 0.0) {
-    pairs_.rates(p->v, inside_, p->rate);
+    if (!viscous) pairs_.rates(p->v, inside_, p->rate);
     const double kappa = bulk_modulus_ * particle_mass_ / options_.density;
     for (std::size_t i = 0; i < p->rate.size(); ++i)
       p->pressure[i] = static_cast<float>(pressure_factor * kappa * inside_[i]) * p->rate[i];
     pairs_.add_pressure(p->pressure, p->y);
   }
-  if (viscous_factor != 0.0 && options_.viscosity > 0.0) pairs_.add_viscosity(viscous_factor, p->v, p->y);
   scatter(*p, 1.0, y);
 }
 
