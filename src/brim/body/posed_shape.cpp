@@ -1,11 +1,17 @@
 #include "brim/body/posed_shape.h"
 
+#include <cmath>
+
 #include "brim/core/parallel.h"
+#include "brim/raster/known_distance.h"
 
 namespace brim {
 
 PosedShape::PosedShape(std::shared_ptr<const Shape> shape, TriMesh surface)
-    : shape_(std::move(shape)), surface_(std::move(surface)) {}
+    : shape_(std::move(shape)), surface_(std::move(surface)) {
+  const auto* known = dynamic_cast<const KnownDistance*>(shape_.get());
+  slack_ = known != nullptr ? known->slack() : std::numeric_limits<double>::infinity();
+}
 
 double PosedShape::box_reach(const Vec3& center) const {
   const Aabb box = shape_->bounds();
@@ -22,6 +28,10 @@ double PosedShape::reach(const Vec3& center) const {
 
 void PosedShape::presence(double h, double w, const Aabb& region, std::vector<TileKey>& out) const {
   shape_presence(*shape_, pose_, h, w, region, out);
+}
+
+double PosedShape::distance_bound(const Vec3& x) const {
+  return std::isfinite(slack_) ? shape_->distance(pose_.to_local(x)) - slack_ : -slack_;
 }
 
 void PosedShape::rasterize(double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {

@@ -28,12 +28,15 @@ class PosedShape {
 
   Aabb bounds() const { return shape_->placed_bounds(pose_); }
   void presence(double h, double w, const Aabb& region, std::vector<TileKey>& out) const;
+  /// DistanceBound::distance_bound.
+  double distance_bound(const Vec3& x) const;
   void rasterize(double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const;
   /// Positions of the surface's vertices, [m], shape (vertices of the surface).
   void display_positions(std::span<Vec3f> x) const;
 
  private:
   std::shared_ptr<const Shape> shape_;
+  double slack_;  ///< [m] of the shape's distance; infinity where its density is not a ramp of it
   TriMesh surface_;
   Pose pose_;
 };

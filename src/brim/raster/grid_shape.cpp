@@ -1,15 +1,18 @@
 #include "brim/raster/grid_shape.h"
 
+#include "brim/raster/known_distance.h"
+
 namespace brim {
 
 namespace {
 
-class GridShape final : public Shape {
+class GridShape final : public Shape, public KnownDistance {
  public:
   GridShape(std::shared_ptr<const DistanceGrid> grid, double thickness)
       : grid_(std::move(grid)), box_(grid_->solid_box()), thickness_(thickness) {}
 
   double distance(const Vec3& p) const override { return grid_->value(p); }
+  double slack() const override { return grid_->spacing(); }
   Aabb bounds() const override { return box_; }
   double thickness() const override { return thickness_; }
 

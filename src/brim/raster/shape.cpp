@@ -1,6 +1,7 @@
 #include "brim/raster/shape.h"
 
 #include "brim/core/error.h"
+#include "brim/raster/known_distance.h"
 
 namespace brim {
 
@@ -18,9 +19,10 @@ namespace {
 
 /// Gives a shape its block filler from its own distance without a virtual call per node.
 template <class Self>
-class ShapeOf : public Shape {
+class ShapeOf : public Shape, public KnownDistance {
  public:
   double distance(const Vec3& p) const final { return self()(p); }
+  double slack() const final { return 0.0; }
   void fill(const Pose& pose, const TileKey& tile, double h, double w, DensityBlock& out) const final {
     fill_block(self(), pose, tile, h, w, out);
   }

@@ -21,8 +21,14 @@ void BodyInverses::begin(std::span<const std::unique_ptr<Body>> bodies, std::spa
   first_v_.assign(first_v.begin(), first_v.end());
   first_block_.assign(1, 0);
   sizes_.clear();
+  sparse_.resize(bodies.size());
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    const std::size_t n = first_v_[b + 1] - first_v_[b];
+    sparse_[b].reset();
+    if (wanted[b] == 2 && n > kDense && n <= kMostFactored) factor_sparse(b);
+  });
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    if (wanted[b] && first_v[b + 1] - first_v[b] > kDense) {
+    if (wanted[b] && !factored(b) && first_v[b + 1] - first_v[b] > kDense) {
       const std::vector<int> s = bodies[b]->block_sizes();
       sizes_.insert(sizes_.end(), s.begin(), s.end());
     }
@@ -33,7 +39,7 @@ void BodyInverses::begin(std::span<const std::unique_ptr<Body>> bodies, std::spa
   factor_.resize(bodies.size()), mode_.resize(bodies.size()), mode_factor_.resize(bodies.size());
   parallel_for(bodies.size(), [&](std::size_t b) {
     mode_[b].resize(0, 0);
-    if (!wanted[b]) return;
+    if (!wanted[b] || factored(b)) return;
     dense_[b] = first_v_[b + 1] - first_v_[b] <= kDense;
     if (dense_[b]) return factor(b);
     bodies_[b]->add_system_diagonal(first_block_[b], diagonal_);
@@ -56,6 +62,28 @@ void BodyInverses::factor(std::size_t body) {
     A.col(i) = y + unit - x;  // S A S + (1 − S)
   }
   factor_[body].compute(0.5 * (A + A.transpose()));
+}
+
+void BodyInverses::factor_sparse(std::size_t body) {
+  const std::size_t n = first_v_[body + 1] - first_v_[body];
+  std::vector<Eigen::Triplet<double>> entries;
+  std::vector<double> x(n), y(n);
+  for (std::size_t j = 0; j < n; ++j) {
+    std::fill(x.begin(), x.end(), 0.0), std::fill(y.begin(), y.end(), 0.0);
+    x[j] = 1.0;
+    bodies_[body]->filter(x);
+    bodies_[body]->apply_system(x, y);
+    bodies_[body]->filter(y);
+    y[j] += 1.0;  // S A S + (1 − S)
+    for (std::size_t i = 0; i < n; ++i)
+      if (const double value = y[i] - x[i]; value != 0.0)
+        entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
+  }
+  const auto size = static_cast<Eigen::Index>(n);
+  Eigen::SparseMatrix<double> A(size, size);
+  A.setFromTriplets(entries.begin(), entries.end());
+  auto solver = std::make_unique<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>>(A);
+  if (solver->info() == Eigen::Success && solver->vectorD().minCoeff() > 0.0) sparse_[body] = std::move(solver);
 }
 
 void BodyInverses::find_modes(std::size_t body) {
@@ -85,6 +113,9 @@ void BodyInverses::local(std::size_t body, std::span<const double> b, std::span<
   if (dense_[body]) {
     Eigen::Map<Eigen::VectorXd> y(x.data(), static_cast<Eigen::Index>(x.size()));
     y = factor_[body].solve(y).eval();
+  } else if (factored(body)) {
+    Eigen::Map<Eigen::VectorXd> y(x.data(), static_cast<Eigen::Index>(x.size()));
+    y = sparse_[body]->solve(y).eval();
   } else {
     std::vector<double> rhs;
     std::size_t row = 0;

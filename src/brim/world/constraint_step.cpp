@@ -27,6 +27,8 @@ constexpr double kWarn = 100.0;
 constexpr std::size_t kRecord = 8;
 /// [voxels] farthest that a point is taken for one of the last step.
 constexpr double kSamePoint = 2.0;
+/// Contacts of a body up to which its answers to all of them are found: their number squared must be kept and swept.
+constexpr std::size_t kMostDirect = 400;
 
 /// Rows n, t1, t2 of a right-handed frame.
 Mat3 frame_along(const Vec3& n) {
@@ -116,43 +118,81 @@ void ConstraintStep::recall(std::span<const double> memory) {
   }
 }
 
-void ConstraintStep::assemble() {
-  inverses_.begin(bodies_, first_v_, touched_);
-  exact_ = true;
-  first_mode_.assign(1, first_v_.back());
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    if (touched_[b]) exact_ = exact_ && inverses_.exact(b) && !mixed_[b];
-    first_mode_.push_back(first_mode_.back() + static_cast<std::size_t>(inverses_.modes(b)));
+void ConstraintStep::choose_inverses() {
+  std::vector<std::size_t> rows(bodies_.size(), 0);
+  for (const ContactPair& pair : rows_.points().pairs)
+    for_bodies(pair, [&](std::size_t b, bool, bool) { rows[b] += pair.end - pair.begin; });
+  bool direct = true;
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    direct = direct && !(touched_[b] && (mixed_[b] || rows[b] > kMostDirect ||
+                                         first_v_[b + 1] - first_v_[b] > BodyInverses::kMostFactored));
+  const auto exact = [&] {
+    for (std::size_t b = 0; b < bodies_.size(); ++b)
+      if (touched_[b] && (!inverses_.exact(b) || mixed_[b])) return false;
+    return true;
+  };
+  std::vector<std::uint8_t> wanted(touched_);
+  if (direct) std::replace(wanted.begin(), wanted.end(), std::uint8_t{1}, std::uint8_t{2});
+  inverses_.begin(bodies_, first_v_, wanted);
+  exact_ = exact();
+  // One body that cannot be factored leaves nothing exact.
+  if (direct && !exact_) inverses_.begin(bodies_, first_v_, touched_);
+}
+
+template <class F>
+void ConstraintStep::for_bodies(const ContactPair& pair, const F& f) const {
+  const std::size_t a = static_cast<std::size_t>(parts_[pair.part_a].body_index),
+                    b = static_cast<std::size_t>(parts_[pair.part_b].body_index);
+  if (touched_[a]) f(a, true, a == b);
+  if (touched_[b] && a != b) f(b, false, true);
+}
+
+void ConstraintStep::find_forces(const ContactPair& pair, std::size_t c, std::size_t body, bool side_a, bool side_b) {
+  const ContactSet& points = rows_.points();
+  const std::size_t n = first_v_[body + 1] - first_v_[body];
+  for (int axis = 0; axis < 3; ++axis) {
+    force_[axis].assign(n, 0.0), answer_[axis].resize(n);
+    const auto add_side = [&](std::int32_t part, std::int32_t source, double sign) {
+      std::unique_ptr<Map>& map = map_[part];
+      if (axis == 0 || (side_a && side_b))
+        parts_[part].body->make_map(parts_[part].index, std::span(&points.point[c], 1), std::span(&source, 1), map);
+      const Vec3 f = sign * frame_[c].row(axis).transpose();
+      map->add_force(std::span(&f, 1), force_[axis]);
+    };
+    if (side_a) add_side(pair.part_a, points.source_a[c], 1.0);
+    if (side_b) add_side(pair.part_b, points.source_b[c], -1.0);
+    bodies_[body]->filter(force_[axis]);
   }
+}
+
+void ConstraintStep::assemble() {
+  choose_inverses();
+  first_mode_.assign(1, first_v_.back());
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    first_mode_.push_back(first_mode_.back() + static_cast<std::size_t>(inverses_.modes(b)));
   sweep_.clear();
   map_.resize(parts_.size());
+  direct_.begin(bodies_.size(), first_mode_.back());
+  for (const ContactPair& pair : rows_.points().pairs)
+    for (std::size_t c = pair.begin; c < pair.end; ++c)
+      for_bodies(pair, [&](std::size_t b, bool side_a, bool side_b) {
+        if (!inverses_.factored(b)) return;
+        find_forces(pair, c, b, side_a, side_b);
+        direct_.add(b, c, force_);
+      });
+  direct_.solve(inverses_, first_v_);
+  width_ = first_mode_.back() + direct_.size();
   for (const ContactPair& pair : rows_.points().pairs)
     for (std::size_t c = pair.begin; c < pair.end; ++c) add_row(pair, c);
 }
 
 void ConstraintStep::add_row(const ContactPair& pair, std::size_t c) {
-  const ContactSet& points = rows_.points();
   entries_.clear();
-  const std::size_t body[2] = {static_cast<std::size_t>(parts_[pair.part_a].body_index),
-                               static_cast<std::size_t>(parts_[pair.part_b].body_index)};
-  const auto add_body = [&](std::size_t b, bool side_a, bool side_b) {
-    if (!touched_[b]) return;
-    const std::size_t n = first_v_[b + 1] - first_v_[b];
-    for (int axis = 0; axis < 3; ++axis) {
-      force_[axis].assign(n, 0.0), answer_[axis].resize(n);
-      const auto add_side = [&](std::int32_t part, std::int32_t source, double sign) {
-        std::unique_ptr<Map>& map = map_[part];
-        if (axis == 0 || (side_a && side_b))
-          parts_[part].body->make_map(parts_[part].index, std::span(&points.point[c], 1), std::span(&source, 1), map);
-        const Vec3 f = sign * frame_[c].row(axis).transpose();
-        map->add_force(std::span(&f, 1), force_[axis]);
-      };
-      if (side_a) add_side(pair.part_a, points.source_a[c], 1.0);
-      if (side_b) add_side(pair.part_b, points.source_b[c], -1.0);
-      bodies_[b]->filter(force_[axis]);
-      inverses_.local(b, force_[axis], answer_[axis]);
-    }
-    for (std::size_t i = 0; i < n; ++i) {
+  for_bodies(pair, [&](std::size_t b, bool side_a, bool side_b) {
+    if (inverses_.factored(b)) return direct_.append(b, c, entries_);
+    find_forces(pair, c, b, side_a, side_b);
+    for (int axis = 0; axis < 3; ++axis) inverses_.local(b, force_[axis], answer_[axis]);
+    for (std::size_t i = 0; i < force_[0].size(); ++i) {
       const Vec3 row(force_[0][i], force_[1][i], force_[2][i]), answer(answer_[0][i], answer_[1][i], answer_[2][i]);
       if (row != Vec3::Zero() || answer != Vec3::Zero()) entries_.push_back({first_v_[b] + i, row, answer});
     }
@@ -165,13 +205,7 @@ void ConstraintStep::add_row(const ContactPair& pair, std::size_t c) {
     }
     for (int k = 0; k < modes; ++k)
       entries_.push_back({first_mode_[b] + static_cast<std::size_t>(k), row.row(k), answer.row(k)});
-  };
-  if (body[0] == body[1]) {
-    add_body(body[0], true, true);
-  } else {
-    add_body(body[0], true, false);
-    add_body(body[1], false, true);
-  }
+  });
   sweep_.add(entries_, rows_.friction()[c]);
 }
 
@@ -179,8 +213,10 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
   if (empty()) return true;
   assemble();
   const std::size_t n = rows_.points().size();
-  std::vector<double> change(delta.begin(), delta.end()), guess(first_mode_.back(), 0.0);
-  change.resize(first_mode_.back(), 0.0);
+  std::vector<double> change(delta.begin(), delta.end()), guess(width_, 0.0);
+  change.resize(width_, 0.0);
+  direct_.read(first_v_, change);
+  const std::vector<Vec3> first = lambda_;
   for (std::size_t c = 0; c < n; ++c) sweep_.add_response(c, lambda_[c], guess);
   std::vector<Vec3> free(n);
   for (std::size_t c = 0; c < n; ++c)
@@ -194,14 +230,24 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
         {report.time, "no_convergence",
          fmt::format("the constraint rows of {} contacts stopped at relative residual {:.1e}; allow more sweeps", n,
                      residual)});
+  // Sweeps know factored bodies by their contacts only.
+  const auto complete = [&](std::span<const Vec3> lambda, std::span<double> v) {
+    std::vector<Vec3> more(n);
+    for (std::size_t c = 0; c < n; ++c) more[c] = lambda[c] - first[c];
+    direct_.respond(inverses_, first_v_, more, v);
+  };
   if (rows_.travels_apart()) {
     std::vector<Vec3> lambda = lambda_;
     std::vector<double> way = change;
     const double worst = report.row_residual;
     solve_rows(solve, rows_.travel_targets(), kTravelRefinements, lambda, way, residual, report);
     report.row_residual = worst;
+    complete(lambda, way);
+    complete(lambda_, change);
     travel_.resize(delta.size());
     for (std::size_t i = 0; i < travel_.size(); ++i) travel_[i] = way[i] - change[i];
+  } else {
+    complete(lambda_, change);
   }
   bool finite = true;
   for (std::size_t i = 0; i < delta.size(); ++i) {
@@ -235,12 +281,12 @@ void ConstraintStep::refine(const ImplicitStep::Respond& solve, std::span<const 
   Direction now, last;
   std::vector<Vec3> offset(n), next, change_u(n);
   std::vector<double> change, rhs(nv);
-  now.lambda.resize(n), now.u.resize(n), now.v.resize(first_mode_.back());
+  now.lambda.resize(n), now.u.resize(n), now.v.resize(width_);
   double scale = settings_.scale;
   for (int i = 0; i < most; ++i) {
     for (std::size_t c = 0; c < n; ++c) offset[c] = offset_[c] + sweep_.velocity(c, delta);
     next = lambda;
-    change.assign(first_mode_.back(), 0.0);
+    change.assign(width_, 0.0);
     const auto r = sweep_.solve(offset, target, 0.1 * settings_.tolerance, settings_.max_sweeps, scale, next, change);
     report.sweeps += r.sweeps;
 

@@ -10,6 +10,7 @@
 #include "brim/solve/projected_gauss_seidel.h"
 #include "brim/world/body_inverses.h"
 #include "brim/world/contact_maps.h"
+#include "brim/world/direct_rows.h"
 #include "brim/world/implicit_step.h"
 #include "brim/world/step_report.h"
 
@@ -19,8 +20,9 @@ namespace brim {
 ///   u = J (v + Δv) + ...,  Δv = A⁻¹ (b + Jᵀ λ),  λ in Coulomb's cone, u_n >= target
 /// with A the implicit matrix of all bodies and of the contacts that stay with the penalty response. Projected
 /// Gauss-Seidel runs on J P Jᵀ, P the bodies' own inverses (BodyInverses). Where P is A⁻¹, for bodies of few velocities
-/// without other contacts, its result is the solution. Elsewhere it gives a direction d in λ; A⁻¹ Jᵀ d comes from the
-/// step's own solve, λ moves along d as far as the two agree, and so on until d changes no velocity any more.
+/// without other contacts and for larger ones whose A can be factored, its result is the solution. Elsewhere it gives a
+/// direction d in λ; A⁻¹ Jᵀ d comes from the step's own solve, λ moves along d as far as the two agree, and so on until
+/// d changes no velocity any more.
 class ConstraintStep {
  public:
   struct Settings {
@@ -53,6 +55,13 @@ class ConstraintStep {
   void choose_frames();
   void recall(std::span<const double> memory);
   void assemble();
+  /// Chooses the bodies' inverses: all of them exact, where that can be afforded and nothing else mixes in.
+  void choose_inverses();
+  /// Calls f(body, side a, side b) for the bodies that have rows at the pair's contacts.
+  template <class F>
+  void for_bodies(const ContactPair& pair, const F& f) const;
+  /// Forces of the body for unit impulses along the rows of contact c, filtered, into force_.
+  void find_forces(const ContactPair& pair, std::size_t c, std::size_t body, bool side_a, bool side_b);
   void add_row(const ContactPair& pair, std::size_t c);
   /// Solves for the targets from λ and Δv on entry. @param most  solves with A
   void solve_rows(const ImplicitStep::Respond& solve, std::span<const double> target, int most,
@@ -68,6 +77,8 @@ class ConstraintStep {
   Constraint rows_;
   ContactMaps maps_;
   BodyInverses inverses_;
+  DirectRows direct_;
+  std::size_t width_ = 0;  ///< of all that sweeps know: velocities, rigid motions, coordinates of direct rows
   ProjectedGaussSeidel sweep_;
   std::vector<std::uint8_t> touched_, mixed_;  ///< per body: has rows, has other contacts too
   bool exact_ = true;

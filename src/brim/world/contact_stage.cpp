@@ -5,6 +5,7 @@
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 #include "brim/core/stopwatch.h"
+#include "brim/world/tile_room.h"
 
 namespace brim {
 
@@ -61,7 +62,7 @@ void ContactStage::find(std::span<const WorldPart> parts, std::span<const double
   }
   {
     const ScopedSeconds timer(seconds(Phase::Refine));
-    refine(options);
+    refine(parts, options);
   }
   {
     const ScopedSeconds timer(seconds(Phase::Rasterize));
@@ -155,15 +156,22 @@ void ContactStage::find_presence(std::span<const WorldPart> parts, double ramp, 
     report.tiles_present += static_cast<std::int64_t>(layers_[l].present.size());
 }
 
-void ContactStage::refine(const WorldOptions& options) {
+void ContactStage::refine(std::span<const WorldPart> parts, const WorldOptions& options) {
   parallel_for(candidate_count_, [&](std::size_t i) {
     Candidate& c = candidates_[i];
+    const auto bounded_part = [&](std::int32_t p) {
+      return BoundedPart{dynamic_cast<const DistanceBound*>(parts[p].body), parts[p].index};
+    };
+    const BoundedPart pa = bounded_part(c.pair.part_a), pb = bounded_part(c.pair.part_b);
+    const bool bounded = pa.body != nullptr && pb.body != nullptr;
     const std::vector<TileKey>&a = layers_[c.pair_layer_a].present, &b = layers_[c.pair_layer_b].present;
     const TileRange range = tiles_meeting(c.region.inflated(c.pair.h), c.pair.h);
     const std::vector<TileKey>& few = a.size() < b.size() ? a : b;
     const std::vector<TileKey>& many = a.size() < b.size() ? b : a;
     for (const TileKey& t : few)
-      if (inside(t, range) && std::binary_search(many.begin(), many.end(), t)) c.tiles.push_back(t);
+      if (inside(t, range) && std::binary_search(many.begin(), many.end(), t) &&
+          (!bounded || may_hold_contact(pa, pb, c.pair, t)))
+        c.tiles.push_back(t);
   });
   for (std::size_t i = 0; i < candidate_count_; ++i) {
     const Candidate& c = candidates_[i];

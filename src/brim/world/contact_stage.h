@@ -59,7 +59,7 @@ class ContactStage {
                        std::span<const std::size_t> first_v, double dt, const WorldOptions& options);
   std::int32_t layer_of(std::int32_t part, double h, const Aabb& region);
   void find_presence(std::span<const WorldPart> parts, double ramp, StepReport& report);
-  void refine(const WorldOptions& options);
+  void refine(std::span<const WorldPart> parts, const WorldOptions& options);
   void rasterize(std::span<const WorldPart> parts, double ramp, StepReport& report);
   void collect();
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "brim/body/distance_bound.h"
 #include "brim/body/articulated/joint_forces.h"
 #include "brim/body/articulated/tree_flow.h"
 #include "brim/body/articulated/tree_map.h"
@@ -13,7 +14,7 @@ namespace brim {
 ///
 /// The forces of the common solve are weight, drives, limits, damping and friction; what turning links do to each other
 /// (Coriolis and centrifugal terms) acts in finish_step, where the tree moves freely for the step (TreeFlow).
-class ArticulatedBody final : public Body {
+class ArticulatedBody final : public Body, public DistanceBound {
  public:
   /// @throws InputError for what Tree refuses, and for a joint that moves nothing with mass
   explicit ArticulatedBody(ArticulatedModel model);
@@ -50,6 +51,7 @@ class ArticulatedBody final : public Body {
   void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override {
     parts_[p].solid.presence(h, w, region, out);
   }
+  double distance_bound(int p, const Vec3& x) const override { return parts_[p].solid.distance_bound(x); }
   void rasterize(int p, double h, double w, std::span<const TileKey> tiles,
                  std::span<DensityBlock> out) const override {
     parts_[p].solid.rasterize(h, w, tiles, out);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "brim/body/body.h"
+#include "brim/body/distance_bound.h"
 #include "brim/body/posed_shape.h"
 
 namespace brim {
@@ -22,7 +23,7 @@ struct ObstacleModel {
 
 /// Static or animated rigid solid of infinite mass. q and v are those of a rigid body (origin of the shape); every
 /// direction of v is imposed, so the solver has nothing to decide.
-class ObstacleBody final : public Body {
+class ObstacleBody final : public Body, public DistanceBound {
  public:
   /// @throws InputError when keys are missing or their times do not increase
   explicit ObstacleBody(ObstacleModel model);
@@ -50,6 +51,7 @@ class ObstacleBody final : public Body {
   void presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override {
     solid_.presence(h, w, region, out);
   }
+  double distance_bound(int, const Vec3& x) const override { return solid_.distance_bound(x); }
   void rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override {
     solid_.rasterize(h, w, tiles, out);
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "brim/body/body.h"
+#include "brim/body/distance_bound.h"
 #include "brim/body/posed_shape.h"
 
 namespace brim {
@@ -24,7 +25,7 @@ struct RigidModel {
 
 /// Rigid body: q = (position of the centre of mass, quaternion w x y z), v = (o', ω), world frame.
 /// Free rotation conserves angular momentum exactly: after each step ω follows from L at the new orientation.
-class RigidBody final : public Body {
+class RigidBody final : public Body, public DistanceBound {
  public:
   /// @throws InputError when mass or inertia is not positive
   explicit RigidBody(RigidModel model);
@@ -51,6 +52,7 @@ class RigidBody final : public Body {
   void presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override {
     solid_.presence(h, w, region, out);
   }
+  double distance_bound(int, const Vec3& x) const override { return solid_.distance_bound(x); }
   void rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override {
     solid_.rasterize(h, w, tiles, out);
   }

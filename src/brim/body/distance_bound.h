@@ -1,0 +1,17 @@
+#pragma once
+
+#include "brim/math/types.h"
+
+namespace brim {
+
+/// What a Body may be besides where it can tell cheaply how far the surface of a part is. The world then leaves out
+/// tiles on which the bounds of two parts leave no room for contact (world/tile_room.h).
+class DistanceBound {
+ public:
+  virtual ~DistanceBound() = default;
+  /// A lower bound of the signed distance d from x to the part's surface, negative inside, [m], where the part's
+  /// density is ramp(d, w); the bound changes by no more than x moves. Minus infinity where none is known.
+  virtual double distance_bound(int part, const Vec3& x) const = 0;
+};
+
+}  // namespace brim
