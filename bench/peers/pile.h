@@ -1,0 +1,82 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "brim/math/types.h"
+#include "brim/scene/scene.h"
+
+namespace brim::peers {
+
+/// A convex piece of a solid: the hull of points [m], inflated by a radius [m]. Two points make a capsule.
+struct Piece {
+  std::vector<Vec3> points;
+  double radius = 0.0;
+};
+
+/// A rigid body as every engine takes it; its frame has its origin at the centre of mass and principal axes.
+struct Solid {
+  int shape = 0;  ///< index into Pile::shapes
+  Vec3 position = Vec3::Zero();
+  Quat rotation = Quat::Identity();
+  double mass = 0.0;            ///< [kg]
+  Vec3 inertia = Vec3::Zero();  ///< [kg m²]
+};
+
+/// A wall: a fixed box.
+struct Wall {
+  Vec3 center, half;
+};
+
+/// The pile of a brim scene, for engines that know convex pieces only.
+struct Pile {
+  std::vector<std::vector<Piece>> shapes;
+  std::vector<Solid> solids;
+  std::vector<Wall> walls;  ///< besides the floor z = 0
+  double time_step = 0.0;   ///< [s]
+  double friction = 0.0;    ///< [-]
+};
+
+/// Takes a scene of rigid gears, stars and tori, of box obstacles and of the plane z = 0 apart.
+/// Gears and stars are cut into prisms and rings into capsules: exact but for the chords of bores and of rings, which
+/// miss the circle by 2 % of the bore and by 1 % of the ring's radius.
+/// @throws InputError  for anything else
+Pile cut_pile(const Scene& scene, const World& world);
+
+/// Position and rotation of each solid, and the largest speed of any matter.
+struct Placement {
+  std::vector<Vec3> position;
+  std::vector<Quat> rotation;
+  std::vector<Vec3> velocity, spin;  ///< [m/s], [rad/s], world frame
+};
+
+class Engine {
+ public:
+  virtual ~Engine() = default;
+  virtual std::string name() const = 0;
+  /// One step of Pile::time_step, on the calling thread alone.
+  virtual void step() = 0;
+  virtual Placement placement() const = 0;
+};
+
+std::unique_ptr<Engine> make_brim(const Scene& scene);
+#ifdef BRIM_PEER_BULLET
+/// @param sleep  let bodies at rest fall asleep, as Bullet does when nothing is said
+std::unique_ptr<Engine> make_bullet(const Pile& pile, bool sleep);
+#endif
+#ifdef BRIM_PEER_MUJOCO
+/// @param solver  "Newton", which MuJoCo takes when nothing is said, "CG" or "PGS"
+std::unique_ptr<Engine> make_mujoco(const Pile& pile, const std::string& solver);
+#endif
+
+/// Overlap of a placement, measured the same way for every engine: brim's densities of all bodies at the scene's
+/// voxels, −(d_a + d_b) where two of them share a node.
+struct Overlap {
+  double worst = 0.0;  ///< [voxels]
+  double mean = 0.0;   ///< [voxels] of the pairs that touch, each at its deepest
+  int pairs = 0;       ///< that touch
+};
+Overlap measure_overlap(World& world, const Placement& placement);
+
+}  // namespace brim::peers
