@@ -78,7 +78,7 @@ Vec3 vector(const Json& v) { return Vec3(v.at(0).get<double>(), v.at(1).get<doub
 }  // namespace
 
 Pile cut_pile(const Scene& scene, const World& world) {
-  const Json document = Json::parse(scene.text);
+  const Json document = Json::parse(scene.text, nullptr, true, true);
   Pile pile;
   pile.time_step = scene.world.time_step;
   pile.friction = scene.materials.at("default").friction;

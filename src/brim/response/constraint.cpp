@@ -1,5 +1,6 @@
 #include "brim/response/constraint.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -31,6 +32,10 @@ constexpr double kLeastBend = 0.02, kFarthestShift = 0.75;
 constexpr double kRegular = 0.1;
 /// [1/h] curvature that the stencil's noise reaches on tilted planes, thrice.
 constexpr double kNoise = 0.015;
+/// A surface is a plane where at least so many nodes, bent by no more than kLevel/h there, tell distances that miss one
+/// by no more than kPlane voxels.
+constexpr std::size_t kFewest = 8;
+constexpr double kLevel = 0.15, kPlane = 1e-3;
 /// [voxels] rise of the gap by curvature up to which a node belongs to the flat part of a patch.
 constexpr double kFlat = 0.05;
 /// [voxels] corners nearer to another point than this say nothing new.
@@ -57,6 +62,62 @@ bool fit(const ContactSet& s, std::size_t c, double w) {
 Mat3 sure(const Mat3& curvature, double h) {
   const double size = h * h * curvature.squaredNorm();
   return curvature * (size / (size + kNoise * kNoise));
+}
+
+/// Distances from nodes to one of the two surfaces, about a point: d(y) = gap + slope·(y − x).
+struct Plane {
+  double gap = 0.0;
+  Vec3 slope = Vec3::Zero();
+};
+
+/// What a node says of the distance to one of the two surfaces.
+double told(const ContactSet& s, std::size_t c, bool of_a) {
+  return (of_a ? lean(s, c) : -lean(s, c)) - 0.5 * s.depth[c];
+}
+
+/// The plane that fits nodes best: the gradients' mean normal, corrected as far as the nodes' places tell.
+Plane best_plane(const ContactSet& s, std::span<const std::size_t> nodes, bool of_a, const Vec3& x, double h) {
+  Vec3 mean = Vec3::Zero(), normal = Vec3::Zero();
+  double mean_d = 0.0;
+  const auto n = static_cast<double>(nodes.size());
+  for (const std::size_t c : nodes) {
+    mean += s.node[c] / n, mean_d += told(s, c, of_a) / n;
+    normal -= (of_a ? s.gradient_a[c] : s.gradient_b[c]).normalized() / n;
+  }
+  Mat3 spread = Mat3::Identity() * (1e-9 * n * h * h);
+  Vec3 miss = Vec3::Zero();
+  for (const std::size_t c : nodes) {
+    const Vec3 d = s.node[c] - mean;
+    spread += d * d.transpose();
+    miss += (told(s, c, of_a) - mean_d - normal.dot(d)) * d;
+  }
+  const Vec3 slope = normal + spread.ldlt().solve(miss);
+  return {mean_d + slope.dot(x - mean), slope};
+}
+
+/// Fits a plane to what nodes say of one surface. Distances are exact where gradients by stencils are not, so the
+/// normals of flat faces become exact. Nodes at an edge that pass for level are left out, if they are few.
+/// @param level  workspace
+/// @return false when the surface is no plane there, or too few nodes tell
+bool fit_plane(const ContactSet& s, std::span<const std::size_t> nodes, bool of_a, const Vec3& x, double h,
+               std::vector<std::size_t>& level, Plane& plane) {
+  level.clear();
+  for (const std::size_t c : nodes) {
+    const Vec3& g = of_a ? s.gradient_a[c] : s.gradient_b[c];
+    if (h * (of_a ? s.curvature_a[c] : s.curvature_b[c]).norm() < kLevel * g.norm()) level.push_back(c);
+  }
+  const std::size_t fewest = std::max(kFewest, (3 * level.size() + 3) / 4);
+  while (level.size() >= fewest) {
+    plane = best_plane(s, level, of_a, x, h);
+    const auto miss = [&](std::size_t c) {
+      return std::abs(told(s, c, of_a) - plane.gap - plane.slope.dot(s.node[c] - x));
+    };
+    double worst = 0.0;
+    for (const std::size_t c : level) worst = std::max(worst, miss(c));
+    if (worst <= kPlane * h) return true;
+    std::erase_if(level, [&](std::size_t c) { return miss(c) > 0.5 * worst; });
+  }
+  return false;
 }
 
 /// Rise of the gap by curvature from x to y.
@@ -183,6 +244,14 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
   }
   x /= sum, curvature_a = sure(curvature_a / sum, h), curvature_b = sure(curvature_b / sum, h);
   n = n.norm() > 0.0 ? Vec3(n.normalized()) : normals[nodes.front()];
+  near_.clear();
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (weight_[i] > 0.0) near_.push_back(nodes[i]);
+  Plane plane_a, plane_b;
+  const bool flat_a = fit_plane(contacts, near_, true, x, h, level_, plane_a),
+             flat_b = fit_plane(contacts, near_, false, x, h, level_, plane_b);
+  if (flat_a) curvature_a.setZero();
+  if (flat_b) curvature_b.setZero();
 
   // What every node foretells of the gap and of the two distances' gradients at x.
   const Mat3 curvature = curvature_a + curvature_b, T = Mat3::Identity() - n * n.transpose();
@@ -217,6 +286,9 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
   });
   const Mat3 regression = T * spread.inverse();
   away_a += regression * miss_a, away_b += regression * miss_b;
+  if (flat_a) away_a = plane_a.slope;
+  if (flat_b) away_b = plane_b.slope;
+  if (flat_a && flat_b) gap = plane_a.gap + plane_b.gap;
   Vec3 slope = away_a + away_b;
   slope -= n * n.dot(slope);
   const Mat3 bend = curvature + kLeastBend / h * Mat3::Identity() + n * n.transpose() / h;

@@ -94,7 +94,7 @@ class Constraint {
   std::vector<double> friction_, restitution_;
   std::vector<double> velocity_target_, travel_target_;
   bool travels_apart_ = false;
-  std::vector<std::size_t> order_, patch_, flat_;
+  std::vector<std::size_t> order_, patch_, flat_, near_, level_;
   std::vector<std::uint8_t> taken_;
   std::vector<double> weight_;
   std::unordered_map<std::int64_t, std::size_t> place_;

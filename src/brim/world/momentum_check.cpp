@@ -22,19 +22,21 @@ void check_momentum(std::span<const std::unique_ptr<Body>> bodies, std::span<con
                     std::span<const Vec3> force_on_a, StepReport& report) {
   if (contacts.size() == 0) return;
   std::vector<Resultant> sum(bodies.size());
-  const auto add = [&](std::int32_t part, const Vec3& x, const Vec3& f) {
+  // Points without a force say nothing of how far forces reach.
+  const auto add = [&](std::int32_t part, const Vec3& x, const Vec3& f, double h) {
+    if (f == Vec3::Zero()) return;
     Resultant& r = sum[parts[part].body_index];
     if (!r.touched) r.center = x;
     r.touched = true;
     r.force += f;
     r.torque += (x - r.center).cross(f);
     r.magnitude += f.norm();
-    r.reach = std::max(r.reach, (x - r.center).norm());
+    r.reach = std::max({r.reach, (x - r.center).norm(), h});
   };
   for (const ContactPair& pair : contacts.pairs)
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
-      add(pair.part_a, contacts.point[c], force_on_a[c]);
-      add(pair.part_b, contacts.point[c], -force_on_a[c]);
+      add(pair.part_a, contacts.point[c], force_on_a[c], pair.h);
+      add(pair.part_b, contacts.point[c], -force_on_a[c], pair.h);
     }
   std::vector<double> mapped(first_v.back(), 0.0), motion(first_v.back(), 0.0);
   maps.add_forces(force_on_a, mapped);

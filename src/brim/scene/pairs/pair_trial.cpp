@@ -90,13 +90,15 @@ class Trial {
     result_.contacts = std::max(result_.contacts, count);
   }
 
-  /// [m] The larger of the two bodies' greatest distances from their first contact, which angular_error is relative to.
+  /// [m] The larger of the two bodies' greatest distances from their first contact with a force, and no less than a
+  /// voxel: what angular_error is relative to.
   double reach() const {
-    double most = 0.0;
+    double most = world_.options().voxel_size;
     for (const int b : {kLower, kUpper}) {
       const ContactSample* first = nullptr;
       for (const ContactSample& c : world_.contacts()) {
         if (world_.part(c.part_a).body != b && world_.part(c.part_b).body != b) continue;
+        if (c.force == Vec3f::Zero() && c.friction == Vec3f::Zero()) continue;
         if (!first) first = &c;
         most = std::max(most, static_cast<double>((c.position - first->position).norm()));
       }
