@@ -96,7 +96,8 @@ class Browser {
     });
     if (answer.exceptionDetails)
       throw new Error(
-        answer.exceptionDetails.exception?.description?.split('\n')[0] ?? answer.exceptionDetails.text,
+        answer.exceptionDetails.exception?.description?.split('\n')[0].replace(/^Error: /, '') ??
+          answer.exceptionDetails.text,
       );
     return answer.result.value;
   }
@@ -195,6 +196,7 @@ async function main() {
     if (!movie) await browser.evaluate(`brim.app.frameOn(${frame})`);
     await browser.evaluate(`brim.app.setPose(${JSON.stringify(job.camera)})`);
     if (job.contacts) await browser.evaluate(`brim.app.panel.setContacts(${JSON.stringify(job.contacts)})`);
+    if (job.colours) await browser.evaluate(`brim.app.panel.setColours(${JSON.stringify(job.colours)})`);
     if (job.surface) await browser.evaluate(`brim.app.panel.setSurfaces(${JSON.stringify(job.surface)})`);
     if (job.tiles) await browser.evaluate('brim.app.panel.setTiles(true)');
     if (job.slice)

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 struct RenderOptions {
-  std::string run, out, size = "1280x720", camera = "fit", contacts, slice, surface;
+  std::string run, out, size = "1280x720", camera = "fit", contacts, slice, surface, colour;
   long long frame = 0;
   double fps = 0.0;  ///< 0: the run's own
   bool tiles = false;
@@ -96,16 +96,36 @@ Json slice_wish(const std::string& text) {
   return wish;
 }
 
-/// "all", or a list of names of bodies.
-Json surface_wish(const std::string& text) {
-  if (text.empty() || text == "all") return text;
-  Json names = Json::array();
+/// Pieces between commas.
+std::vector<std::string> pieces(const std::string& text) {
+  std::vector<std::string> list;
   for (std::size_t at = 0; at <= text.size();) {
     const std::size_t comma = std::min(text.find(',', at), text.size());
-    names.push_back(text.substr(at, comma - at));
+    list.push_back(text.substr(at, comma - at));
     at = comma + 1;
   }
-  return names;
+  return list;
+}
+
+/// "all", or a list of names of bodies; null without any.
+Json surface_wish(const std::string& text) {
+  if (text.empty()) return {};
+  return text == "all" ? Json(text) : Json(pieces(text));
+}
+
+/// "water=#4f9fd0,gear=#808080" as an object; null without any.
+Json colour_wish(const std::string& text) {
+  if (text.empty()) return {};
+  Json wish = Json::object();
+  for (const std::string& piece : pieces(text)) {
+    const std::size_t equal = piece.find('=');
+    const std::string colour = equal == std::string::npos ? "" : piece.substr(equal + 1);
+    if (equal == 0 || colour.size() != 7 || colour[0] != '#' ||
+        colour.find_first_not_of("0123456789abcdefABCDEF", 1) != std::string::npos)
+      throw InputError(fmt::format("--colour {}: must be NAME=#rrggbb, several of them between commas", text));
+    wish[piece.substr(0, equal)] = colour;
+  }
+  return wish;
 }
 
 /// Runs a program to its end and returns its exit code. No shell sees the arguments.
@@ -152,6 +172,7 @@ int render(const RenderOptions& options) {
     if (s < 16 || s > 8192 || s != std::floor(s)) throw InputError(usage);
   const Json pose = camera_pose(options.camera);
   const Json slice = options.slice.empty() ? Json() : slice_wish(options.slice);
+  const Json colours = colour_wish(options.colour);
   const fs::path out = fs::absolute(options.out);
   if (out.extension() != ".png" && out.extension() != ".mp4")
     throw InputError(fmt::format("-o {}: must end in .png or .mp4", options.out));
@@ -172,6 +193,7 @@ int render(const RenderOptions& options) {
                     {"contacts", options.contacts},
                     {"tiles", options.tiles},
                     {"slice", slice},
+                    {"colours", colours},
                     {"surface", surface_wish(options.surface)},
                     {"fps", options.fps > 0 ? options.fps : run.frame_rate()}};
   const std::jthread serving([&server] { server.listen(); });
@@ -200,6 +222,7 @@ void add_render(CLI::App& app, int& code) {
                       "show the densities on a plane: x, y or z, then perhaps =place [m], then perhaps ,body");
   command->add_option("--surface", options->surface,
                       "show particles as the surface around them: all, or names of bodies separated by commas");
+  command->add_option("--colour", options->colour, "colours of bodies: NAME=#rrggbb, several between commas");
   command->add_flag("--tiles", options->tiles, "show active tiles");
   command->add_option("--fps", options->fps, "frames per second of a film; without it, the run plays in its own time")
       ->check(CLI::PositiveNumber);

@@ -1,3 +1,4 @@
+import { readFile } from 'node:fs/promises';
 import { afterAll, beforeAll, describe, expect, test } from 'vitest';
 import type { Browser } from 'playwright-core';
 import { fakeRun } from '../dev/fake_run';
@@ -286,7 +287,21 @@ describe.skipIf(!chromiumPath)('the page', () => {
       o.page.getByRole('button', { name: 'film the run' }).click(),
     ]);
     expect(film.suggestedFilename()).toBe('made-up_run.webm');
-    expect(await o.page.evaluate(() => window.brim.app.player.loop)).toBe(true);
+    // The browser itself plays what was saved: the run's own time, and the picture at the end.
+    const bytes = (await readFile(await film.path())).toString('base64');
+    const played = await o.page.evaluate(async (data) => {
+      const video = document.createElement('video');
+      video.src = `data:video/webm;base64,${data}`;
+      await new Promise((done, fail) => {
+        video.onloadeddata = done;
+        video.onerror = () => fail(new Error(video.error?.message ?? 'no film'));
+      });
+      const { player } = window.brim.app;
+      return { film: video.duration, run: player.time(11) - player.time(0), wide: video.videoWidth };
+    }, bytes);
+    expect(played.film).toBeGreaterThanOrEqual(played.run);
+    expect(played.film).toBeLessThan(played.run * (13 / 11));
+    expect(played.wide).toBeGreaterThan(100);
     expect(o.problems).toEqual([]);
     await close(o);
   });

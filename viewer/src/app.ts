@@ -37,7 +37,7 @@ export class App {
   private series: Series = new Map();
   private requested: number | undefined; // frame on its way to the picture
   private failed = -1; // frame the server could not give
-  private recording: { stop(): void } | undefined;
+  private stopCapture = false;
   private capturing = false; // frames are shown one by one for pictures: the clock rests
   private slice: Slice | undefined; // the last that came
   private sliceKey = ''; // what was asked for it
@@ -81,7 +81,7 @@ export class App {
   }
 
   private header(): HTMLElement {
-    const record = iconButton('film', 'film the run (WebM)', () => this.toggleFilm(), {
+    const record = iconButton('film', 'film the run (WebM)', () => void this.toggleFilm(), {
       class: 'icon record',
     });
     return h(
@@ -412,49 +412,55 @@ export class App {
     return (this.run?.name ?? 'run').replaceAll(/[^\w.-]+/g, '_');
   }
 
-  async saveSequence(): Promise<void> {
+  /** Goes through the run for pictures or a film; escape stops. `make` gets what asks whether to go on. */
+  private async capture(
+    what: string,
+    make: (goOn: (done: number, all: number) => boolean) => Promise<void>,
+  ): Promise<void> {
     if (this.capturing || this.player.frames === 0) return;
     this.capturing = true;
-    let stop = false;
-    const onKey = (e: KeyboardEvent) => (stop ||= e.key === 'Escape');
+    this.stopCapture = false;
+    const onKey = (e: KeyboardEvent) => (this.stopCapture ||= e.key === 'Escape');
     window.addEventListener('keydown', onKey);
     try {
-      const blob = await pictureSequence(
-        this.canvas,
-        this.player.frames,
-        (f) => this.showFrame(f),
-        (done) => {
-          this.notice('capture', `Saving pictures: ${done} of ${this.player.frames} (escape stops)`);
-          return !stop;
-        },
-      );
-      if (blob) download(blob, `${this.fileName()}.zip`);
+      await make((done, all) => {
+        this.notice('capture', `${what}: ${done} of ${all} (escape stops)`);
+        return !this.stopCapture;
+      });
       this.notice('capture');
     } catch (error) {
-      this.notice('capture', `The pictures cannot be saved: ${(error as Error).message}`);
+      this.notice('capture', `${what} failed: ${(error as Error).message}`);
     } finally {
       window.removeEventListener('keydown', onKey);
       this.capturing = false;
     }
   }
 
-  toggleFilm(): void {
-    if (this.recording) return this.recording.stop();
-    if (this.player.frames < 2) return;
-    try {
-      const recording = film(this.canvas, this.player);
-      this.recording = recording;
-      document.body.classList.add('filming');
-      this.notice('capture', 'Filming. The button ends it early.');
-      void recording.done.then((blob) => {
-        this.recording = undefined;
-        document.body.classList.remove('filming');
-        this.notice('capture');
-        download(blob, `${this.fileName()}.webm`);
-      });
-    } catch (error) {
-      this.notice('capture', (error as Error).message);
+  async saveSequence(): Promise<void> {
+    await this.capture('Saving pictures', async (goOn) => {
+      const { frames } = this.player;
+      const blob = await pictureSequence(
+        this.canvas,
+        frames,
+        (f) => this.showFrame(f),
+        (done) => goOn(done, frames),
+      );
+      if (blob) download(blob, `${this.fileName()}.zip`);
+    });
+  }
+
+  /** Films the run once through; a film that is being made ends early, and is saved so far. */
+  async toggleFilm(): Promise<void> {
+    if (this.capturing) {
+      this.stopCapture = true;
+      return;
     }
+    document.body.classList.add('filming');
+    await this.capture('Filming', async (goOn) => {
+      const blob = await film(this.canvas, this.player, (f) => this.showFrame(f), goOn);
+      download(blob, `${this.fileName()}.webm`);
+    });
+    document.body.classList.remove('filming');
   }
 
   /** A click that is not a drag picks what is under it. */

@@ -228,6 +228,7 @@ export class Panel {
       eye,
     );
     const refresh = () => {
+      colour.value = look().colour;
       row.classList.toggle('off', !look().visible);
       wire.classList.toggle('on', look().wireframe);
       wire.setAttribute('aria-pressed', String(look().wireframe));
@@ -252,21 +253,35 @@ export class Panel {
     this.changeAll((look) => (look.visible = visible));
   }
 
-  /** Shows particles as surfaces: of the bodies of these names and their numbered copies, or of all. */
+  /** The bodies of a name and their numbered copies: "gear" means gear, gear.2 and so on. */
+  private named(name: string): BodyInfo[] {
+    const bodies = (this.run?.bodies ?? []).filter(
+      (b) =>
+        b.name === name || (b.name.startsWith(`${name}.`) && /^\d+$/.test(b.name.slice(name.length + 1))),
+    );
+    if (bodies.length === 0) throw new Error(`no body is named "${name}"`);
+    return bodies;
+  }
+
+  private change(body: number, look: Partial<BodyLook>) {
+    Object.assign(this.looks[body]!, look);
+    this.rows[body]?.refresh();
+    this.on.look(body, this.looks[body]!);
+  }
+
+  /** Shows particles as the surface around them: of the bodies of these names, or of all. */
   setSurfaces(names: string[] | 'all'): void {
-    const named = (body: string, name: string) =>
-      body === name || (body.startsWith(`${name}.`) && /^\d+$/.test(body.slice(name.length + 1)));
-    const bodies = this.run?.bodies.filter((b) => b.display === 'points') ?? [];
-    for (const name of names === 'all' ? [] : names)
-      if (!bodies.some((b) => named(b.name, name)))
-        throw new Error(`no body of particles is named "${name}"`);
-    for (const b of bodies) {
-      if (names !== 'all' && !names.some((name) => named(b.name, name))) continue;
-      const look = this.looks[b.index]!;
-      look.surface = true;
-      this.rows[b.index]?.refresh();
-      this.on.look(b.index, look);
-    }
+    const bodies = names === 'all' ? (this.run?.bodies ?? []) : names.flatMap((name) => this.named(name));
+    const particles = bodies.filter((b) => b.display === 'points');
+    if (names !== 'all' && particles.length < bodies.length)
+      throw new Error(`"${bodies.find((b) => b.display !== 'points')!.name}" is not made of particles`);
+    for (const b of particles) this.change(b.index, { surface: true });
+  }
+
+  /** @param colours name of bodies -> #rrggbb */
+  setColours(colours: Record<string, string>): void {
+    for (const [name, colour] of Object.entries(colours))
+      for (const b of this.named(name)) this.change(b.index, { colour });
   }
 
   /** Wireframe for all bodies, or for none if all have it. */
