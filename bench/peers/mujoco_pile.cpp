@@ -17,8 +17,8 @@ std::string text(const Vec3& v) { return fmt::format("{} {} {}", v.x(), v.y(), v
 /// The pile in MuJoCo's own words.
 std::string write_xml(const Pile& pile, const std::string& solver) {
   std::string x = fmt::format(
-      "<mujoco><option timestep='{}' gravity='0 0 -9.81' solver='{}'/>"
-      "<size nconmax='8000' njmax='24000'/><default><geom friction='{} 0 0' condim='3'/></default><asset>",
+      "<mujoco><option timestep='{}' gravity='0 0 -9.81' solver='{}' cone='elliptic'/>"
+      "<size nconmax='2800' njmax='9000'/><default><geom friction='{} 0 0' condim='3'/></default><asset>",
       pile.time_step, solver, pile.friction);
   for (std::size_t s = 0; s < pile.shapes.size(); ++s)
     for (std::size_t p = 0; p < pile.shapes[s].size(); ++p) {
