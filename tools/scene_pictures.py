@@ -45,7 +45,7 @@ LOOKS = {
     "mixed_stack": (40, ["--camera", "-62,24"]),
     "net_catch": (60, []),
     "overlap_start": (30, []),
-    "pile": (57, ["--camera", "-62,34"]),
+    "pile": (57, ["--camera", "-62,72"]),
     "pool_block": (20, ["--surface", "all", "--colour", "water=#4f9fd0,block=#e2a03f"]),
     "pool_rack": (40, ["--camera", "-62,32"]),
     "real_meshes": (50, ["--frame", "32", "--camera", "-62,9"]),
