@@ -53,8 +53,7 @@ class VdbSlices final : public SliceSource {
       auto values = grid.getConstAccessor();
       std::size_t at = 0;
       for (int j = 0; j < size_.y(); ++j)
-        for (int i = 0; i < size_.x(); ++i)
-          out[at++] = static_cast<double>(values.getValue(first_.offsetBy(i, j, k)));
+        for (int i = 0; i < size_.x(); ++i) out[at++] = static_cast<double>(values.getValue(first_.offsetBy(i, j, k)));
     });
   }
 
@@ -75,10 +74,10 @@ VolumeInfo read_vdb_info(const std::string& path, const std::string& wanted) {
   VolumeInfo info;
   info.path = info.data_path = path;
   info.format = fmt::format("OpenVDB, grid '{}'", grid->getName());
-  info.type = grid->isType<openvdb::DoubleGrid>()   ? VoxelType::Float64
-              : grid->isType<openvdb::Int32Grid>()  ? VoxelType::Int32
-              : grid->isType<openvdb::Int64Grid>()  ? VoxelType::Int64
-                                                    : VoxelType::Float32;
+  info.type = grid->isType<openvdb::DoubleGrid>()  ? VoxelType::Float64
+              : grid->isType<openvdb::Int32Grid>() ? VoxelType::Int32
+              : grid->isType<openvdb::Int64Grid>() ? VoxelType::Int64
+                                                   : VoxelType::Float32;
   info.encoding = VolumeInfo::Encoding::Slices;
   // Level sets are distances, negative inside: matter is where intensity is large.
   if (grid->getGridClass() == openvdb::GRID_LEVEL_SET) info.slope = -1.0;

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "brim/body/distance_bound.h"
 #include "brim/body/articulated/joint_forces.h"
 #include "brim/body/articulated/tree_flow.h"
 #include "brim/body/articulated/tree_map.h"
+#include "brim/body/distance_bound.h"
 #include "brim/body/posed_shape.h"
 #include "brim/core/workspace_pool.h"
 
