@@ -17,12 +17,12 @@ namespace brim {
 /// One linearly implicit step over all bodies at once (Baraff and Witkin 1998; paper, section 6):
 ///   A Δv = dt (Q + dt ∂Q/∂q v) + dt Jᵀ f,   A = M − dt ∂Q/∂v − dt² ∂Q/∂q + Jᵀ (dt (dt + β) K + dt C) J
 /// solved by filtered conjugate gradient; then nodes that pull let go, friction takes its new loads, and the system is
-/// solved once more.
+/// solved again, from what the last solve found.
 class ImplicitStep {
  public:
   struct Settings {
     double dt = 0.0;
-    double tolerance = 1e-4;
+    double tolerance = 1e-4;  ///< of the last solve; those before it are drafts at ten times that
     int max_iterations = 2000;
     int passes = 3;  ///< solves at most: after each, nodes that pull let go and friction takes its new loads
     double load_tolerance = 0.01;  ///< passes end when the contact forces would change by less than this share

@@ -297,6 +297,7 @@ double World::Impl::substep(double left, StepReport& report) {
   double dt = choose_substep(parts, state.v, first_v, options, left, report);
   before_q = state.q;
   before_v = state.v;
+  const std::size_t warnings = report.warnings.size();
   bool finite = solve_substep(dt, report);
   // What contact throws may outrun the choice, which knows the speeds before only: cut again, once.
   if (finite && report.substeps + 1 < options.max_substeps) {
@@ -306,6 +307,7 @@ double World::Impl::substep(double left, StepReport& report) {
     if (pieces > kOutrun) {
       state.q = before_q;
       state.v = before_v;
+      report.warnings.erase(report.warnings.begin() + static_cast<std::ptrdiff_t>(warnings), report.warnings.end());
       dt /= std::ceil(pieces);
       finite = solve_substep(dt, report);
     }
