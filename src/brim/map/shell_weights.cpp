@@ -28,24 +28,42 @@ Vec3 clamped_to_edges(const Vec3& r, const std::array<Vec3, 3>& x) {
   return best;
 }
 
+/// Plane weights b of a point, their gradients and the normal n of the triangle; b is infinite where it has no area.
+struct PlaneWeights {
+  Vec3 b = Vec3::Constant(std::numeric_limits<double>::infinity()), n = Vec3::UnitZ();
+  std::array<Vec3, 3> gradient;
+};
+
+PlaneWeights plane_weights(const Vec3& r, const std::array<Vec3, 3>& c) {
+  PlaneWeights w;
+  const Vec3 m = (c[1] - c[0]).cross(c[2] - c[0]);
+  const double m2 = m.squaredNorm();
+  if (!(m2 > 0.0)) return w;
+  w.n = m / std::sqrt(m2);
+  // ∇b_i = n × (edge opposite to i) / (2 area).
+  for (int i = 0; i < 3; ++i) {
+    w.gradient[i] = m.cross(c[(i + 2) % 3] - c[(i + 1) % 3]) / m2;
+    w.b[i] = w.gradient[i].dot(r - c[(i + 1) % 3]);
+  }
+  w.b[0] = 1.0 - w.b[1] - w.b[2];
+  return w;
+}
+
+std::array<Vec3, 3> corners(const std::array<std::int32_t, 3>& triangle, std::span<const Vec3> x) {
+  return {x[triangle[0]], x[triangle[1]], x[triangle[2]]};
+}
+
 }  // namespace
+
+double ShellWeightsMap::weight_sum(const Vec3& r, const std::array<std::int32_t, 3>& triangle,
+                                   std::span<const Vec3> x) {
+  return plane_weights(r, corners(triangle, x)).b.cwiseAbs().sum();
+}
 
 void ShellWeightsMap::set(std::size_t p, const Vec3& r, const std::array<std::int32_t, 3>& triangle,
                           std::span<const Vec3> x) {
-  const std::array<Vec3, 3> c = {x[triangle[0]], x[triangle[1]], x[triangle[2]]};
-  const Vec3 m = (c[1] - c[0]).cross(c[2] - c[0]);
-  const double m2 = m.squaredNorm();
-  const Vec3 n = m2 > 0.0 ? Vec3(m / std::sqrt(m2)) : Vec3::UnitZ();
-  Vec3 b = Vec3::Constant(std::numeric_limits<double>::infinity());
-  std::array<Vec3, 3> gradient;
-  if (m2 > 0.0) {
-    // ∇b_i = n × (edge opposite to i) / (2 area).
-    for (int i = 0; i < 3; ++i) {
-      gradient[i] = m.cross(c[(i + 2) % 3] - c[(i + 1) % 3]) / m2;
-      b[i] = gradient[i].dot(r - c[(i + 1) % 3]);
-    }
-    b[0] = 1.0 - b[1] - b[2];
-  }
+  const std::array<Vec3, 3> c = corners(triangle, x);
+  auto [b, n, gradient] = plane_weights(r, c);
   double d = n.dot(r - c[0]);
   if (!(b.cwiseAbs().sum() <= kMaxWeight)) {
     b = clamped_to_edges(r, c);

@@ -21,12 +21,15 @@ class ShellWeightsMap final : public LeverWeightsMap {
   /// @param particles  number of particles of the body, nv / 3
   void reset(std::size_t particles, std::size_t points) { LeverWeightsMap::reset(particles, points, 3); }
   /// Lets point p at r ride on a triangle. Weights extrapolate linearly where r projects outside of the triangle, until
-  /// Σ|b| passes kMaxWeight; there (slivers, far points) b becomes that of the closest point and d = 0.
-  /// May run in parallel for different p. @param x  positions of the particles, [m], shape (particles)
+  /// Σ|b| passes kMaxWeight; there (slivers, far points) b becomes that of the closest point and d = 0, and the torque
+  /// of a force at r does not arrive whole. May run in parallel for different p. @param x  positions of the particles,
+  /// [m], shape (particles)
   void set(std::size_t p, const Vec3& r, const std::array<std::int32_t, 3>& triangle, std::span<const Vec3> x);
 
   /// Largest Σ|b| for which weights are extrapolated.
   static constexpr double kMaxWeight = 8.0;
+  /// Σ|b| of r in the plane of a triangle; infinite where the triangle has no area.
+  static double weight_sum(const Vec3& r, const std::array<std::int32_t, 3>& triangle, std::span<const Vec3> x);
 };
 
 }  // namespace brim

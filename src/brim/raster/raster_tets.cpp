@@ -99,12 +99,29 @@ void presence_tets(const TetSolid& solid, double h, double w, const Aabb& region
   workspace.cover.append_to(out);
 }
 
-std::array<double, 4> tet_weights(const Vec3& r, const std::array<Vec3, 4>& x, double max_weight) {
+namespace {
+
+std::array<double, 4> unbounded_weights(const Vec3& r, const std::array<Vec3, 4>& x) {
   Mat3 edges;
   edges << x[1] - x[0], x[2] - x[0], x[3] - x[0];
   const Vec3 b = edges.inverse() * (r - x[0]);
-  const double b0 = 1.0 - b.sum();
-  if (std::abs(b0) + b.cwiseAbs().sum() <= max_weight) return {b0, b[0], b[1], b[2]};
+  return {1.0 - b.sum(), b[0], b[1], b[2]};
+}
+
+double sum_of_sizes(const std::array<double, 4>& b) {
+  return std::abs(b[0]) + std::abs(b[1]) + std::abs(b[2]) + std::abs(b[3]);
+}
+
+}  // namespace
+
+double tet_weight_sum(const Vec3& r, const std::array<Vec3, 4>& x) {
+  const double sum = sum_of_sizes(unbounded_weights(r, x));
+  return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+}
+
+std::array<double, 4> tet_weights(const Vec3& r, const std::array<Vec3, 4>& x, double max_weight) {
+  const std::array<double, 4> b = unbounded_weights(r, x);
+  if (sum_of_sizes(b) <= max_weight) return b;
   // Closest point over the faces, by projected weights clamped to the edges where they leave a face.
   std::array<double, 4> best = {1.0, 0.0, 0.0, 0.0};
   double best_distance = std::numeric_limits<double>::infinity();

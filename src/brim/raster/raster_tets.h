@@ -42,9 +42,15 @@ void raster_tets(const TetSolid& solid, std::span<const TileKey> tiles, double h
 void presence_tets(const TetSolid& solid, double h, double w, const Aabb& region, std::vector<TileKey>& out,
                    TetRasterWorkspace& workspace);
 
+/// Σ|w| up to which weights in a tetrahedron are extrapolated, unless a caller wants otherwise.
+constexpr double kMaxTetWeight = 8.0;
+
 /// Barycentric weights of r in a tetrahedron, Σ = 1, Σ w x = r, extrapolated linearly outside. Where Σ|w| would pass
 /// `max_weight` (slivers, far points) those of the closest point of its faces instead: Σ = 1 and all w >= 0, but
 /// Σ w x is then only near r.
-std::array<double, 4> tet_weights(const Vec3& r, const std::array<Vec3, 4>& x, double max_weight = 8.0);
+std::array<double, 4> tet_weights(const Vec3& r, const std::array<Vec3, 4>& x, double max_weight = kMaxTetWeight);
+
+/// Σ|w| of r in a tetrahedron without that bound; infinite where it has no volume.
+double tet_weight_sum(const Vec3& r, const std::array<Vec3, 4>& x);
 
 }  // namespace brim

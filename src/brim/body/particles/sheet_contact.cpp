@@ -24,7 +24,12 @@ void SheetContact::make_map(std::span<const Vec3> x, std::span<const Vec3> point
   auto& weights = reuse_map<ShellWeightsMap>(map);
   weights.reset(x.size(), points.size());
   parallel_blocks(points.size(), 512, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) weights.set(p, points[p], triangles_[sources[p]], x);
+    for (std::size_t p = begin; p < end; ++p) {
+      const std::int32_t t =
+          carriers_.choose(triangles_, sources[p], ShellWeightsMap::kMaxWeight,
+                           [&](const Triangle& c) { return ShellWeightsMap::weight_sum(points[p], c, x); });
+      weights.set(p, points[p], triangles_[t], x);
+    }
   });
   weights.finish();
 }

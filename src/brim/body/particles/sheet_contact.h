@@ -1,5 +1,6 @@
 #pragma once
 
+#include "brim/body/particles/carriers.h"
 #include "brim/body/particles/particle_contact.h"
 #include "brim/core/workspace_pool.h"
 #include "brim/raster/raster_triangles.h"
@@ -12,7 +13,7 @@ class SheetContact final : public ParticleContact {
  public:
   /// @param thickness  [m]
   SheetContact(std::vector<Triangle> triangles, double thickness)
-      : triangles_(std::move(triangles)), thickness_(thickness) {}
+      : triangles_(std::move(triangles)), carriers_(triangles_), thickness_(thickness) {}
 
   double reach() const override { return 0.5 * thickness_; }
   void presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
@@ -24,6 +25,7 @@ class SheetContact final : public ParticleContact {
 
  private:
   std::vector<Triangle> triangles_;
+  Carriers<3> carriers_;
   double thickness_;
   mutable WorkspacePool<RasterWorkspace> workspace_;
 };

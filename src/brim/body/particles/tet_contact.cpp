@@ -9,7 +9,7 @@
 
 namespace brim {
 
-TetContact::TetContact(const TetMesh& mesh) : tets_(mesh.tets) {
+TetContact::TetContact(const TetMesh& mesh) : tets_(mesh.tets), carriers_(tets_) {
   TetSurface surface = tet_surface(mesh);
   surface_ = std::move(surface.triangles);
   owner_ = std::move(surface.owner);
@@ -34,8 +34,11 @@ void TetContact::make_map(std::span<const Vec3> x, std::span<const Vec3> points,
   weights.reset(x.size(), points.size(), 4);
   parallel_blocks(points.size(), 512, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
-      const Tetrahedron& t = tets_[sources[p]];
-      const auto w = tet_weights(points[p], {x[t[0]], x[t[1]], x[t[2]], x[t[3]]});
+      const auto corners = [&](const Tetrahedron& c) { return std::array{x[c[0]], x[c[1]], x[c[2]], x[c[3]]}; };
+      const Tetrahedron& t = tets_[carriers_.choose(tets_, sources[p], kMaxTetWeight, [&](const Tetrahedron& c) {
+        return tet_weight_sum(points[p], corners(c));
+      })];
+      const auto w = tet_weights(points[p], corners(t));
       const auto row = weights.row(p);
       std::copy(t.begin(), t.end(), row.particle.begin());
       std::copy(w.begin(), w.end(), row.weight.begin());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "brim/body/body.h"
+#include "brim/body/particles/carriers.h"
 #include "brim/body/particles/particle_contact.h"
 #include "brim/core/workspace_pool.h"
 #include "brim/raster/raster_tets.h"
@@ -30,6 +31,7 @@ class TetContact final : public ParticleContact {
   TetSolid solid(std::span<const Vec3> x) const { return {x, tets_, surface_, owner_}; }
 
   std::vector<Tetrahedron> tets_;
+  Carriers<4> carriers_;
   std::vector<Triangle> surface_;
   std::vector<std::int32_t> owner_;
   mutable WorkspacePool<TetRasterWorkspace> workspace_;
