@@ -4,6 +4,8 @@
 
 #include <random>
 
+#include "brim/mesh/distance_grid.h"
+#include "brim/raster/grid_shape.h"
 #include "brim/response/penalty.h"
 #include "support/touching.h"
 
@@ -69,10 +71,10 @@ TEST(Constraint, ABoxOnAPlaneHasFourPointsOfOneGapAtItsCorners) {
   }
 }
 
-TEST(Constraint, ATiltedBoxIsNearestAtItsEdgeToAThirdOfAVoxel) {
+TEST(Constraint, ATiltedBoxStandsOnItsEdgeToAFifthOfAVoxel) {
   const double h = 0.1;
   const auto box = make_box(Vec3::Ones());
-  for (const double degrees : {18.0, 45.0})
+  for (const double degrees : {18.0, 30.0, 45.0})
     for (int k = 0; k < 8; ++k) {
       const double angle = degrees * M_PI / 180.0, gap = 0.01;
       const Quat q(Eigen::AngleAxisd(angle, Vec3::UnitY()));
@@ -80,7 +82,54 @@ TEST(Constraint, ATiltedBoxIsNearestAtItsEdgeToAThirdOfAVoxel) {
       const double height = 0.5 * (std::cos(angle) + std::sin(angle)) + gap;
       const Constraint rows =
           rows_of(*box, {q.toRotationMatrix(), at + Vec3(0, 0, height)}, plane_pose(Vec3::UnitZ(), at), h);
-      EXPECT_NEAR(least_gap(rows), gap, 0.3 * h) << degrees << " degrees, " << k;
+      SCOPED_TRACE(::testing::Message() << degrees << " degrees, " << k);
+      EXPECT_NEAR(least_gap(rows), gap, 0.2 * h);
+      if (degrees < 20.0) continue;
+      // The edge, ten voxels long, is held along its length, by normals of the plane.
+      double lo = 0.0, hi = 0.0;
+      for (std::size_t i = 0; i < rows.points().size(); ++i) {
+        const double y = (rows.points().point[i] - at).y();
+        lo = std::min(lo, y), hi = std::max(hi, y);
+        EXPECT_GT(rows.normals()[i].z(), 0.999);
+      }
+      EXPECT_GT(hi - lo, 4.0 * h);
+    }
+}
+
+TEST(Constraint, ARingOnAPlaneIsHeldAllAround) {
+  const double h = 0.02, R = 0.14, r = 0.055;
+  const auto torus = make_grid_shape(std::make_shared<DistanceGrid>(sample_distance(
+                                         Aabb{Vec3(-0.25, -0.25, -0.12), Vec3(0.25, 0.25, 0.12)}, 0.005,
+                                         [&](const Vec3& p) {
+                                           return std::hypot(std::hypot(p.x(), p.y()) - R, p.z()) - r;
+                                         })),
+                                     2 * r);
+  for (const double degrees : {0.0, 1.0, 4.0})
+    for (const double gap : {0.1 * h, -0.2 * h, -1.0 * h}) {
+      SCOPED_TRACE(::testing::Message() << degrees << " degrees, gap " << gap / h << " voxels");
+      const double angle = degrees * M_PI / 180.0;
+      const Mat3 turn = Eigen::AngleAxisd(angle, Vec3(1, 0.3, 0).normalized()).toRotationMatrix();
+      const Vec3 middle(0.0037, 0.0081, R * std::sin(angle) + r + gap);
+      const Constraint rows = rows_of(*torus, {turn, middle}, plane_pose(Vec3::UnitZ(), Vec3::Zero()), h);
+      EXPECT_NEAR(least_gap(rows), gap, 0.1 * h);
+      EXPECT_LE(rows.points().size(), 40u);
+      // No row asks for what is not there; and none is missing where the ring is nearer than a tenth of a voxel.
+      const auto true_gap = [&](double phi) {
+        const Vec3 rim = turn * Vec3(R * std::cos(phi), R * std::sin(phi), 0.0);
+        return middle.z() + rim.z() - r;
+      };
+      for (std::size_t i = 0; i < rows.points().size(); ++i) {
+        const Vec3 y = turn.transpose() * (rows.points().point[i] - middle);
+        EXPECT_GT(-rows.points().depth[i], true_gap(std::atan2(y.y(), y.x())) - 0.15 * h) << "point " << i;
+      }
+      for (int k = 0; k < 24; ++k) {
+        const double phi = 2.0 * M_PI * k / 24;
+        if (true_gap(phi) > 0.1 * h) continue;
+        const Vec3 at = middle + turn * Vec3(R * std::cos(phi), R * std::sin(phi), -r);
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const Vec3& y : rows.points().point) nearest = std::min(nearest, (y - at).head<2>().norm());
+        EXPECT_LT(nearest, 4.0 * h) << "at " << phi;
+      }
     }
 }
 

@@ -7,6 +7,8 @@
 
 #include "brim/contact/contact_set.h"
 #include "brim/math/types.h"
+#include "brim/response/edge_points.h"
+#include "brim/response/patch_model.h"
 
 namespace brim {
 
@@ -33,7 +35,8 @@ struct ConstraintPair {
 ///
 /// Nodes of a pair are gathered to patches of like normal, few points each. The first point is where φ is least, by a
 /// quadratic model of φ (its gradient and curvature are those of the densities); where neither part deforms, up to four
-/// corners of the flat part of the patch carry torques. With u0 and u1 the normal velocities at the start and of the
+/// corners of the flat part of the patch carry torques, and what lies nearer than the model says (a ring on a plane is
+/// no quadric) is modelled again, piece by piece. With u0 and u1 the normal velocities at the start and of the
 /// motion without this contact, a = (u1 − u0)/dt, and a touch at τ = φ/|u1|:
 ///   no bounce   u >= −φ/dt (φ > 0), else u >= 0, and overlap is pushed out by a displacement that is no velocity
 ///   bounce      u >= e |u0 + a (dt/2 + τ)| + a (dt/2 − τ), and the way of the step is the broken parabola's
@@ -58,18 +61,6 @@ class Constraint {
   bool travels_apart() const { return travels_apart_; }
 
  private:
-  /// Distances to the two surfaces as one node sees them: gradients, away from each part, and curvatures, [1/m].
-  struct Model {
-    Vec3 away_a, away_b;
-    Mat3 curvature_a, curvature_b;
-  };
-  /// The gap around x: gap + slope·d + ½ d·curvature d.
-  struct Quadric {
-    Vec3 x;
-    double gap;
-    Vec3 slope;
-    Mat3 curvature;
-  };
   void gather_pair(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                    const ConstraintPair& law, const ConstraintOptions& options);
   /// Patches of small reach, for parts that deform; patches as far as they hang together, for parts that do not.
@@ -77,26 +68,25 @@ class Constraint {
                    const ConstraintPair& law);
   void gather_stiff(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                     const ConstraintPair& law);
+  /// @param nodes  deepest first
   void add_patch(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                  const ConstraintPair& law, std::span<const std::size_t> nodes);
+  /// Corners of the flat part of the nodes in around_. @param first  of the patch's points  @param center  the model's
   void add_corners(const ContactSet& contacts, const ContactPair& pair, const ConstraintPair& law,
-                   std::span<const std::size_t> nodes, const Quadric& quadric);
+                   const PatchModel& model, std::size_t first, std::size_t center);
   void remove_point(std::size_t i);
   void add_point(const ContactSet& contacts, std::size_t c, const Vec3& x, const Vec3& n, double gap,
                  const ConstraintPair& law);
-  static Model model_at(const ContactSet& contacts, std::size_t c);
-  /// Normal at a shift from where the gradients hold.
-  static Vec3 normal_at(const Vec3& n, const Vec3& shift, const Vec3& away_a, const Vec3& away_b,
-                        const Mat3& curvature_a, const Mat3& curvature_b);
 
   ContactSet points_;
   std::vector<Vec3> normal_;
   std::vector<double> friction_, restitution_;
   std::vector<double> velocity_target_, travel_target_;
   bool travels_apart_ = false;
-  std::vector<std::size_t> order_, patch_, flat_, near_, level_;
+  std::vector<std::size_t> order_, patch_, rest_, around_, flat_;
   std::vector<std::uint8_t> taken_;
-  std::vector<double> weight_;
+  PatchFitter fitter_;
+  EdgePoints edges_;
   std::unordered_map<std::int64_t, std::size_t> place_;
 };
 

@@ -1,0 +1,122 @@
+#include "brim/response/edge_points.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "brim/response/patch_model.h"
+
+namespace brim {
+
+namespace {
+
+/// Least cosine between the surfaces' normals: where they turn away further, no common normal parts them.
+constexpr double kLeastFacing = 0.0;
+/// Least cosine of a normal to that of the least gap of its group.
+constexpr double kAlike = 0.8;
+/// [voxels] nodes whose gap exceeds the least by less have a say; a group longer than this has two points.
+constexpr double kNearLeast = 0.25, kLong = 1.0;
+/// [voxels] so near to a node of a face a node belongs to that face, unless its gap is less by more than kNearer.
+constexpr int kBesideFace = 2;
+constexpr double kNearer = 0.1;
+
+std::int64_t key_of(const Vec3& node, double h, int dx, int dy, int dz) {
+  const Vec3 i = (node / h).array().round();
+  constexpr std::int64_t kBias = 1 << 20;
+  return ((static_cast<std::int64_t>(i.x()) + dx + kBias) << 42) +
+         ((static_cast<std::int64_t>(i.y()) + dy + kBias) << 21) + static_cast<std::int64_t>(i.z()) + dz + kBias;
+}
+
+}  // namespace
+
+void EdgePoints::read(const ContactSet& s, const ContactPair& pair, std::span<const std::size_t> faces) {
+  reading_.clear(), place_.clear();
+  for (const std::size_t c : faces) place_[key_of(s.node[c], pair.h, 0, 0, 0)] = c;
+  const auto belongs_to_face = [&](const Reading& r) {
+    if (place_.empty()) return false;
+    const Vec3& node = s.node[r.node];
+    for (int dx = -kBesideFace; dx <= kBesideFace; ++dx)
+      for (int dy = -kBesideFace; dy <= kBesideFace; ++dy)
+        for (int dz = -kBesideFace; dz <= kBesideFace; ++dz)
+          if (const auto it = place_.find(key_of(node, pair.h, dx, dy, dz));
+              it != place_.end() && -s.depth[it->second] <= r.gap + kNearer * pair.h)
+            return true;
+    return false;
+  };
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    if (tells_distances(s, c, pair.w) || !on_ramps(s, c, pair.w) || facing(s, c) < kLeastFacing) continue;
+    const Vec3 away_a = -s.gradient_a[c].normalized(), away_b = -s.gradient_b[c].normalized();
+    const double bend_a = s.curvature_a[c].norm() / s.gradient_a[c].norm(),
+                 bend_b = s.curvature_b[c].norm() / s.gradient_b[c].norm();
+    const double share = bend_a + bend_b > 0.0 ? bend_a / (bend_a + bend_b) : 0.5;
+    const Vec3 n = (share * away_b - (1.0 - share) * away_a).normalized();
+    const Vec3 to_a = distance_to(s, c, true) * away_a, to_b = distance_to(s, c, false) * away_b;
+    const Reading reading{c, s.node[c] - 0.5 * (to_a + to_b), n, n.dot(to_b - to_a)};
+    if (!belongs_to_face(reading)) reading_.push_back(reading);
+  }
+}
+
+std::span<const EdgePoint> EdgePoints::find(const ContactSet& contacts, const ContactPair& pair,
+                                            std::span<const std::size_t> faces) {
+  points_.clear();
+  read(contacts, pair, faces);
+  std::stable_sort(reading_.begin(), reading_.end(), [](const Reading& i, const Reading& j) { return i.gap < j.gap; });
+  place_.clear();
+  for (std::size_t i = 0; i < reading_.size(); ++i)
+    place_[key_of(contacts.node[reading_[i].node], pair.h, 0, 0, 0)] = i;
+  taken_.assign(reading_.size(), 0);
+  std::vector<std::size_t> grown;
+  for (std::size_t i = 0; i < reading_.size(); ++i) {
+    if (taken_[i]) continue;
+    taken_[i] = 1;
+    grown.assign(1, i);
+    for (std::size_t k = 0; k < grown.size(); ++k)
+      for (int d = 0; d < 27; ++d) {
+        const Vec3& node = contacts.node[reading_[grown[k]].node];
+        const auto it = place_.find(key_of(node, pair.h, d % 3 - 1, d / 3 % 3 - 1, d / 9 - 1));
+        if (it == place_.end() || taken_[it->second]) continue;
+        if (reading_[it->second].normal.dot(reading_[i].normal) < kAlike) continue;
+        taken_[it->second] = 1;
+        grown.push_back(it->second);
+      }
+    group_.clear();
+    for (const std::size_t g : grown)
+      if (reading_[g].gap < reading_[i].gap + kNearLeast * pair.h) group_.push_back(reading_[g]);
+    add_points(pair.h);
+  }
+  return points_;
+}
+
+void EdgePoints::add_points(double h) {
+  const double least = group_.front().gap;
+  const auto weight = [&](const Reading& r) { return least + kNearLeast * h - r.gap; };
+  double sum = 0.0, gap = 0.0;
+  Vec3 middle = Vec3::Zero(), n = Vec3::Zero();
+  for (const Reading& r : group_) {
+    const double w = weight(r);
+    sum += w, gap += w * r.gap, middle += w * r.point, n += w * r.normal;
+  }
+  gap /= sum, middle /= sum, n.normalize();
+  Mat3 spread = Mat3::Zero();
+  for (const Reading& r : group_) {
+    Vec3 d = r.point - middle;
+    d -= n * n.dot(d);
+    spread += weight(r) / sum * d * d.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
+  const Vec3 along = axes.eigenvectors().col(2);
+  double lo = 0.0, hi = 0.0, rise = 0.0;
+  for (const Reading& r : group_) {
+    const double t = along.dot(r.point - middle);
+    lo = std::min(lo, t), hi = std::max(hi, t);
+    rise += weight(r) / sum * t * (r.gap - gap);
+  }
+  if (hi - lo < kLong * h) {
+    points_.push_back({group_.front().node, middle, n, gap});
+    return;
+  }
+  const double slope = rise / axes.eigenvalues()[2];
+  for (const double t : {lo, hi}) points_.push_back({group_.front().node, middle + t * along, n, gap + slope * t});
+}
+
+}  // namespace brim

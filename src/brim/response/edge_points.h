@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "brim/contact/contact_set.h"
+#include "brim/math/types.h"
+
+namespace brim {
+
+/// A point of contact at an edge or a tip.
+struct EdgePoint {
+  std::size_t node = 0;        ///< contact next to it
+  Vec3 point = Vec3::Zero();   ///< [m]
+  Vec3 normal = Vec3::Zero();  ///< unit, towards a
+  double gap = 0.0;            ///< [m]
+};
+
+/// Finds where surfaces meet that do not face each other: edges and tips on faces, and edges across edges. There the
+/// sum of the two distances d, from which patches read the gap, is right only between the two closest points. But every
+/// node x on both ramps knows the closest points themselves, x − d_a ∇d_a and x − d_b ∇d_b, and so the gap along a
+/// common normal n, that of the flatter surface:
+///   φ = n·(d_b ∇d_b − d_a ∇d_a)
+/// Nodes that hang together give one point, or two where they stretch along an edge.
+/// Tests: tests/response/constraint_test.cpp
+class EdgePoints {
+ public:
+  /// @param faces  contacts of the pair that patches take; nodes within two voxels of one are theirs, unless they tell
+  ///               of a smaller gap
+  std::span<const EdgePoint> find(const ContactSet& contacts, const ContactPair& pair,
+                                  std::span<const std::size_t> faces);
+
+ private:
+  struct Reading {
+    std::size_t node;
+    Vec3 point, normal;
+    double gap;
+  };
+  void read(const ContactSet& contacts, const ContactPair& pair, std::span<const std::size_t> faces);
+  void add_points(double h);
+
+  std::vector<EdgePoint> points_;
+  std::vector<Reading> reading_, group_;
+  std::vector<std::uint8_t> taken_;
+  std::unordered_map<std::int64_t, std::size_t> place_;
+};
+
+}  // namespace brim

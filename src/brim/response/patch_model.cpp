@@ -1,0 +1,232 @@
+#include "brim/response/patch_model.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace brim {
+
+namespace {
+
+/// Nodes this many voxels short of the deepest still have a say in where the first point is.
+constexpr double kNearDeepest = 0.25;
+/// Least cosine between the two surfaces' normals where they touch: elsewhere one of them turns away at an edge.
+constexpr double kFacing = 0.9;
+/// Part of the ramp's width within which a density tells a distance well; 1/2 is the whole ramp.
+constexpr double kOnRamp = 0.46;
+/// Least cosine of the normal at the least gap to the patch's.
+constexpr double kAlike = 0.9;
+/// [1/h] curvature below which the place of the least gap is not sought; [voxels] farthest that it is.
+constexpr double kLeastBend = 0.02, kFarthestShift = 0.75;
+/// Spread of a patch, over h², below which its gradients are left as the stencil gives them.
+constexpr double kRegular = 0.1;
+/// [1/h] curvature that the stencil's noise reaches on tilted planes, thrice.
+constexpr double kNoise = 0.015;
+/// A surface is a plane where at least so many nodes, bent by no more than kLevel/h there, tell distances that miss one
+/// by no more than kPlane voxels.
+constexpr std::size_t kFewest = 8;
+constexpr double kLevel = 0.15, kPlane = 1e-3;
+
+/// Half the difference of the distances to the two surfaces, (d_a − d_b)/2.
+double lean(const ContactSet& s, std::size_t c) {
+  const Vec3 g = s.gradient_a[c] - s.gradient_b[c];
+  const double length = g.norm();
+  return length > 0.0 ? (s.point[c] - s.node[c]).dot(g) / length : 0.0;
+}
+
+/// A curvature that may be the stencil's noise counts less.
+Mat3 sure(const Mat3& curvature, double h) {
+  const double size = h * h * curvature.squaredNorm();
+  return curvature * (size / (size + kNoise * kNoise));
+}
+
+/// Distances from nodes to one of the two surfaces, about a point: d(y) = gap + slope·(y − x).
+struct Plane {
+  double gap = 0.0;
+  Vec3 slope = Vec3::Zero();
+};
+
+/// The plane that fits nodes best: the gradients' mean normal, corrected as far as the nodes' places tell.
+Plane best_plane(const ContactSet& s, std::span<const std::size_t> nodes, bool of_a, const Vec3& x, double h) {
+  Vec3 mean = Vec3::Zero(), normal = Vec3::Zero();
+  double mean_d = 0.0;
+  const auto n = static_cast<double>(nodes.size());
+  for (const std::size_t c : nodes) {
+    mean += s.node[c] / n, mean_d += distance_to(s, c, of_a) / n;
+    normal -= (of_a ? s.gradient_a[c] : s.gradient_b[c]).normalized() / n;
+  }
+  Mat3 spread = Mat3::Identity() * (1e-9 * n * h * h);
+  Vec3 miss = Vec3::Zero();
+  for (const std::size_t c : nodes) {
+    const Vec3 d = s.node[c] - mean;
+    spread += d * d.transpose();
+    miss += (distance_to(s, c, of_a) - mean_d - normal.dot(d)) * d;
+  }
+  const Vec3 slope = normal + spread.ldlt().solve(miss);
+  return {mean_d + slope.dot(x - mean), slope};
+}
+
+/// Fits a plane to what nodes say of one surface. Distances are exact where gradients by stencils are not, so the
+/// normals of flat faces become exact. Nodes at an edge that pass for level are left out, if they are few.
+/// @param level  workspace
+/// @return false when the surface is no plane there, or too few nodes tell
+bool fit_plane(const ContactSet& s, std::span<const std::size_t> nodes, bool of_a, const Vec3& x, double h,
+               std::vector<std::size_t>& level, Plane& plane) {
+  level.clear();
+  for (const std::size_t c : nodes) {
+    const Vec3& g = of_a ? s.gradient_a[c] : s.gradient_b[c];
+    if (h * (of_a ? s.curvature_a[c] : s.curvature_b[c]).norm() < kLevel * g.norm()) level.push_back(c);
+  }
+  const std::size_t fewest = std::max(kFewest, (3 * level.size() + 3) / 4);
+  while (level.size() >= fewest) {
+    plane = best_plane(s, level, of_a, x, h);
+    const auto miss = [&](std::size_t c) {
+      return std::abs(distance_to(s, c, of_a) - plane.gap - plane.slope.dot(s.node[c] - x));
+    };
+    double worst = 0.0;
+    for (const std::size_t c : level) worst = std::max(worst, miss(c));
+    if (worst <= kPlane * h) return true;
+    std::erase_if(level, [&](std::size_t c) { return miss(c) > 0.5 * worst; });
+  }
+  return false;
+}
+
+/// Distances to the two surfaces as one node sees them: gradients, away from each part, and curvatures, [1/m].
+struct NodeModel {
+  Vec3 away_a, away_b;
+  Mat3 curvature_a, curvature_b;
+};
+
+NodeModel model_at(const ContactSet& s, std::size_t c) {
+  const double a = s.gradient_a[c].norm(), b = s.gradient_b[c].norm();
+  if (!(a > 0.0 && b > 0.0)) return {Vec3::Zero(), Vec3::Zero(), Mat3::Zero(), Mat3::Zero()};
+  return {-s.gradient_a[c] / a, -s.gradient_b[c] / b, -s.curvature_a[c] / a, -s.curvature_b[c] / b};
+}
+
+/// Normal at a shift from where the gradients hold.
+Vec3 normal_at(const Vec3& n, const Vec3& shift, const Vec3& away_a, const Vec3& away_b, const Mat3& curvature_a,
+               const Mat3& curvature_b) {
+  // The flatter of the two tells the direction better.
+  const double a = curvature_a.norm(), b = curvature_b.norm(), share = a + b > 0.0 ? a / (a + b) : 0.5;
+  const Vec3 found = share * (away_b + curvature_b * shift) - (1.0 - share) * (away_a + curvature_a * shift);
+  return found.dot(n) > kAlike * found.norm() ? Vec3(found.normalized()) : n;
+}
+
+}  // namespace
+
+double facing(const ContactSet& s, std::size_t c) {
+  const double size = s.gradient_a[c].norm() * s.gradient_b[c].norm();
+  return size > 0.0 ? -s.gradient_a[c].dot(s.gradient_b[c]) / size : -1.0;
+}
+
+bool on_ramps(const ContactSet& s, std::size_t c, double w) {
+  return 0.5 * std::abs(s.depth[c]) + std::abs(lean(s, c)) < kOnRamp * w;
+}
+
+double distance_to(const ContactSet& s, std::size_t c, bool of_a) {
+  return (of_a ? lean(s, c) : -lean(s, c)) - 0.5 * s.depth[c];
+}
+
+bool tells_distances(const ContactSet& s, std::size_t c, double w) {
+  return on_ramps(s, c, w) && facing(s, c) >= kFacing;
+}
+
+double PatchModel::gap_at(const Vec3& y) const {
+  Vec3 d = y - x;
+  d -= n * n.dot(d);
+  return gap + slope.dot(d) + 0.5 * d.dot(curvature * d);
+}
+
+double PatchModel::rise_at(const Vec3& y) const {
+  const Vec3 d = y - least_point;
+  return 0.5 * std::max(0.0, d.dot(curvature * d));
+}
+
+PatchModel PatchFitter::fit(const ContactSet& contacts, std::span<const Vec3> normals, double h,
+                            std::span<const std::size_t> nodes) {
+  const double deepest = contacts.depth[nodes.front()];
+  // A patch with a flat middle is flat, whatever its edges: nodes count by how flat they are.
+  const auto weight = [&](std::size_t c, const NodeModel& m) {
+    const double near = contacts.depth[c] - deepest + kNearDeepest * h;
+    if (!(near > 0.0)) return 0.0;
+    const double bent = h * (m.curvature_a + m.curvature_b).norm() + kLeastBend;
+    return near / (bent * bent);
+  };
+  Vec3 x = Vec3::Zero(), n = Vec3::Zero();
+  Mat3 curvature_a = Mat3::Zero(), curvature_b = Mat3::Zero();
+  double sum = 0.0;
+  weight_.clear();
+  for (const std::size_t c : nodes) {
+    const NodeModel m = model_at(contacts, c);
+    const double w = weight(c, m);
+    weight_.push_back(w);
+    sum += w;
+    x += w * contacts.point[c];
+    n += w * normals[c];
+    curvature_a += w * m.curvature_a, curvature_b += w * m.curvature_b;
+  }
+  x /= sum, curvature_a = sure(curvature_a / sum, h), curvature_b = sure(curvature_b / sum, h);
+  n = n.norm() > 0.0 ? Vec3(n.normalized()) : normals[nodes.front()];
+  near_.clear();
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (weight_[i] > 0.0) near_.push_back(nodes[i]);
+  Plane plane_a, plane_b;
+  const bool flat_a = fit_plane(contacts, near_, true, x, h, level_, plane_a),
+             flat_b = fit_plane(contacts, near_, false, x, h, level_, plane_b);
+  if (flat_a) curvature_a.setZero();
+  if (flat_b) curvature_b.setZero();
+
+  // What every node foretells of the gap and of the two distances' gradients at x.
+  const Mat3 curvature = curvature_a + curvature_b, T = Mat3::Identity() - n * n.transpose();
+  double gap = 0.0;
+  Vec3 away_a = Vec3::Zero(), away_b = Vec3::Zero();
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const double w = weight_[i] / sum;
+    if (!(w > 0.0)) continue;
+    const NodeModel m = model_at(contacts, nodes[i]);
+    const Vec3 d = T * (x - contacts.point[nodes[i]]);
+    gap += w * ((m.away_a + m.away_b).dot(d) + 0.5 * d.dot(curvature * d) - contacts.depth[nodes[i]]);
+    away_a += w * (m.away_a + curvature_a * d);
+    away_b += w * (m.away_b + curvature_b * d);
+  }
+  // The distances themselves are exact where the gradients' stencil is not: their regression over the patch mends both.
+  Vec3 mean = Vec3::Zero(), miss_a = Vec3::Zero(), miss_b = Vec3::Zero();
+  double mean_a = 0.0, mean_b = 0.0;
+  const auto for_misses = [&](const auto& f) {
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const std::size_t c = nodes[i];
+      const Vec3 at = contacts.node[c] - x, d = T * at;
+      const double half = lean(contacts, c), depth = 0.5 * contacts.depth[c];
+      f(weight_[i] / sum, d, half - depth - away_a.dot(at) - 0.5 * d.dot(curvature_a * d),
+        -half - depth - away_b.dot(at) - 0.5 * d.dot(curvature_b * d));
+    }
+  };
+  for_misses([&](double w, const Vec3& d, double a, double b) { mean += w * d, mean_a += w * a, mean_b += w * b; });
+  Mat3 spread = (kRegular * h * h) * Mat3::Identity();
+  for_misses([&](double w, const Vec3& d, double a, double b) {
+    miss_a += w * (a - mean_a) * (d - mean), miss_b += w * (b - mean_b) * (d - mean);
+    spread += w * (d - mean) * (d - mean).transpose();
+  });
+  const Mat3 regression = T * spread.inverse();
+  away_a += regression * miss_a, away_b += regression * miss_b;
+  if (flat_a) away_a = plane_a.slope;
+  if (flat_b) away_b = plane_b.slope;
+  if (flat_a && flat_b) gap = plane_a.gap + plane_b.gap;
+  Vec3 slope = away_a + away_b;
+  slope -= n * n.dot(slope);
+  const Mat3 bend = curvature + kLeastBend / h * Mat3::Identity() + n * n.transpose() / h;
+  Vec3 shift = -bend.inverse() * slope;
+  shift -= n * n.dot(shift);
+  const double length = shift.norm();
+  double change = slope.dot(shift) + 0.5 * shift.dot(curvature * shift);
+  // Farther away lies no least gap but an edge that the model does not see.
+  if (!(change < 0.0 && std::isfinite(change) && length < kFarthestShift * h)) shift.setZero(), change = 0.0;
+  const Vec3 found = normal_at(n, shift, away_a, away_b, curvature_a, curvature_b);
+  PatchModel model;
+  model.x = x, model.n = found, model.gap = gap, model.slope = slope, model.curvature = curvature;
+  model.least_point = x + shift, model.least_gap = gap + change;
+  return model;
+}
+
+}  // namespace brim

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "brim/contact/contact_set.h"
+#include "brim/math/types.h"
+
+namespace brim {
+
+/// True where both densities of a contact node are on their ramps of width w, so that they tell distances, and the two
+/// surfaces face each other; elsewhere one of them turns away at an edge.
+bool tells_distances(const ContactSet& contacts, std::size_t c, double w);
+/// True where both densities are on their ramps of width w.
+bool on_ramps(const ContactSet& contacts, std::size_t c, double w);
+/// What a node on both ramps says of the distance to one of the two surfaces, [m].
+double distance_to(const ContactSet& contacts, std::size_t c, bool of_a);
+/// Cosine between the normals of the two surfaces at a node, 1 where they face each other; −1 where one has none.
+double facing(const ContactSet& contacts, std::size_t c);
+
+/// The gap between two surfaces over a patch of nodes, φ(y) = gap + slope·d + ½ d·curvature d with d the tangential
+/// part of y − x, and where it is least (docs/constraint.md).
+struct PatchModel {
+  Vec3 x = Vec3::Zero();            ///< [m] middle of the nodes that count
+  Vec3 n = Vec3::UnitZ();           ///< towards a, at the point of least gap
+  double gap = 0.0;                 ///< [m] at x
+  Vec3 slope = Vec3::Zero();        ///< [-]
+  Mat3 curvature = Mat3::Zero();    ///< [1/m]
+  Vec3 least_point = Vec3::Zero();  ///< [m]
+  double least_gap = 0.0;           ///< [m]
+
+  /// φ(y), [m].
+  double gap_at(const Vec3& y) const;
+  /// ½ d·curvature d about the point of least gap, at least 0: how far the gap rises by curvature.
+  double rise_at(const Vec3& y) const;
+};
+
+/// Finds models of patches. Holds work space only.
+/// Tests: tests/response/constraint_test.cpp
+class PatchFitter {
+ public:
+  /// @param normals  unit, towards a, one per contact
+  /// @param h        [m] grid step
+  /// @param nodes    contacts of one patch, deepest first; not empty
+  PatchModel fit(const ContactSet& contacts, std::span<const Vec3> normals, double h,
+                 std::span<const std::size_t> nodes);
+  /// Those of the nodes that counted in the last fit, all near the deepest.
+  std::span<const std::size_t> near() const { return near_; }
+
+ private:
+  std::vector<std::size_t> near_, level_;
+  std::vector<double> weight_;
+};
+
+}  // namespace brim
