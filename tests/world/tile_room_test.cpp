@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <numbers>
 #include <random>
 
@@ -25,16 +26,20 @@ class Bounded final : public DistanceBound {
 
 ContactPair pair_with(double margin) { return {0, 1, kStep, 3 * kStep, margin, 0, 0}; }
 
-/// Whether some own node of the tile is a contact, by filling both blocks.
-bool holds_contact(const Bounded& a, const Bounded& b, const ContactPair& pair, const TileKey& tile) {
+/// The contacts of a tile, by filling both blocks there where they are wanted.
+ContactSet contacts_of(const Bounded& a, const Bounded& b, const ContactPair& pair, const TileKey& tile,
+                       Octants octants) {
   DensityBlock of_a, of_b;
+  // What is not wanted may hold anything before.
+  for (DensityBlock* block : {&of_a, &of_b})
+    std::fill(std::begin(block->rho), std::end(block->rho), 0.7), block->octants = octants;
   a.solid.rasterize(pair.h, pair.w, {&tile, 1}, {&of_a, 1});
   b.solid.rasterize(pair.h, pair.w, {&tile, 1}, {&of_b, 1});
   ContactSet set;
   set.pairs = {pair};
   const PairTile both{0, tile, &of_a, &of_b};
   detect({&both, 1}, set);
-  return set.size() + static_cast<std::size_t>(set.engulfed) > 0;
+  return set;
 }
 
 TEST(TileRoom, TwoBallsThatTouchInTheTileHaveRoomAndTwoFarApartHaveNone) {
@@ -42,10 +47,10 @@ TEST(TileRoom, TwoBallsThatTouchInTheTileHaveRoomAndTwoFarApartHaveNone) {
   const TileKey tile{0, 0, 0};  // nodes from 0 to 0.7
   a.solid.place({Mat3::Identity(), {-0.7, 0.3, 0.3}});
   b.solid.place({Mat3::Identity(), {1.28, 0.3, 0.3}});
-  EXPECT_TRUE(may_hold_contact({&a, 0}, {&b, 0}, pair_with(0.1), tile));
+  EXPECT_TRUE(octants_with_room({&a, 0}, {&b, 0}, pair_with(0.1), tile));
   // A gap of 0.4 m: each ball still has density in the tile, but no node has enough of both.
   b.solid.place({Mat3::Identity(), {1.7, 0.3, 0.3}});
-  EXPECT_FALSE(may_hold_contact({&a, 0}, {&b, 0}, pair_with(0.1), tile));
+  EXPECT_FALSE(octants_with_room({&a, 0}, {&b, 0}, pair_with(0.1), tile));
 }
 
 TEST(TileRoom, NoTileWithAContactIsRuledOutForRandomPlacesOfBoxesBallsAndSampledRings) {
@@ -60,7 +65,7 @@ TEST(TileRoom, NoTileWithAContactIsRuledOutForRandomPlacesOfBoxesBallsAndSampled
                            0.6);
   }();
   Bounded bodies[] = {Bounded(make_box({1.1, 0.9, 0.5})), Bounded(make_sphere(0.6)), Bounded(ring)};
-  int with = 0, without = 0, kept = 0;
+  int with = 0, without = 0, kept = 0, octants = 0, tiles = 0;
   for (int trial = 0; trial < 400; ++trial) {
     Bounded &a = bodies[trial % 3], b = bodies[(trial / 3) % 3];
     for (Bounded* body : {&a, &b}) {
@@ -70,15 +75,22 @@ TEST(TileRoom, NoTileWithAContactIsRuledOutForRandomPlacesOfBoxesBallsAndSampled
     }
     const ContactPair pair = pair_with(0.2 * (1.0 + in(random)));
     const TileKey tile{0, 0, 0};
-    const bool room = may_hold_contact({&a, 0}, {&b, 0}, pair, tile);
-    const bool contact = holds_contact(a, b, pair, tile);
+    const Octants room = octants_with_room({&a, 0}, {&b, 0}, pair, tile);
+    const ContactSet all = contacts_of(a, b, pair, tile, kAllOctants), found = contacts_of(a, b, pair, tile, room);
+    const bool contact = all.size() + static_cast<std::size_t>(all.engulfed) > 0;
+    EXPECT_EQ(found.node, all.node) << "trial " << trial;
+    EXPECT_EQ(found.depth, all.depth) << "trial " << trial;
+    EXPECT_EQ(found.gradient_a, all.gradient_a) << "trial " << trial;
+    EXPECT_EQ(found.engulfed, all.engulfed) << "trial " << trial;
+    octants += std::popcount(room), tiles += room != 0;
     (contact ? with : without) += 1;
-    kept += room && !contact;
-    EXPECT_TRUE(room || !contact) << "trial " << trial;
+    kept += room != 0 && !contact;
+    EXPECT_TRUE(room != 0 || !contact) << "trial " << trial;
   }
   EXPECT_GT(with, 50);
   EXPECT_GT(without, 50);
   EXPECT_LT(kept, without / 2) << "most tiles without a contact are ruled out";
+  EXPECT_LT(octants, 5 * tiles) << "and most octants of the others";
 }
 
 TEST(TileRoom, APartThatKnowsNoBoundIsNeverRuledOut) {
@@ -87,7 +99,7 @@ TEST(TileRoom, APartThatKnowsNoBoundIsNeverRuledOut) {
   } unknown;
   Bounded far(make_sphere(0.1));
   far.solid.place({Mat3::Identity(), {50.0, 0.0, 0.0}});
-  EXPECT_TRUE(may_hold_contact({&far, 0}, {&unknown, 0}, pair_with(0.4), {0, 0, 0}));
+  EXPECT_TRUE(octants_with_room({&far, 0}, {&unknown, 0}, pair_with(0.4), {0, 0, 0}));
 }
 
 }  // namespace

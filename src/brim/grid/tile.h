@@ -50,8 +50,14 @@ inline TileRange tiles_meeting(const Aabb& box, double h) {
           {last(box.hi.x()), last(box.hi.y()), last(box.hi.z())}};
 }
 
+/// The tile's eighths, 4 x 4 x 4 nodes each, as bits x + 2 y + 4 z of a byte.
+using Octants = std::uint8_t;
+inline constexpr Octants kAllOctants = 0xff;
+
 /// One part's samples on a tile and its halo.
 struct DensityBlock {
+  Octants octants = kAllOctants;     ///< asked of the part: those that will be looked at, with a ring of nodes around
+                                     ///< each. Elsewhere it may leave rho = 0, source 0.
   double rho[kBlockNodes];           ///< fraction of space filled, in [0, 1]
   std::int32_t source[kBlockNodes];  ///< which primitive of the part the node belongs to, meaningful where rho > 0;
                                      ///< handed back to the part when its map is asked for

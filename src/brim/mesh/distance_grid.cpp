@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <utility>
 
 #include "brim/core/error.h"
+#include "brim/core/wide.h"
 #include "brim/mesh/isosurface.h"
 
 namespace brim {
@@ -37,14 +39,33 @@ CubicWeights cubic_weights(double t, bool first, bool last) {
   return c;
 }
 
-/// First and last of the four nodes, away from the border.
-constexpr std::array<int, 2> kAll = {0, 3};
+/// Catmull-Rom in a cell all of whose 64 nodes exist, four of a line at once.
+/// @param first  the first of the 64 nodes  @param nx, nxy  nodes from line to line and from plane to plane
+/// @param tx, ty, tz  place in the cell, 0 to 1
+BRIM_WIDE double tricubic(const float* first, std::ptrdiff_t nx, std::ptrdiff_t nxy, double tx, double ty, double tz) {
+  const Lanes t = {tx, ty, tz, 0.0}, t2 = t * t, t3 = t2 * t;  // weights of x, y and z together
+  const Lanes w[4] = {0.5 * (2.0 * t2 - t3 - t), 0.5 * (3.0 * t3 - 5.0 * t2 + 2.0), 0.5 * (4.0 * t2 - 3.0 * t3 + t),
+                      0.5 * (t3 - t2)};
+  Lanes sum = {};
+  for (int m = 0; m < 4; ++m)
+    for (int l = 0; l < 4; ++l) {
+      FloatLanes row;
+      std::memcpy(&row, first + l * nx + m * nxy, sizeof(row));
+      sum += (w[m][2] * w[l][1]) * __builtin_convertvector(row, Lanes);
+    }
+  return (sum[0] * w[0][0] + sum[1] * w[1][0]) + (sum[2] * w[2][0] + sum[3] * w[3][0]);
+}
 
 }  // namespace
 
 DistanceGrid::DistanceGrid(const Vec3& origin, double spacing, const Vec3i& nodes, std::vector<float> values,
                            Interpolation interpolation)
-    : origin_(origin), spacing_(spacing), nodes_(nodes), values_(std::move(values)), interpolation_(interpolation) {
+    : origin_(origin),
+      spacing_(spacing),
+      inverse_spacing_(1.0 / spacing),
+      nodes_(nodes),
+      values_(std::move(values)),
+      interpolation_(interpolation) {
   BRIM_CHECK(spacing, >, 0.0);
   BRIM_CHECK(nodes.minCoeff(), >=, 2);
   BRIM_CHECK(values_.size(), ==, static_cast<std::size_t>(nodes.x()) * nodes.y() * nodes.z());
@@ -52,7 +73,7 @@ DistanceGrid::DistanceGrid(const Vec3& origin, double spacing, const Vec3i& node
 }
 
 double DistanceGrid::trilinear(const Vec3& p) const {
-  const Vec3 x = (p - origin_) / spacing_;
+  const Vec3 x = (p - origin_) * inverse_spacing_;
   std::array<std::ptrdiff_t, 3> cell{};
   Vec3 t;
   for (int k = 0; k < 3; ++k) {
@@ -68,7 +89,7 @@ double DistanceGrid::trilinear(const Vec3& p) const {
 }
 
 double DistanceGrid::inside_value(const Vec3& p, Interpolation interpolation, Vec3* gradient) const {
-  const Vec3 x = (p - origin_) / spacing_;
+  const Vec3 x = (p - origin_) * inverse_spacing_;
   std::array<int, 3> cell{};
   Vec3 t;
   for (int k = 0; k < 3; ++k) {
@@ -78,6 +99,10 @@ double DistanceGrid::inside_value(const Vec3& p, Interpolation interpolation, Ve
   const std::size_t nx = static_cast<std::size_t>(nodes_.x()), nxy = nx * static_cast<std::size_t>(nodes_.y());
   const float* base = values_.data() + static_cast<std::size_t>(cell[0]) + nx * static_cast<std::size_t>(cell[1]) +
                       nxy * static_cast<std::size_t>(cell[2]);
+  const auto inner = [&](int k) { return cell[k] > 0 && cell[k] < nodes_[k] - 2; };
+  if (gradient == nullptr && interpolation == Interpolation::Tricubic && inner(0) && inner(1) && inner(2))
+    return tricubic(base - 1 - nx - nxy, static_cast<std::ptrdiff_t>(nx), static_cast<std::ptrdiff_t>(nxy), t[0], t[1],
+                    t[2]);
   std::array<CubicWeights, 3> c;
   std::array<std::array<int, 2>, 3> range;  // first and last of the four nodes that exist
   for (int k = 0; k < 3; ++k) {
@@ -91,17 +116,6 @@ double DistanceGrid::inside_value(const Vec3& p, Interpolation interpolation, Ve
     }
   }
   double value = 0.0;
-  if (gradient == nullptr && range[0] == kAll && range[1] == kAll && range[2] == kAll) {
-    // Four lines at once: the weights along x come last.
-    Eigen::Array4d line = Eigen::Array4d::Zero();
-    for (int m = 0; m < 4; ++m)
-      for (int l = 0; l < 4; ++l) {
-        const float* row =
-            base + (l - 1) * static_cast<std::ptrdiff_t>(nx) + (m - 1) * static_cast<std::ptrdiff_t>(nxy) - 1;
-        line += (c[2].w[m] * c[1].w[l]) * Eigen::Map<const Eigen::Array4f>(row).cast<double>();
-      }
-    return line[0] * c[0].w[0] + line[1] * c[0].w[1] + (line[2] * c[0].w[2] + line[3] * c[0].w[3]);
-  }
   if (gradient == nullptr) {
     for (int m = range[2][0]; m <= range[2][1]; ++m)
       for (int l = range[1][0]; l <= range[1][1]; ++l) {

@@ -58,7 +58,7 @@ class DistanceGrid {
   double trilinear(const Vec3& p) const;
 
   Vec3 origin_;
-  double spacing_;
+  double spacing_, inverse_spacing_;
   Vec3i nodes_;
   std::vector<float> values_;
   Interpolation interpolation_;

@@ -124,7 +124,7 @@ void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<c
     c.pair = ContactPair{t.a, t.b, h, ramp * h, margin, 0, 0};
     c.region = t.region;
     require_near(a, b, t.region, h);
-    c.tiles.clear();
+    c.tiles.clear(), c.octants.clear();
     c.pair_layer_a = layer_of(t.a, h, t.region);
     c.pair_layer_b = layer_of(t.b, h, t.region);
   }
@@ -168,10 +168,11 @@ void ContactStage::refine(std::span<const WorldPart> parts, const WorldOptions& 
     const TileRange range = tiles_meeting(c.region.inflated(c.pair.h), c.pair.h);
     const std::vector<TileKey>& few = a.size() < b.size() ? a : b;
     const std::vector<TileKey>& many = a.size() < b.size() ? b : a;
-    for (const TileKey& t : few)
-      if (inside(t, range) && std::binary_search(many.begin(), many.end(), t) &&
-          (!bounded || may_hold_contact(pa, pb, c.pair, t)))
-        c.tiles.push_back(t);
+    for (const TileKey& t : few) {
+      if (!inside(t, range) || !std::binary_search(many.begin(), many.end(), t)) continue;
+      const Octants octants = bounded ? octants_with_room(pa, pb, c.pair, t) : kAllOctants;
+      if (octants != 0) c.tiles.push_back(t), c.octants.push_back(octants);
+    }
   });
   for (std::size_t i = 0; i < candidate_count_; ++i) {
     const Candidate& c = candidates_[i];
@@ -181,8 +182,15 @@ void ContactStage::refine(std::span<const WorldPart> parts, const WorldOptions& 
   std::size_t total = 0;
   for (std::size_t l = 0; l < layer_count_; ++l) {
     sort_unique(layers_[l].needed);
+    layers_[l].octants.assign(layers_[l].needed.size(), 0);
     layers_[l].first_block = total;
     total += layers_[l].needed.size();
+  }
+  for (std::size_t i = 0; i < candidate_count_; ++i) {
+    const Candidate& c = candidates_[i];
+    for (const std::int32_t l : {c.pair_layer_a, c.pair_layer_b})
+      for (std::size_t t = 0; t < c.tiles.size(); ++t)
+        layers_[l].octants[index_of(layers_[l].needed, c.tiles[t])] |= c.octants[t];
   }
   if (static_cast<double>(total) * sizeof(DensityBlock) > options.memory_limit)
     throw InputError(fmt::format(
@@ -196,8 +204,9 @@ void ContactStage::rasterize(std::span<const WorldPart> parts, double ramp, Step
     const Layer& layer = layers_[l];
     if (layer.needed.empty()) return;
     const WorldPart& part = parts[layer.part];
-    part.body->rasterize(part.index, layer.h, ramp * layer.h, layer.needed,
-                         std::span(blocks_).subspan(layer.first_block, layer.needed.size()));
+    const auto blocks = std::span(blocks_).subspan(layer.first_block, layer.needed.size());
+    for (std::size_t t = 0; t < blocks.size(); ++t) blocks[t].octants = layer.octants[t];
+    part.body->rasterize(part.index, layer.h, ramp * layer.h, layer.needed, blocks);
   });
   for (std::size_t l = 0; l < layer_count_; ++l) report.tiles += static_cast<std::int64_t>(layers_[l].needed.size());
   report.voxels = report.tiles * kTileSize * kTileSize * kTileSize;

@@ -46,6 +46,7 @@ class ContactStage {
     Aabb region;                   ///< where some other part may be
     std::vector<TileKey> present;  ///< tiles that may hold density, sorted
     std::vector<TileKey> needed;   ///< tiles on which a pair meets, sorted
+    std::vector<Octants> octants;  ///< of those, where some pair may have contacts
     std::size_t first_block = 0;
   };
   struct Candidate {
@@ -53,6 +54,7 @@ class ContactStage {
     ContactPair pair;
     Aabb region;
     std::vector<TileKey> tiles;
+    std::vector<Octants> octants;  ///< of each tile
   };
 
   void find_candidates(std::span<const WorldPart> parts, std::span<const double> v,

@@ -12,19 +12,30 @@ double widest_gap(double margin) { return margin <= 0.5 ? std::sqrt(0.5 * std::m
 
 }  // namespace
 
-bool may_hold_contact(const BoundedPart& a, const BoundedPart& b, const ContactPair& pair, const TileKey& tile) {
+Octants octants_with_room(const BoundedPart& a, const BoundedPart& b, const ContactPair& pair, const TileKey& tile) {
   const double h = pair.h, gap = widest_gap(pair.margin) * pair.w;
-  const auto any = [&](const auto& self, const Vec3& lo, int nodes) -> bool {
+  const auto ruled_out = [&](const Vec3& lo, int nodes, bool& deep) {
     const double half = 0.5 * (nodes - 1) * h;
     const Vec3 center = lo + Vec3::Constant(half);
     const double sum = a.body->distance_bound(a.part, center) + b.body->distance_bound(b.part, center);
-    if (sum > gap + 2.0 * std::sqrt(3.0) * half + 1e-9 * h) return false;
-    if (nodes == 2 || !(sum > gap)) return true;
-    for (int i = 0; i < 8; ++i)
-      if (self(self, lo + 0.5 * nodes * h * Vec3(i & 1, (i >> 1) & 1, i >> 2), nodes / 2)) return true;
-    return false;
+    deep = !(sum > gap);
+    return sum > gap + 2.0 * std::sqrt(3.0) * half + 1e-9 * h;
   };
-  return any(any, tile_box(tile, h).lo, kTileSize);
+  const auto part_of = [h](const Vec3& lo, int nodes, int i) {
+    return Vec3(lo + 0.5 * nodes * h * Vec3(i & 1, (i >> 1) & 1, i >> 2));
+  };
+  bool deep = false;
+  const Vec3 lo = tile_box(tile, h).lo;
+  if (ruled_out(lo, kTileSize, deep)) return 0;
+  Octants found = 0;
+  for (int i = 0; i < 8; ++i) {
+    const Vec3 octant = part_of(lo, kTileSize, i);
+    if (ruled_out(octant, kTileSize / 2, deep)) continue;
+    bool room = deep;
+    for (int j = 0; j < 8 && !room; ++j) room = !ruled_out(part_of(octant, kTileSize / 2, j), kTileSize / 4, deep);
+    if (room) found |= static_cast<Octants>(1 << i);
+  }
+  return found;
 }
 
 }  // namespace brim
