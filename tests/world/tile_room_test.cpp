@@ -93,6 +93,20 @@ TEST(TileRoom, NoTileWithAContactIsRuledOutForRandomPlacesOfBoxesBallsAndSampled
   EXPECT_LT(octants, 5 * tiles) << "and most octants of the others";
 }
 
+TEST(TileRoom, BesideAPartWithoutBoundsTheOtherMustReachIntoTheOctant) {
+  Bounded ball(make_sphere(0.1));
+  const ContactPair pair = pair_with(0.4);  // ramps reach 0.15 m beyond the surface
+  const TileKey tile{0, 0, 0};              // nodes from 0 to 0.7
+  ball.solid.place({Mat3::Identity(), {0.1, 0.1, 0.1}});
+  EXPECT_EQ(octants_with_room({&ball, 0}, {}, pair, tile), 1);
+  EXPECT_EQ(octants_with_room({}, {&ball, 0}, pair, tile), 1);
+  ball.solid.place({Mat3::Identity(), {-0.3, 0.1, 0.1}});
+  EXPECT_EQ(octants_with_room({&ball, 0}, {}, pair, tile), 0);
+  ball.solid.place({Mat3::Identity(), {0.35, 0.35, 0.35}});  // amid the tile
+  EXPECT_EQ(octants_with_room({&ball, 0}, {}, pair, tile), kAllOctants);
+  EXPECT_EQ(octants_with_room({}, {}, pair, tile), kAllOctants);
+}
+
 TEST(TileRoom, APartThatKnowsNoBoundIsNeverRuledOut) {
   class Unknown final : public DistanceBound {
     double distance_bound(int, const Vec3&) const override { return -std::numeric_limits<double>::infinity(); }

@@ -32,7 +32,7 @@ void raster_capsules(std::size_t count, const CapsuleOf& capsule_of, std::span<c
     std::fill_n(block.source, kBlockNodes, -1);
     for (const std::int32_t id : workspace.bins.of(t)) {
       const Capsule c = capsule_of(static_cast<std::size_t>(id));
-      const NodeRange n = nodes_in_box(c.box(w), origin, h);
+      const NodeRange n = nodes_in_box(c.box(w), origin, h, block.octants);
       const Vec3 ab = c.b - c.a;
       const double inverse = ab.squaredNorm() > 0.0 ? 1.0 / ab.squaredNorm() : 0.0;
       for (int k = n.lo[2]; k <= n.hi[2]; ++k)

@@ -22,9 +22,10 @@ Aabb box_of(std::span<const Vec3> x, const std::array<std::int32_t, N>& corners)
 }
 
 /// Names tetrahedron `id` as the holder of the nodes inside it that have none yet.
-void claim_nodes(const TetSolid& solid, std::int32_t id, const Vec3& origin, double h, std::int32_t* holder) {
+void claim_nodes(const TetSolid& solid, std::int32_t id, const Vec3& origin, double h, Octants wanted,
+                 std::int32_t* holder) {
   const auto& t = solid.tets[id];
-  const NodeRange n = nodes_in_box(box_of(solid.x, t), origin, h);
+  const NodeRange n = nodes_in_box(box_of(solid.x, t), origin, h, wanted);
   if (n.empty()) return;
   const Vec3 x0 = solid.x[t[0]];
   Mat3 edges;
@@ -69,9 +70,10 @@ void raster_tets(const TetSolid& solid, std::span<const TileKey> tiles, double h
     std::fill_n(holder, kBlockNodes, -1);
     for (const std::int32_t s : workspace.surface.of(t)) {
       const auto& c = solid.surface[s];
-      splat_triangle(solid.x[c[0]], solid.x[c[1]], solid.x[c[2]], s, reach, origin, h, block.rho, block.source);
+      splat_triangle(solid.x[c[0]], solid.x[c[1]], solid.x[c[2]], s, reach, origin, h, block.octants, block.rho,
+                     block.source);
     }
-    for (const std::int32_t i : workspace.tets.of(t)) claim_nodes(solid, i, origin, h, holder);
+    for (const std::int32_t i : workspace.tets.of(t)) claim_nodes(solid, i, origin, h, block.octants, holder);
     for (int n = 0; n < kBlockNodes; ++n) {
       const bool inside = holder[n] >= 0;
       const std::int32_t nearest = block.source[n];

@@ -31,7 +31,7 @@ void raster_triangles(std::span<const Vec3> x, std::span<const Triangle> triangl
     std::fill_n(block.source, kBlockNodes, -1);
     for (const std::int32_t i : workspace.bins.of(t)) {
       const Triangle& c = triangles[i];
-      splat_triangle(x[c[0]], x[c[1]], x[c[2]], i, reach, origin, h, block.rho, block.source);
+      splat_triangle(x[c[0]], x[c[1]], x[c[2]], i, reach, origin, h, block.octants, block.rho, block.source);
     }
     for (int n = 0; n < kBlockNodes; ++n) {
       block.rho[n] = block.source[n] < 0 ? 0.0 : ramp(std::sqrt(block.rho[n]) - 0.5 * thickness, w);

@@ -59,13 +59,16 @@ bool tiles_of_box(const Aabb& box, double h, const TileRange& limit, TileRange& 
   return out.lo.x <= out.hi.x && out.lo.y <= out.hi.y && out.lo.z <= out.hi.z;
 }
 
-NodeRange nodes_in_box(const Aabb& box, const Vec3& origin, double h) {
+NodeRange nodes_in_box(const Aabb& box, const Vec3& origin, double h, Octants wanted) {
+  // Octants of the lower half along each axis; those of the upper are the others.
+  constexpr Octants kLower[3] = {0x55, 0x33, 0x0f};
+  constexpr int kHalf = kTileSize / 2;
   NodeRange r;
   for (int a = 0; a < 3; ++a) {
     r.lo[a] = static_cast<int>(std::ceil(std::clamp((box.lo[a] - origin[a]) / h - 1e-9, -1.0, double{kBlockSize})));
     r.hi[a] = static_cast<int>(std::floor(std::clamp((box.hi[a] - origin[a]) / h + 1e-9, -1.0, double{kBlockSize})));
-    r.lo[a] = std::max(r.lo[a], 0);
-    r.hi[a] = std::min(r.hi[a], kBlockSize - 1);
+    r.lo[a] = std::max(r.lo[a], wanted & kLower[a] ? 0 : kHalf);
+    r.hi[a] = std::min(r.hi[a], wanted & ~kLower[a] ? kBlockSize - 1 : kHalf + 2 * kHalo - 1);
   }
   return r;
 }

@@ -49,12 +49,13 @@ class TileIndex {
 /// (also for boxes that are not finite numbers).
 bool tiles_of_box(const Aabb& box, double h, const TileRange& limit, TileRange& out);
 
-/// Nodes of a tile's block in a box: inclusive local ranges, clipped to the block.
+/// Nodes of a tile's block in a box: inclusive local ranges, clipped to the block and to what spans the octants that
+/// are wanted.
 struct NodeRange {
   int lo[3], hi[3];
   bool empty() const { return lo[0] > hi[0] || lo[1] > hi[1] || lo[2] > hi[2]; }
 };
-NodeRange nodes_in_box(const Aabb& box, const Vec3& origin, double h);
+NodeRange nodes_in_box(const Aabb& box, const Vec3& origin, double h, Octants wanted);
 
 /// For each of the given tiles, the primitives whose box meets its block, by ascending index. Work and memory follow
 /// the primitives near the given tiles. Same result for any number of threads.

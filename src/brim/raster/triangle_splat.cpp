@@ -96,9 +96,9 @@ class TriangleDistance {
 }  // namespace
 
 BRIM_WIDE void splat_triangle(const Vec3& a, const Vec3& b, const Vec3& c, std::int32_t id, double reach,
-                              const Vec3& origin, double h, double* distance2, std::int32_t* nearest) {
+                              const Vec3& origin, double h, Octants wanted, double* distance2, std::int32_t* nearest) {
   const Aabb box = Aabb{a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c)}.inflated(reach);
-  const NodeRange n = nodes_in_box(box, origin, h);
+  const NodeRange n = nodes_in_box(box, origin, h, wanted);
   if (n.empty()) return;
   const TriangleDistance triangle(a, b, c);
   const Vec3 corner = triangle.local(origin), dx = triangle.direction(h * Vec3::UnitX());

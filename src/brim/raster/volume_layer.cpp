@@ -114,7 +114,7 @@ void VolumeLayer::rasterize(double h, double w, std::span<const TileKey> tiles, 
     for (const std::int32_t id : workspace->bins.of(t)) {
       const auto i = static_cast<std::size_t>(id);
       const double R = influence(i, w), scale = volume_[i] * kernel_scale(R), inverse = 1.0 / (R * R);
-      const NodeRange n = nodes_in_box(Aabb{x_[i], x_[i]}.inflated(R), origin, h);
+      const NodeRange n = nodes_in_box(Aabb{x_[i], x_[i]}.inflated(R), origin, h, block.octants);
       const Vec3 from = origin - x_[i];
       for (int c = n.lo[2]; c <= n.hi[2]; ++c)
         for (int b = n.lo[1]; b <= n.hi[1]; ++b) {

@@ -163,14 +163,13 @@ void ContactStage::refine(std::span<const WorldPart> parts, const WorldOptions& 
       return BoundedPart{dynamic_cast<const DistanceBound*>(parts[p].body), parts[p].index};
     };
     const BoundedPart pa = bounded_part(c.pair.part_a), pb = bounded_part(c.pair.part_b);
-    const bool bounded = pa.body != nullptr && pb.body != nullptr;
     const std::vector<TileKey>&a = layers_[c.pair_layer_a].present, &b = layers_[c.pair_layer_b].present;
     const TileRange range = tiles_meeting(c.region.inflated(c.pair.h), c.pair.h);
     const std::vector<TileKey>& few = a.size() < b.size() ? a : b;
     const std::vector<TileKey>& many = a.size() < b.size() ? b : a;
     for (const TileKey& t : few) {
       if (!inside(t, range) || !std::binary_search(many.begin(), many.end(), t)) continue;
-      const Octants octants = bounded ? octants_with_room(pa, pb, c.pair, t) : kAllOctants;
+      const Octants octants = octants_with_room(pa, pb, c.pair, t);
       if (octants != 0) c.tiles.push_back(t), c.octants.push_back(octants);
     }
   });

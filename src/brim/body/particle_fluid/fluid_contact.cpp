@@ -60,7 +60,7 @@ void FluidContact::rasterize(double h, std::span<const TileKey> tiles, std::span
     std::fill(std::begin(block.rho), std::end(block.rho), 0.0);
     const Vec3 origin = block_origin(tiles[t], h);
     for (const std::int32_t p : bins.of(t)) {
-      const NodeRange n = nodes_in_box(Aabb{x[p], x[p]}.inflated(H), origin, h);
+      const NodeRange n = nodes_in_box(Aabb{x[p], x[p]}.inflated(H), origin, h, block.octants);
       const double volume = volume_[p];
       for (int k = n.lo[2]; k <= n.hi[2]; ++k)
         for (int j = n.lo[1]; j <= n.hi[1]; ++j)
