@@ -130,7 +130,7 @@ class Body {
   /// @param w    [m] ramp width
   /// @param out  appended to; order and repetition do not matter
   virtual void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const = 0;
-  /// Writes the part's density on the given tiles, every node of every block.
+  /// Writes the part's density on the given tiles; out says which octants of each will be looked at (DensityBlock).
   virtual void rasterize(int p, double h, double w, std::span<const TileKey> tiles,
                          std::span<DensityBlock> out) const = 0;
   /// Makes (or refills) the map of the part at the given points, each near the node whose source it was.

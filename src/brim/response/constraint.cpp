@@ -50,7 +50,7 @@ void Constraint::gather_pair(const ContactSet& contacts, std::span<const Vec3> n
     if (facing(contacts, c) > facing(contacts, best)) best = c;
   }
   const std::size_t first = points_.size();
-  if (law.stiff && !options.every_node)
+  if (!options.every_node)
     for (const EdgePoint& e : edges_.find(contacts, pair, order_))
       add_point(contacts, e.node, e.point, e.normal, e.gap, law);
   if (order_.empty() && points_.size() == first) order_.push_back(best);
@@ -76,10 +76,14 @@ void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> n
         .push_back(c);  // deepest first, as in order_
   }
   for (auto& [cell, nodes] : cells) {
-    patch_.clear();
-    for (const std::size_t c : nodes)
-      if (normals[c].dot(normals[nodes.front()]) >= kAlike) patch_.push_back(c);
-    add_patch(contacts, normals, pair, law, patch_);
+    while (!nodes.empty()) {
+      const Vec3 n = normals[nodes.front()];
+      patch_.clear();
+      for (const std::size_t c : nodes)
+        if (normals[c].dot(n) >= kAlike) patch_.push_back(c);
+      add_patch(contacts, normals, pair, law, patch_);
+      std::erase_if(nodes, [&](std::size_t c) { return normals[c].dot(n) >= kAlike; });
+    }
   }
 }
 
