@@ -50,20 +50,24 @@ void Constraint::gather_pair(const ContactSet& contacts, std::span<const Vec3> n
     if (facing(contacts, c) > facing(contacts, best)) best = c;
   }
   const std::size_t first = points_.size();
-  if (!options.every_node)
-    for (const EdgePoint& e : edges_.find(contacts, pair, order_))
-      add_point(contacts, e.node, e.point, e.normal, e.gap, law);
-  if (order_.empty() && points_.size() == first) order_.push_back(best);
-  if (options.every_node) {
-    for (const std::size_t c : order_) add_point(contacts, c, contacts.point[c], normals[c], -contacts.depth[c], law);
-    return;
-  }
+  const std::span<const EdgePoint> edges =
+      options.every_node ? std::span<const EdgePoint>() : edges_.find(contacts, pair, order_);
+  if (order_.empty() && edges.empty()) order_.push_back(best);
   std::stable_sort(order_.begin(), order_.end(),
                    [&](std::size_t i, std::size_t j) { return contacts.depth[i] > contacts.depth[j]; });
-  if (law.stiff)
+  if (options.every_node)
+    for (const std::size_t c : order_) add_point(contacts, c, contacts.point[c], normals[c], -contacts.depth[c], law);
+  else if (law.stiff)
     gather_stiff(contacts, normals, pair, law);
   else
     gather_soft(contacts, normals, pair, law);
+  for (const EdgePoint& e : edges) {
+    // Rows against each other at one place cannot both be kept.
+    bool against = false;
+    for (std::size_t i = first; i < points_.size(); ++i)
+      against = against || (normal_[i].dot(e.normal) < 0.0 && (points_.point[i] - e.point).norm() < kAround * pair.h);
+    if (!against) add_point(contacts, e.node, e.point, e.normal, e.gap, law);
+  }
 }
 
 void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
