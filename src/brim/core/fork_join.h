@@ -28,7 +28,11 @@ namespace brim::detail {
 class ForkJoin {
  public:
 #ifdef BRIM_THREAD_SANITIZER
-  ForkJoin() { __tsan_release(&fork_); }
+  /// @param work  what the loop calls: the compiler must have stored it, and what it refers to, before the fork
+  explicit ForkJoin(const void* work) {
+    asm volatile("" : : "r"(work) : "memory");
+    __tsan_release(&fork_);
+  }
   ~ForkJoin() { __tsan_acquire(&join_); }
   /// Lives as long as one piece of work.
   class Work {
@@ -43,7 +47,7 @@ class ForkJoin {
  private:
   char fork_ = 0, join_ = 0;
 #else
-  ForkJoin() {}
+  explicit ForkJoin(const void*) {}
   ~ForkJoin() {}
   struct Work {
     explicit Work(ForkJoin&) {}

@@ -44,7 +44,7 @@ void parallel_for(std::size_t n, const F& f, std::size_t grain = 1) {
     for (std::size_t i = 0; i < n; ++i) f(i);
     return;
   }
-  detail::ForkJoin edges;
+  detail::ForkJoin edges(&f);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
                     [&](const tbb::blocked_range<std::size_t>& r)
                         BRIM_UNSEEN { detail::run_piece(edges, r.begin(), r.end(), f); });
