@@ -1,11 +1,12 @@
 #pragma once
 
-#if defined(__has_feature)
+// GCC says it by a macro, Clang by a feature. Eigen defines __has_feature where there is none, so the macro comes first.
+#if defined(__SANITIZE_THREAD__)
+#define BRIM_THREAD_SANITIZER 1
+#elif defined(__has_feature)
 #if __has_feature(thread_sanitizer)
 #define BRIM_THREAD_SANITIZER 1
 #endif
-#elif defined(__SANITIZE_THREAD__)
-#define BRIM_THREAD_SANITIZER 1
 #endif
 
 #ifdef BRIM_THREAD_SANITIZER
