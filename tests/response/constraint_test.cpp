@@ -98,12 +98,11 @@ TEST(Constraint, ATiltedBoxStandsOnItsEdgeToAFifthOfAVoxel) {
 
 TEST(Constraint, ARingOnAPlaneIsHeldAllAround) {
   const double h = 0.02, R = 0.14, r = 0.055;
-  const auto torus = make_grid_shape(std::make_shared<DistanceGrid>(sample_distance(
-                                         Aabb{Vec3(-0.25, -0.25, -0.12), Vec3(0.25, 0.25, 0.12)}, 0.005,
-                                         [&](const Vec3& p) {
-                                           return std::hypot(std::hypot(p.x(), p.y()) - R, p.z()) - r;
-                                         })),
-                                     2 * r);
+  const auto torus =
+      make_grid_shape(std::make_shared<DistanceGrid>(sample_distance(
+                          Aabb{Vec3(-0.25, -0.25, -0.12), Vec3(0.25, 0.25, 0.12)}, 0.005,
+                          [&](const Vec3& p) { return std::hypot(std::hypot(p.x(), p.y()) - R, p.z()) - r; })),
+                      2 * r);
   for (const double degrees : {0.0, 1.0, 4.0})
     for (const double gap : {0.1 * h, -0.2 * h, -1.0 * h}) {
       SCOPED_TRACE(::testing::Message() << degrees << " degrees, gap " << gap / h << " voxels");

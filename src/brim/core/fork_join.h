@@ -1,6 +1,7 @@
 #pragma once
 
-// GCC says it by a macro, Clang by a feature. Eigen defines __has_feature where there is none, so the macro comes first.
+// GCC says it by a macro, Clang by a feature. Eigen defines __has_feature where there is none, so the macro comes
+// first.
 #if defined(__SANITIZE_THREAD__)
 #define BRIM_THREAD_SANITIZER 1
 #elif defined(__has_feature)

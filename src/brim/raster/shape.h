@@ -48,9 +48,9 @@ std::shared_ptr<const Shape> make_half_space();
 void shape_presence(const Shape& shape, const Pose& pose, double h, double w, const Aabb& region,
                     std::vector<TileKey>& out);
 
-/// Writes the wanted octants of one block, or all of it, from any callable double distance(const Vec3& local); what lies
-/// wholly inside or outside is recognised from the distance at its centre, and rows of nodes far from the surface from
-/// their first.
+/// Writes the wanted octants of one block, or all of it, from any callable double distance(const Vec3& local); what
+/// lies wholly inside or outside is recognised from the distance at its centre, and rows of nodes far from the surface
+/// from their first.
 /// @param distance  changes by no more than the point moves, but for an error of at most slack [m]
 template <class Distance>
 void fill_block(const Distance& distance, const Pose& pose, const TileKey& tile, double h, double w, DensityBlock& out,
