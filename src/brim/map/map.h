@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <span>
 
 #include "brim/math/block_diagonal.h"
@@ -31,6 +33,13 @@ class Map {
   /// Zero for maps that are linear in q. @param dq  displacement in generalised coordinates, shape (nv)
   virtual void add_geometric(std::span<const Vec3> f, std::span<const double> dq, std::span<double> Q) const {
     (void)f, (void)dq, (void)Q;
+  }
+
+  /// Makes `out` the map of some of the points, in the room of the map of this kind that it may hold.
+  /// @param rows  points, ascending @return false where a body makes it anew as fast
+  virtual bool select(std::span<const std::uint32_t> rows, std::unique_ptr<Map>& out) const {
+    (void)rows, (void)out;
+    return false;
   }
 
   /// Adds the diagonal blocks of Jᵀ K J. @param K  symmetric, one per point, shape (n)

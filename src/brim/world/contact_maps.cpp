@@ -1,5 +1,7 @@
 #include "brim/world/contact_maps.h"
 
+#include <algorithm>
+
 #include "brim/core/parallel.h"
 
 namespace brim {
@@ -13,7 +15,8 @@ void ContactMaps::for_movable(const F& f) const {
 }
 
 void ContactMaps::build(std::span<const WorldPart> parts, const ContactSet& contacts,
-                        std::span<const std::size_t> first_v, std::span<const std::uint8_t> chosen) {
+                        std::span<const std::size_t> first_v, std::span<const std::uint8_t> chosen,
+                        const ContactMaps* all) {
   side_.resize(parts.size());
   first_side_.assign(first_v.size(), 0);
   for (const WorldPart& p : parts) ++first_side_[p.body_index + 1];
@@ -39,6 +42,7 @@ void ContactMaps::build(std::span<const WorldPart> parts, const ContactSet& cont
     s.v_size = first_v[s.body + 1] - s.first_v;
   }
   contact_.resize(2 * n), point_.resize(2 * n), source_.resize(2 * n);
+  whole_.resize(all != nullptr ? 2 * n : 0);
   row_a_.resize(n), row_b_.resize(n), row_vector_.resize(2 * n), row_matrix_.resize(2 * n);
   std::vector<std::size_t> next(count.begin(), count.end() - 1);
   std::size_t i = 0;
@@ -51,13 +55,24 @@ void ContactMaps::build(std::span<const WorldPart> parts, const ContactSet& cont
       point_[row_a_[i]] = point_[row_b_[i]] = contacts.point[c];
       source_[row_a_[i]] = contacts.source_a[c];
       source_[row_b_[i]] = contacts.source_b[c];
+      if (all == nullptr) continue;
+      whole_[row_a_[i]] = all->row_a_[c] - static_cast<std::uint32_t>(all->side_[p.part_a].begin);
+      whole_[row_b_[i]] = all->row_b_[c] - static_cast<std::uint32_t>(all->side_[p.part_b].begin);
     }
   parallel_for(parts.size(), [&](std::size_t p) {
     Side& s = side_[p];
     if (s.begin == s.end) return;
+    if (all != nullptr && all->side_[p].map->select(std::span(whole_).subspan(s.begin, s.end - s.begin), s.map)) return;
     parts[p].body->make_map(parts[p].index, std::span(point_).subspan(s.begin, s.end - s.begin),
                             std::span(source_).subspan(s.begin, s.end - s.begin), s.map);
   });
+}
+
+bool ContactMaps::serves(std::span<const std::uint8_t> chosen) const {
+  std::size_t held = 0;
+  for (const std::uint32_t c : chosen_) held += chosen[c] != 0;
+  const auto wanted = static_cast<std::size_t>(std::count_if(chosen.begin(), chosen.end(), [](auto f) { return f; }));
+  return held == wanted && chosen_.size() <= 2 * wanted;
 }
 
 void ContactMaps::velocities(std::span<const double> v, std::span<Vec3> a, std::span<Vec3> b) const {

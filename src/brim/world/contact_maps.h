@@ -16,9 +16,19 @@ namespace brim {
 class ContactMaps {
  public:
   /// @param first_v  first velocity of each body in the world's vectors, shape (bodies + 1)
-  /// @param chosen   nonzero for contacts that count, shape (contacts); the others see and do nothing. Empty: all
+  void build(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const std::size_t> first_v) {
+    build(parts, contacts, first_v, {}, nullptr);
+  }
+  /// The maps of some of the contacts; the others see and do nothing.
+  /// @param all     the maps of all contacts
+  /// @param chosen  nonzero for those that count, shape (contacts)
   void build(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const std::size_t> first_v,
-             std::span<const std::uint8_t> chosen = {});
+             const ContactMaps& all, std::span<const std::uint8_t> chosen) {
+    build(parts, contacts, first_v, chosen, &all);
+  }
+
+  /// True when the maps as last built hold all of the chosen contacts, and not many others.
+  bool serves(std::span<const std::uint8_t> chosen) const;
 
   /// Velocity of both parts' matter at each contact, [m/s]; like relative, for maps of all contacts.
   void velocities(std::span<const double> v, std::span<Vec3> a, std::span<Vec3> b) const;
@@ -47,6 +57,8 @@ class ContactMaps {
   std::size_t rows() const { return contact_.size(); }
 
  private:
+  void build(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const std::size_t> first_v,
+             std::span<const std::uint8_t> chosen, const ContactMaps* all);
   struct Side {
     bool movable = false;
     std::size_t begin = 0, end = 0;  ///< rows
@@ -69,6 +81,7 @@ class ContactMaps {
   std::vector<std::uint32_t> row_a_, row_b_;  ///< per chosen contact
   std::vector<Vec3> point_;
   std::vector<std::int32_t> source_;
+  std::vector<std::uint32_t> whole_;  ///< per row: that of the same contact and part in the maps of all, of its part
   mutable std::vector<Vec3> row_vector_;
   mutable std::vector<Mat3> row_matrix_;
 };

@@ -13,6 +13,8 @@ namespace {
 constexpr double kNegligible = 1e-11;
 /// Tolerance of a solve that another one follows, over that of the last.
 constexpr double kDraft = 10.0;
+/// Change of the contact forces, over the one that ends the passes, below which the next solve may be the last.
+constexpr double kNear = 20.0;
 
 }  // namespace
 
@@ -88,13 +90,14 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   contact_delta_.resize(contacts), contact_force_.resize(contacts);
   std::fill(delta.begin(), delta.end(), 0.0);
   const int passes = contacts > 0 ? settings.passes : 1;
-  bool settled = false;
+  bool settled = false, near = false;
   for (int pass = 0; pass < passes; ++pass) {
     diagonal_ = bodies_diagonal_;
     rhs_ = internal_;
     if (contacts > 0) {
       const ScopedSeconds contact_timer(contact_seconds);
-      acting_.build(parts, contact_set, first_v, response.acting());
+      if (pass == 0 || !acting_.serves(response.acting()))
+        acting_.build(parts, contact_set, first_v, maps, response.acting());
       response.right_hand_side(contact_force_);
       for (Vec3& f : contact_force_) f *= dt;
       acting_.add_forces(contact_force_, rhs_);
@@ -105,7 +108,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     coarse = contacts > 0 && modes_.factor(contact_set, response);
     // What only tells which contacts let go and how friction is loaded is solved less sharply than what is kept.
     const bool kept = settled || pass + 1 == passes;
-    const double tolerance = (kept ? 1.0 : kDraft) * settings.tolerance;
+    const double tolerance = (kept || near ? 1.0 : kDraft) * settings.tolerance;
     const SolveReport s = cg_.solve(system, rhs_, tolerance, settings.max_iterations, delta);
     report.cg_iterations += s.iterations;
     ++report.solves;
@@ -115,7 +118,11 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
           {report.time, "no_convergence",
            fmt::format("the solve stopped after {} iterations at relative residual {:.1e}", s.iterations, s.residual)});
     if (contacts > 0) maps.relative(delta, contact_delta_);
-    if (!kept) settled = response.update_loads(contact_set, contact_delta_) < settings.load_tolerance;
+    if (!kept) {
+      const double change = response.update_loads(contact_set, contact_delta_);
+      settled = change < settings.load_tolerance;
+      near = change < kNear * settings.load_tolerance;
+    }
     if (kept || (settled && s.residual <= settings.tolerance)) {
       report.cg_residual = std::max(report.cg_residual, s.residual);
       break;

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -30,17 +33,27 @@ class FluidMap final : public Map {
               std::span<const Vec3> direction);
 
   std::size_t points() const override { return direction_.size(); }
+  bool select(std::span<const std::uint32_t> rows, std::unique_ptr<Map>& out) const override;
   void velocity(std::span<const double> v, std::span<Vec3> u) const override;
   void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
 
  private:
+  /// The entries in the order of the particles, made when first asked for: many maps only give velocities.
+  struct ByParticle {
+    std::mutex making;
+    std::atomic<bool> made = false;
+    std::vector<std::int32_t> column;  ///< particle of each entry
+    std::vector<Entry> entry;          ///< by particle; `particle` is the point
+    RowTranspose transpose;
+  };
+  const ByParticle& by_particle() const;
+
   std::size_t particles_ = 0;
-  std::vector<std::int32_t> row_start_, particle_;
-  std::vector<Entry> entry_;        ///< by point
-  std::vector<Entry> by_particle_;  ///< by particle; `particle` is the point
+  std::vector<std::int32_t> row_start_;
+  std::vector<Entry> entry_;  ///< by point
   std::vector<Vec3> direction_;
-  RowTranspose transpose_;
+  mutable ByParticle by_particle_;
 };
 
 }  // namespace brim

@@ -1,8 +1,10 @@
 #include "brim/body/particle_fluid/fluid_pairs.h"
 
 #include <cmath>
+#include <cstring>
 
 #include "brim/core/parallel.h"
+#include "brim/core/wide.h"
 
 namespace brim {
 
@@ -40,16 +42,48 @@ void FluidPairs::build(const ParticleCells& cells, const FluidKernel& kernel, do
   });
 }
 
+namespace {
+
+/// Chains of additions run side by side: one alone would wait for itself at every neighbour.
+constexpr std::int32_t kChains = 4;
+
+/// Σ f(e) over first <= e < last, in an order that depends on nothing else.
+template <class T, class F>
+T chained_sum(std::int32_t first, std::int32_t last, T zero, const F& f) {
+  T s[kChains] = {zero, zero, zero, zero};
+  std::int32_t e = first;
+  for (; e + kChains <= last; e += kChains)
+    for (std::int32_t k = 0; k < kChains; ++k) s[k] += f(e + k);
+  for (; e < last; ++e) s[0] += f(e);
+  return (s[0] + s[1]) + (s[2] + s[3]);
+}
+
+FloatLanes lanes(const FluidPairs::Vec4& x) {
+  FloatLanes out;
+  std::memcpy(&out, x.data(), sizeof out);
+  return out;
+}
+
+struct Drag {
+  FloatLanes force = {};    ///< fourth lane: nothing
+  FloatLanes closing = {};  ///< the same in all lanes
+  Drag& operator+=(const Drag& d) { return force += d.force, closing += d.closing, *this; }
+  Drag operator+(const Drag& d) const { return {force + d.force, closing + d.closing}; }
+};
+
+}  // namespace
+
 void FluidPairs::rates(std::span<const Vec4> v, std::span<const float> weight, std::span<float> rate) const {
   parallel_blocks(size_, kBlock, [&](std::size_t begin, std::size_t end) {
     const Block& b = blocks_[begin / kBlock];
+    const Vec4* g = b.gradient.data();
+    const std::int32_t* j = b.neighbour.data();
     for (std::size_t i = begin; i < end; ++i) {
       rate[i] = 0.0f;
       if (!(weight[i] > 0.0f)) continue;
       const Vec4 vi = v[i];
-      Vec4 sum = Vec4::Zero();
-      for (std::int32_t e = b.first[i - begin]; e < b.first[i - begin + 1]; ++e)
-        sum += b.gradient[e] * (vi - v[b.neighbour[e]]);
+      const Vec4 sum = chained_sum(b.first[i - begin], b.first[i - begin + 1], Vec4(Vec4::Zero()),
+                                   [&](std::int32_t e) -> Vec4 { return g[e] * (vi - v[j[e]]); });
       rate[i] = (sum[0] + sum[1]) + sum[2];
     }
   });
@@ -58,11 +92,12 @@ void FluidPairs::rates(std::span<const Vec4> v, std::span<const float> weight, s
 void FluidPairs::add_pressure(std::span<const float> p, std::span<Eigen::Vector3d> y) const {
   parallel_blocks(size_, kBlock, [&](std::size_t begin, std::size_t end) {
     const Block& b = blocks_[begin / kBlock];
+    const Vec4* g = b.gradient.data();
+    const std::int32_t* j = b.neighbour.data();
     for (std::size_t i = begin; i < end; ++i) {
-      Vec4 sum = Vec4::Zero();
       const float pi = p[i];
-      for (std::int32_t e = b.first[i - begin]; e < b.first[i - begin + 1]; ++e)
-        sum += b.gradient[e] * (pi + p[b.neighbour[e]]);
+      const Vec4 sum = chained_sum(b.first[i - begin], b.first[i - begin + 1], Vec4(Vec4::Zero()),
+                                   [&](std::int32_t e) -> Vec4 { return g[e] * (pi + p[j[e]]); });
       y[i] += sum.head<3>().matrix().cast<double>();
     }
   });
@@ -72,19 +107,17 @@ void FluidPairs::add_viscosity(double s, std::span<const Vec4> v, std::span<floa
                                std::span<Eigen::Vector3d> y) const {
   parallel_blocks(size_, kBlock, [&](std::size_t begin, std::size_t end) {
     const Block& b = blocks_[begin / kBlock];
+    const std::int32_t* j = b.neighbour.data();
     for (std::size_t i = begin; i < end; ++i) {
-      Vec4 sum = Vec4::Zero();
-      float total = 0.0f;
-      const Vec4 vi = v[i];
-      for (std::int32_t e = b.first[i - begin]; e < b.first[i - begin + 1]; ++e) {
-        const Vec4& g = b.gradient[e];
-        const Vec4 t = g * (vi - v[b.neighbour[e]]);
-        const float closing = t[0] + t[1] + t[2];
-        total += closing;
-        sum += (g[3] * closing) * g;
-      }
-      if (!rate.empty()) rate[i] = total;
-      y[i] += s * sum.head<3>().matrix().cast<double>();
+      const FloatLanes vi = lanes(v[i]);
+      const Drag sum = chained_sum(b.first[i - begin], b.first[i - begin + 1], Drag{}, [&](std::int32_t e) {
+        const FloatLanes g = lanes(b.gradient[e]), t = g * (vi - lanes(v[j[e]]));
+        const FloatLanes pairs = t + __builtin_shuffle(t, LaneIds{1, 0, 3, 2});
+        const FloatLanes closing = pairs + __builtin_shuffle(pairs, LaneIds{2, 3, 0, 1});  // v has no fourth lane
+        return Drag{__builtin_shuffle(g, LaneIds{3, 3, 3, 3}) * closing * g, closing};
+      });
+      if (!rate.empty()) rate[i] = sum.closing[0];
+      y[i] += s * Eigen::Vector3d(sum.force[0], sum.force[1], sum.force[2]);
     }
   });
 }
