@@ -87,7 +87,7 @@ double soften_stiffness(double k, double E, const Loads& loads, double w, double
 
 double shapeless_stiffness(double k, double E, const Loads& loads) {
   const double p = loads.pressure;
-  return p > 0.0 ? std::min(k, std::clamp(20.0 * E, 20.0 * p, 100.0 * p)) : k;
+  return p > 0.0 ? std::min(k, std::clamp(20.0 * E, 20.0 * p, 1000.0 * p)) : k;
 }
 
 }  // namespace brim
