@@ -1,0 +1,160 @@
+#!/usr/bin/python3
+"""What a run of a fluid shows, against what is known: draft of what floats, volume, speed that is left, front of a dam.
+
+    tools/fluid_measures.py out/pool_block
+    tools/fluid_measures.py out/dam_break --front 0.5
+
+Draft: height of the surface over the lowest point of each rigid body, mean over the second half of the run, beside that
+of a box of its mass and outline (Archimedes). The surface is that of the columns which the body's outline leaves free by
+a cell: zero of the level set, or the highest particle and half a spacing. Volume: of the cells, cut where the level
+set says; of particles it is not known. Front: largest x over the column's length a, at T = t sqrt(2 g / a), beside
+Martin and Moyce (1952), figure 3, n² = 2. Needs h5py.
+"""
+import argparse
+import json
+import os
+import re
+import sys
+
+os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
+import h5py  # noqa: E402
+import numpy as np  # noqa: E402
+
+GRAVITY = 9.81
+MARTIN_AND_MOYCE = [(0.832, 1.217), (1.219, 1.474), (1.997, 2.292), (2.547, 2.995), (3.345, 4.134), (4.034, 4.944)]
+
+
+def read_scene(path):
+    """Comments are whole lines, as in all of brim's scenes."""
+    with open(path, encoding="utf-8") as f:
+        return json.loads(re.sub(r"^\s*//.*$", "", f.read(), flags=re.M))
+
+
+class Particles:
+    """A particle fluid: one column per square of a spacing."""
+
+    def __init__(self, run, number, spec):
+        self.step = spec["spacing"]
+        self.positions = run[f"display/{number}/positions"]
+
+    def columns(self, frame):
+        """(x, y, height) of the surface, shape (n, 3)."""
+        x = self.positions[frame]
+        best = {}
+        for (i, j), z in zip(np.floor(x[:, :2] / self.step).astype(int), x[:, 2]):
+            best[i, j] = max(best.get((i, j), -np.inf), z)
+        return np.array([((i + 0.5) * self.step, (j + 0.5) * self.step, z + 0.5 * self.step)
+                         for (i, j), z in best.items()])
+
+    def volume(self, frame):
+        return None
+
+    def front(self, frame):
+        return self.positions[frame][:, 0].max() + 0.5 * self.step
+
+
+class Grid:
+    """A grid fluid: q holds the level set at the cells, x fastest."""
+
+    def __init__(self, run, number, spec):
+        self.step = spec["cell_size"]
+        self.lo, hi = np.array(spec["box"]["lo"]), np.array(spec["box"]["hi"])
+        self.cells = np.round((hi - self.lo) / self.step).astype(int)
+        body = run[f"bodies/{number}"].attrs
+        self.q, self.first = run["frames/q"], int(body["q_offset"])
+
+    def level_set(self, frame):
+        nx, ny, nz = self.cells
+        return self.q[frame, self.first:self.first + nx * ny * nz].reshape(nz, ny, nx)
+
+    def columns(self, frame):
+        phi = self.level_set(frame)
+        out = []
+        for j in range(self.cells[1]):
+            for i in range(self.cells[0]):
+                c = phi[:, j, i]
+                k = np.flatnonzero((c[:-1] < 0) & (c[1:] >= 0))
+                if len(k) == 0:
+                    continue
+                k = k[-1]
+                z = k + 0.5 + c[k] / (c[k] - c[k + 1])
+                out.append(self.lo + self.step * np.array([i + 0.5, j + 0.5, z]))
+        return np.array(out)
+
+    def volume(self, frame):
+        return np.clip(0.5 - self.level_set(frame) / self.step, 0.0, 1.0).sum() * self.step**3
+
+    def front(self, frame):
+        return self.lo[0] + self.step * (np.flatnonzero((self.level_set(frame) < 0).any(axis=(0, 1)))[-1] + 1)
+
+
+def outline(run, number, frame):
+    x = run[f"display/{number}/positions"][frame]
+    return x.min(axis=0), x.max(axis=0)
+
+
+def draft(run, fluid, number, frame):
+    """[m], or None where no column is free."""
+    lo, hi = outline(run, number, frame)
+    columns = fluid.columns(frame)
+    if len(columns) == 0:
+        return None
+    away = np.maximum(lo[:2] - columns[:, :2], columns[:, :2] - hi[:2]).max(axis=1)
+    free = columns[away > fluid.step]
+    return free[:, 2].mean() - lo[2] if len(free) else None
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("run", help="folder that brim run wrote")
+    parser.add_argument("--front", type=float, metavar="A", help="length of the column that breaks [m], from x = 0")
+    options = parser.parse_args()
+    try:
+        run = h5py.File(os.path.join(options.run, "run.h5"), "r")
+        scene = read_scene(os.path.join(options.run, "scene.json"))
+    except OSError as error:
+        sys.exit(f"{options.run}: {error}")
+    specs = {b["name"]: b for b in scene["bodies"]}
+    frames = len(run["frames/time"])
+    found = False
+    for number in range(len(run["bodies"])):
+        body = run[f"bodies/{number}"].attrs
+        kind, name = body["kind"].decode(), body["name"].decode()
+        if kind not in ("particle_fluid", "grid_fluid"):
+            continue
+        found = True
+        spec = specs[name]
+        fluid = (Particles if kind == "particle_fluid" else Grid)(run, number, spec)
+        first, size = int(body["v_offset"]), int(body["v_size"])
+        v = run["frames/v"][-max(1, frames // 10):, first:first + size]
+        share = 3 if kind == "particle_fluid" else 1
+        print(f"{name}: root mean square speed in the last tenth of the run {np.sqrt(share * (v**2).mean()):.3f} m/s")
+        volumes = [fluid.volume(f) for f in range(frames)]
+        if volumes[0]:
+            print(f"{name}: volume {volumes[0]:.4f} m³, worst change {100 * max(abs(x / volumes[0] - 1) for x in volumes):.2f} %")
+        for other in range(len(run["bodies"])):
+            solid = run[f"bodies/{other}"].attrs
+            if solid["kind"].decode() != "rigid":
+                continue
+            found_drafts = [d for d in (draft(run, fluid, other, f) for f in range(frames // 2, frames)) if d is not None]
+            if not found_drafts:
+                continue
+            lo, hi = outline(run, other, 0)
+            mean = float(np.mean(found_drafts))
+            if mean > (hi - lo)[2]:
+                continue  # it sank
+            wanted = float(solid["mass"]) / (spec.get("density", 1000.0) * (hi - lo)[0] * (hi - lo)[1])
+            print(f"{solid['name'].decode()}: draft in {name} {mean:.4f} m; a box of its outline and mass {wanted:.4f} m "
+                  f"({100 * (mean / wanted - 1):+.1f} %)")
+        if options.front:
+            times = run["frames/time"][:] * np.sqrt(2 * GRAVITY / options.front)
+            front = [fluid.front(f) / options.front for f in range(frames)]
+            for t, z in MARTIN_AND_MOYCE:
+                if t <= times[-1]:
+                    print(f"T = {t:.3f}: front at {np.interp(t, times, front):.3f}, experiment {z:.3f}")
+    if not found:
+        sys.exit(f"{options.run}: no fluid in this run")
+
+
+if __name__ == "__main__":
+    main()
