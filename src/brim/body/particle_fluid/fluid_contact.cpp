@@ -53,6 +53,9 @@ BRIM_WIDE void splat_kernel(const Vec3& x, const FluidKernel& kernel, double vol
 void FluidContact::begin(const ParticleCells& cells, std::span<const double> fill) {
   cells_ = &cells;
   batches_.clear();
+  auto places = std::make_shared<std::vector<Vec3>>(cells.size());
+  for (std::size_t k = 0; k < cells.size(); ++k) (*places)[cells.order()[k]] = cells.positions()[k];
+  places_ = std::move(places);
   volume_.resize(cells.size());
   for (std::size_t i = 0; i < volume_.size(); ++i) volume_[i] = volume_of_one_ * std::max(1.0, kSparseFill / fill[i]);
 }
@@ -119,17 +122,11 @@ void FluidContact::make_map(std::span<const std::int32_t> sources, FluidMap& map
   const std::size_t n = sources.size(), blocks = (n + kBlock - 1) / kBlock;
   std::vector<std::vector<FluidMap::Entry>> entries(blocks);
   std::vector<std::int32_t> length(n);
-  std::vector<Vec3> direction(n);
+  std::vector<FluidMap::Row> rows(n);
   parallel_for(blocks, [&](std::size_t b) {
-    struct Near {
-      std::int32_t particle;
-      double value;
-      Vec3 slope;
-    };
-    std::vector<Near> near;
     for (std::size_t p = b * kBlock; p < std::min(n, (b + 1) * kBlock); ++p) {
       const Vec3 node = node_of(sources[p]);
-      near.clear();
+      const std::size_t before = entries[b].size();
       Vec3 slope = Vec3::Zero();
       double value = 0.0;
       cells_->near(node, H, [&](std::int32_t first, std::int32_t last) {
@@ -138,23 +135,21 @@ void FluidContact::make_map(std::span<const std::int32_t> sources, FluidMap& map
           const double r2 = d.squaredNorm();
           if (r2 >= H * H) continue;
           const double r = std::sqrt(r2);
-          near.push_back({i, volume_[i] * kernel_.value(r), volume_[i] * kernel_.slope_over_r(r) * d});
-          value += near.back().value;
-          slope += near.back().slope;
+          const FluidMap::Entry e = {order[i], static_cast<float>(volume_[i] * kernel_.value(r)),
+                                     static_cast<float>(volume_[i] * kernel_.slope_over_r(r))};
+          entries[b].push_back(e);
+          value += e.value;
+          slope += double(e.slope) * d;
         }
       });
       // Slopes as far as they add up, kernel weights for what is missing.
       const double size = slope.norm(), scale = std::max(size, kSteepSlope / H);
-      direction[p] = size > 0.0 ? Vec3(slope / size) : Vec3::UnitZ();
-      for (const Near& e : near) {
-        const double w = e.value / value;
-        const Vec3 a = e.slope / scale + (w * (1.0 - size / scale)) * direction[p];
-        entries[b].push_back({order[e.particle], w, a});
-      }
-      length[p] = static_cast<std::int32_t>(near.size());
+      rows[p] = {node, size > 0.0 ? Vec3(slope / size) : Vec3::UnitZ(), value > 0.0 ? 1.0 / value : 0.0, 1.0 / scale,
+                 1.0 - size / scale};
+      length[p] = static_cast<std::int32_t>(entries[b].size() - before);
     }
   });
-  map.assign(cells_->size(), entries, length, direction);
+  map.assign(places_, std::move(rows), entries, length);
 }
 
 }  // namespace brim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <mutex>
 #include <span>
 #include <vector>
@@ -52,7 +53,8 @@ class FluidContact {
   const ParticleCells* cells_ = nullptr;
   FluidKernel kernel_;
   double volume_of_one_;
-  std::vector<double> volume_;  ///< V_p in cell order, [m³]
+  std::vector<double> volume_;                       ///< V_p in cell order, [m³]
+  std::shared_ptr<const std::vector<Vec3>> places_;  ///< of the particles in the caller's order, for maps
   mutable std::mutex mutex_;
   mutable std::vector<Batch> batches_;
   mutable WorkspacePool<Workspace> workspace_;

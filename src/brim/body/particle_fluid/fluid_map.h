@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "brim/core/workspace_pool.h"
 #include "brim/map/map.h"
 #include "brim/map/row_transpose.h"
 
@@ -18,21 +19,33 @@ namespace brim {
 /// Along u the velocity is the rate of the density itself, so that the force of a penalty on the density is the exact
 /// gradient of its energy, particle by particle; Σ a_p = u, so uniform motion is reproduced and linear momentum is
 /// exact. Angular momentum is not: Σ x_p × (Jᵀ f)_p differs from r × f where particles lie unevenly about the node.
-/// Products are parallel and give the same bits for any number of threads.  Tests: tests/body/fluid_map_test.cpp
+///
+/// Values and slopes of the kernel are kept in single precision and divided by their own sums in double: both identities
+/// hold to rounding, and a product reads a third of the memory.
+/// Products are parallel and give the same bits for any number of threads.  Tests: tests/body/particle_fluid_test.cpp
 class FluidMap final : public Map {
  public:
+  /// A particle near a point.
   struct Entry {
     std::int32_t particle;
-    double weight;  ///< w
-    Vec3 slope;     ///< a
+    float value;  ///< V W, [-]
+    float slope;  ///< V W'/r, [1/m²]: its gradient is slope (node − x)
+  };
+  /// What is common to the entries of a point.
+  struct Row {
+    Vec3 node;       ///< [m]
+    Vec3 direction;  ///< u, unit
+    double share;    ///< 1 / Σ value
+    double steep;    ///< 1 / g, [m]
+    double rest;     ///< 1 − |∇ρ|/g
   };
 
-  /// @param rows  entries of consecutive points, block by block @param length  entries of each point, shape (points)
-  /// @param direction  u, unit, shape (points)
-  void assign(std::size_t particles, std::span<const std::vector<Entry>> rows, std::span<const std::int32_t> length,
-              std::span<const Vec3> direction);
+  /// @param x        positions of the particles, [m]; shared, must not change
+  /// @param entries  of consecutive points, block by block @param length  entries of each point, shape (points)
+  void assign(std::shared_ptr<const std::vector<Vec3>> x, std::vector<Row> rows,
+              std::span<const std::vector<Entry>> entries, std::span<const std::int32_t> length);
 
-  std::size_t points() const override { return direction_.size(); }
+  std::size_t points() const override { return row_.size(); }
   bool select(std::span<const std::uint32_t> rows, std::unique_ptr<Map>& out) const override;
   void velocity(std::span<const double> v, std::span<Vec3> u) const override;
   void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
@@ -47,13 +60,19 @@ class FluidMap final : public Map {
     std::vector<Entry> entry;          ///< by particle; `particle` is the point
     RowTranspose transpose;
   };
+  /// What a point's force is to its entries: value · even + slope · along (node − x).
+  struct Push {
+    Vec3 even, node;
+    double along;
+  };
   const ByParticle& by_particle() const;
 
-  std::size_t particles_ = 0;
+  std::shared_ptr<const std::vector<Vec3>> x_;
   std::vector<std::int32_t> row_start_;
+  std::vector<Row> row_;
   std::vector<Entry> entry_;  ///< by point
-  std::vector<Vec3> direction_;
   mutable ByParticle by_particle_;
+  mutable WorkspacePool<std::vector<Push>> pushes_;
 };
 
 }  // namespace brim
