@@ -94,20 +94,9 @@ void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> n
 void Constraint::gather_stiff(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                               const ConstraintPair& law) {
   // Where each node lies, so that patches grow from neighbour to neighbour.
-  const auto key = [&](std::size_t c, int dx, int dy, int dz) {
-    const Vec3 i = (contacts.node[c] / pair.h).array().round();
-    constexpr std::int64_t kBias = 1 << 20;
-    return ((static_cast<std::int64_t>(i.x()) + dx + kBias) << 42) +
-           ((static_cast<std::int64_t>(i.y()) + dy + kBias) << 21) + static_cast<std::int64_t>(i.z()) + dz + kBias;
-  };
-  place_.clear();
-  for (std::size_t i = 0; i < order_.size(); ++i) place_[key(order_[i], 0, 0, 0)] = i;
-  const auto for_neighbours = [&](std::size_t c, const auto& f) {
-    for (int dx = -1; dx <= 1; ++dx)
-      for (int dy = -1; dy <= 1; ++dy)
-        for (int dz = -1; dz <= 1; ++dz)
-          if (const auto it = place_.find(key(c, dx, dy, dz)); it != place_.end()) f(it->second);
-  };
+  place_.reset(pair.h);
+  for (std::size_t i = 0; i < order_.size(); ++i) place_.set(contacts.node[order_[i]], i);
+  const auto for_neighbours = [&](std::size_t c, const auto& f) { place_.for_around(contacts.node[c], 1, f); };
   taken_.assign(order_.size(), 0);
   for (std::size_t i = 0; i < order_.size(); ++i) {
     if (taken_[i]) continue;

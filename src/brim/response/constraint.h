@@ -2,12 +2,12 @@
 
 #include <cstdint>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "brim/contact/contact_set.h"
 #include "brim/math/types.h"
 #include "brim/response/edge_points.h"
+#include "brim/response/node_places.h"
 #include "brim/response/patch_model.h"
 
 namespace brim {
@@ -87,7 +87,7 @@ class Constraint {
   std::vector<std::uint8_t> taken_;
   PatchFitter fitter_;
   EdgePoints edges_;
-  std::unordered_map<std::int64_t, std::size_t> place_;
+  NodePlaces place_;
 };
 
 }  // namespace brim

@@ -20,28 +20,15 @@ constexpr double kNearLeast = 0.25, kLong = 1.0;
 constexpr int kBesideFace = 2;
 constexpr double kNearer = 0.1;
 
-std::int64_t key_of(const Vec3& node, double h, int dx, int dy, int dz) {
-  const Vec3 i = (node / h).array().round();
-  constexpr std::int64_t kBias = 1 << 20;
-  return ((static_cast<std::int64_t>(i.x()) + dx + kBias) << 42) +
-         ((static_cast<std::int64_t>(i.y()) + dy + kBias) << 21) + static_cast<std::int64_t>(i.z()) + dz + kBias;
-}
-
 }  // namespace
 
 void EdgePoints::read(const ContactSet& s, const ContactPair& pair, std::span<const std::size_t> faces) {
-  reading_.clear(), place_.clear();
-  for (const std::size_t c : faces) place_[key_of(s.node[c], pair.h, 0, 0, 0)] = c;
+  reading_.clear();
+  place_.reset(pair.h);
+  for (const std::size_t c : faces) place_.set(s.node[c], c);
   const auto belongs_to_face = [&](const Reading& r) {
-    if (place_.empty()) return false;
-    const Vec3& node = s.node[r.node];
-    for (int dx = -kBesideFace; dx <= kBesideFace; ++dx)
-      for (int dy = -kBesideFace; dy <= kBesideFace; ++dy)
-        for (int dz = -kBesideFace; dz <= kBesideFace; ++dz)
-          if (const auto it = place_.find(key_of(node, pair.h, dx, dy, dz));
-              it != place_.end() && -s.depth[it->second] <= r.gap + kNearer * pair.h)
-            return true;
-    return false;
+    return place_.any_around(s.node[r.node], kBesideFace,
+                             [&](std::size_t face) { return -s.depth[face] <= r.gap + kNearer * pair.h; });
   };
   for (std::size_t c = pair.begin; c < pair.end; ++c) {
     if (tells_distances(s, c, pair.w) || !on_ramps(s, c, pair.w) || facing(s, c) < kLeastFacing) continue;
@@ -61,9 +48,8 @@ std::span<const EdgePoint> EdgePoints::find(const ContactSet& contacts, const Co
   points_.clear();
   read(contacts, pair, faces);
   std::stable_sort(reading_.begin(), reading_.end(), [](const Reading& i, const Reading& j) { return i.gap < j.gap; });
-  place_.clear();
-  for (std::size_t i = 0; i < reading_.size(); ++i)
-    place_[key_of(contacts.node[reading_[i].node], pair.h, 0, 0, 0)] = i;
+  place_.reset(pair.h);
+  for (std::size_t i = 0; i < reading_.size(); ++i) place_.set(contacts.node[reading_[i].node], i);
   taken_.assign(reading_.size(), 0);
   std::vector<std::size_t> grown;
   for (std::size_t i = 0; i < reading_.size(); ++i) {
@@ -71,14 +57,11 @@ std::span<const EdgePoint> EdgePoints::find(const ContactSet& contacts, const Co
     taken_[i] = 1;
     grown.assign(1, i);
     for (std::size_t k = 0; k < grown.size(); ++k)
-      for (int d = 0; d < 27; ++d) {
-        const Vec3& node = contacts.node[reading_[grown[k]].node];
-        const auto it = place_.find(key_of(node, pair.h, d % 3 - 1, d / 3 % 3 - 1, d / 9 - 1));
-        if (it == place_.end() || taken_[it->second]) continue;
-        if (reading_[it->second].normal.dot(reading_[i].normal) < kAlike) continue;
-        taken_[it->second] = 1;
-        grown.push_back(it->second);
-      }
+      place_.for_around(contacts.node[reading_[grown[k]].node], 1, [&](std::size_t j) {
+        if (taken_[j] || reading_[j].normal.dot(reading_[i].normal) < kAlike) return;
+        taken_[j] = 1;
+        grown.push_back(j);
+      });
     group_.clear();
     for (const std::size_t g : grown)
       if (reading_[g].gap < reading_[i].gap + kNearLeast * pair.h) group_.push_back(reading_[g]);

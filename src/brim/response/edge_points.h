@@ -3,11 +3,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "brim/contact/contact_set.h"
 #include "brim/math/types.h"
+#include "brim/response/node_places.h"
 
 namespace brim {
 
@@ -45,7 +45,7 @@ class EdgePoints {
   std::vector<EdgePoint> points_;
   std::vector<Reading> reading_, group_;
   std::vector<std::uint8_t> taken_;
-  std::unordered_map<std::int64_t, std::size_t> place_;
+  NodePlaces place_;
 };
 
 }  // namespace brim
