@@ -30,6 +30,7 @@ LOOKS = {
     "constraint_stack": (60, ["--contacts", "forces"]),
     "ct_head": (40, ["--camera", "-62,20,0.8"]),
     "dam_break": (30, ["--surface", "all", "--camera", "-68,20,4.2"]),
+    "dam_large": (34, ["--surface", "all", "--camera", "-68,22,4.5"]),
     "drape": (70, []),
     "grain_heap": (60, []),
     "grid_float": (120, []),

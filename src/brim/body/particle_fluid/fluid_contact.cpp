@@ -109,8 +109,8 @@ Vec3 FluidContact::node_of(std::int32_t source) const {
   --batch;
   const std::int32_t local = source - batch->first_source, node = local % kBlockNodes;
   const TileKey& tile = batch->tiles.at(static_cast<std::size_t>(local / kBlockNodes));
-  return block_origin(tile, batch->h) +
-         batch->h * Vec3(node % kBlockSize, node / kBlockSize % kBlockSize, node / (kBlockSize * kBlockSize));
+  const int i = node % kBlockSize, j = node / kBlockSize % kBlockSize, k = node / (kBlockSize * kBlockSize);
+  return block_origin(tile, batch->h) + batch->h * Vec3(i, j, k);
 }
 
 void FluidContact::make_map(std::span<const std::int32_t> sources, FluidMap& map) const {

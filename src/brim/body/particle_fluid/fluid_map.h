@@ -20,9 +20,9 @@ namespace brim {
 /// gradient of its energy, particle by particle; Σ a_p = u, so uniform motion is reproduced and linear momentum is
 /// exact. Angular momentum is not: Σ x_p × (Jᵀ f)_p differs from r × f where particles lie unevenly about the node.
 ///
-/// Values and slopes of the kernel are kept in single precision and divided by their own sums in double: both identities
-/// hold to rounding, and a product reads a third of the memory.
-/// Products are parallel and give the same bits for any number of threads.  Tests: tests/body/particle_fluid_test.cpp
+/// Values and slopes of the kernel are kept in single precision and divided by their own sums in double: both
+/// identities hold to rounding, and a product reads a third of the memory. Products are parallel and give the same bits
+/// for any number of threads.  Tests: tests/body/particle_fluid_test.cpp
 class FluidMap final : public Map {
  public:
   /// A particle near a point.

@@ -112,9 +112,9 @@ void FluidPairs::add_viscosity(double s, std::span<const Vec4> v, std::span<floa
       const FloatLanes vi = lanes(v[i]);
       const Drag sum = chained_sum(b.first[i - begin], b.first[i - begin + 1], Drag{}, [&](std::int32_t e) {
         const FloatLanes g = lanes(b.gradient[e]), t = g * (vi - lanes(v[j[e]]));
-        const FloatLanes pairs = t + __builtin_shuffle(t, LaneIds{1, 0, 3, 2});
-        const FloatLanes closing = pairs + __builtin_shuffle(pairs, LaneIds{2, 3, 0, 1});  // v has no fourth lane
-        return Drag{__builtin_shuffle(g, LaneIds{3, 3, 3, 3}) * closing * g, closing};
+        const FloatLanes pairs = t + __builtin_shufflevector(t, t, 1, 0, 3, 2);
+        const FloatLanes closing = pairs + __builtin_shufflevector(pairs, pairs, 2, 3, 0, 1);  // v has no fourth lane
+        return Drag{__builtin_shufflevector(g, g, 3, 3, 3, 3) * closing * g, closing};
       });
       if (!rate.empty()) rate[i] = sum.closing[0];
       y[i] += s * Eigen::Vector3d(sum.force[0], sum.force[1], sum.force[2]);
