@@ -12,25 +12,14 @@
 #include "brim/world/contact_maps.h"
 #include "brim/world/contact_stage.h"
 #include "brim/world/implicit_step.h"
-#include "brim/world/loads.h"
 #include "brim/world/momentum_check.h"
+#include "brim/world/pair_laws.h"
 #include "brim/world/pair_reports.h"
 #include "brim/world/substeps.h"
 
 namespace brim {
 
 namespace {
-
-/// The pair's own word counts first, then a body's "constraint", then its "penalty", then the world's.
-Response choose_response(Response pair, Response a, Response b, Response world) {
-  if (pair != Response::Inherit) return pair;
-  if (a == Response::Constraint || b == Response::Constraint) return Response::Constraint;
-  if (a == Response::Penalty || b == Response::Penalty) return Response::Penalty;
-  return world;
-}
-
-/// True when the part cannot deform: its body has no more velocities than rigid parts would have.
-bool is_stiff(const WorldPart& p) { return p.body->v_size() <= 6 * static_cast<std::size_t>(p.body->part_count()); }
 
 /// Motion of a sub-step, over what is allowed, above which it is solved again in pieces.
 constexpr double kOutrun = 1.25;
@@ -44,17 +33,13 @@ struct World::Impl {
   std::vector<std::size_t> first_q{0}, first_v{0};
   State state;
   bool started = false;
-  double stiffness = 0.0;  ///< [Pa] largest of any pair
-  Loads loads;
-  double loads_width = 0.0;  ///< [m] ramp that the stiffness was chosen for
+  PairLaws laws;
 
   ContactStage stage;
   ContactMaps maps;
   Penalty response;
   ImplicitStep implicit;
   ConstraintStep constraints;
-  std::vector<PairState> pair_states;
-  std::vector<ConstraintPair> constraint_pairs;
   std::vector<Vec3> velocity_a, velocity_b, normal_force, friction_force;
   std::vector<double> delta, before_q, before_v, travel;
   std::vector<ContactSample> samples;
@@ -66,8 +51,6 @@ struct World::Impl {
   void update_bodies();
   double substep(double left, StepReport& report);
   bool solve_substep(double dt, StepReport& report);
-  void choose_pair_states();
-  PairMaterial material_of(const PartInfo& a, const PartInfo& b) const;
   void measure(StepReport& report);
 };
 
@@ -122,7 +105,7 @@ std::span<const std::pair<TileKey, double>> World::active_tiles() const { return
 
 double World::stiffness() const {
   if (!impl_->started) impl_->start();
-  return impl_->stiffness;
+  return impl_->laws.stiffness();
 }
 
 void World::set_state(State state) {
@@ -168,60 +151,11 @@ void World::Impl::start() {
     const int level = std::max(0, static_cast<int>(std::floor(std::log2(wanted / h0) + 1e-9)));
     p.h = std::ldexp(h0, level);
   }
-  stiffness = options.stiffness;
-  if (stiffness == 0.0) {
-    std::vector<double> speed(parts.size());
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-      const auto vb = v(parts[p].body_index);
-      speed[p] = parts[p].body->carrier_velocity(parts[p].index, vb).norm() +
-                 parts[p].body->relative_speed_bound(parts[p].index, vb);
-    }
-    loads = estimate_loads(parts, speed, options.environment);
-    loads_width = options.ramp_voxels * h0;
-    stiffness = choose_stiffness(loads, loads_width, options.time_step);
-  }
-  if (!(stiffness > 0.0)) stiffness = 1e6;  // nothing has weight: any contact may be this stiff
+  laws.start(parts, state.v, first_v, options, h0);
 }
 
 void World::Impl::update_bodies() {
   parallel_for(bodies.size(), [&](std::size_t b) { bodies[b]->update(state.time, q(b), v(b)); });
-}
-
-PairMaterial World::Impl::material_of(const PartInfo& a, const PartInfo& b) const {
-  auto key = std::minmax(a.material.name, b.material.name);
-  const auto it = options.pair_materials.find({key.first, key.second});
-  PairMaterial m = it != options.pair_materials.end() ? it->second : PairMaterial{};
-  if (m.friction < 0.0) m.friction = std::sqrt(a.material.friction * b.material.friction);
-  if (m.restitution < 0.0) m.restitution = std::max(a.material.restitution, b.material.restitution);
-  m.response = choose_response(m.response, a.material.response, b.material.response, options.response);
-  if (m.stiffness > 0.0) return m;
-  if (options.stiffness > 0.0)
-    m.stiffness = options.stiffness;
-  else if (a.shapeless || b.shapeless)
-    m.stiffness = shapeless_stiffness(
-        stiffness, std::min(a.shapeless ? a.modulus : b.modulus, b.shapeless ? b.modulus : a.modulus), loads);
-  else
-    m.stiffness = soften_stiffness(stiffness, std::min(a.modulus, b.modulus), loads, loads_width, options.time_step);
-  return m;
-}
-
-void World::Impl::choose_pair_states() {
-  const ContactSet& contacts = stage.contacts();
-  pair_states.resize(contacts.pairs.size());
-  constraint_pairs.resize(contacts.pairs.size());
-  for (std::size_t i = 0; i < contacts.pairs.size(); ++i) {
-    const WorldPart &a = parts[contacts.pairs[i].part_a], &b = parts[contacts.pairs[i].part_b];
-    const PairMaterial m = material_of(a.info, b.info);
-    const bool constrained = m.response == Response::Constraint;
-    constraint_pairs[i] = {constrained, m.friction, m.restitution, is_stiff(a) && is_stiff(b)};
-    const bool rigid = std::isinf(a.info.modulus) && std::isinf(b.info.modulus);
-    pair_states[i] = {constrained ? 0.0 : m.stiffness,
-                      m.friction,
-                      a.body->carrier_velocity(a.index, v(a.body_index)),
-                      b.body->carrier_velocity(b.index, v(b.body_index)),
-                      {a.info.shapeless, b.info.shapeless},
-                      rigid};
-  }
 }
 
 StepReport World::step() {
@@ -232,7 +166,7 @@ StepReport World::step() {
   {
     const ScopedSeconds timer(report.wall);
     w.start();
-    report.stiffness = w.stiffness;
+    report.stiffness = w.laws.stiffness();
     double left = w.options.time_step;
     const double end = w.state.time + left;
     while (report.ok && left > 1e-9 * w.options.time_step) left -= w.substep(left, report);
@@ -256,7 +190,7 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
     const ScopedSeconds timer(seconds(Phase::Respond));
     maps.build(parts, contacts, first_v);
     maps.velocities(state.v, velocity_a, velocity_b);
-    choose_pair_states();
+    laws.choose(parts, state.v, first_v, options, contacts.pairs);
     const double g = options.environment.gravity.norm();
     PenaltyOptions p;
     p.dt = dt;
@@ -265,7 +199,7 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
         options.friction_speed > 0.0 ? options.friction_speed : std::max(1e-3 * g * options.time_step, 1e-9);
     p.release_speed = 0.2 * g * dt;
     p.slack = g * dt * dt;
-    response.begin(contacts, pair_states, p, velocity_a, velocity_b);
+    response.begin(contacts, laws.penalties(), p, velocity_a, velocity_b);
   }
 
   {
@@ -276,7 +210,8 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
     s.tolerance = options.constraint_tolerance;
     s.max_sweeps = options.constraint_sweeps;
     s.scale = std::max(g * dt, 1e-6);
-    constraints.begin(bodies, first_v, parts, contacts, response.normals(), constraint_pairs, state.v, s, state.memory);
+    constraints.begin(bodies, first_v, parts, contacts, response.normals(), laws.constraints(), state.v, s,
+                      state.memory);
   }
 
   ImplicitStep::Settings settings;

@@ -1,0 +1,82 @@
+#include "brim/world/pair_laws.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace brim {
+
+namespace {
+
+/// The pair's own word counts first, then a body's "constraint", then its "penalty", then the world's.
+Response choose_response(Response pair, Response a, Response b, Response world) {
+  if (pair != Response::Inherit) return pair;
+  if (a == Response::Constraint || b == Response::Constraint) return Response::Constraint;
+  if (a == Response::Penalty || b == Response::Penalty) return Response::Penalty;
+  return world;
+}
+
+/// True when the part cannot deform: its body has no more velocities than rigid parts would have.
+bool is_stiff(const WorldPart& p) { return p.body->v_size() <= 6 * static_cast<std::size_t>(p.body->part_count()); }
+
+std::span<const double> velocities_of(const WorldPart& p, std::span<const double> v,
+                                      std::span<const std::size_t> first_v) {
+  return v.subspan(first_v[p.body_index], first_v[p.body_index + 1] - first_v[p.body_index]);
+}
+
+}  // namespace
+
+void PairLaws::start(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
+                     const WorldOptions& options, double h0) {
+  stiffness_ = options.stiffness;
+  if (stiffness_ == 0.0) {
+    std::vector<double> speed(parts.size());
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      const auto vb = velocities_of(parts[p], v, first_v);
+      speed[p] = parts[p].body->carrier_velocity(parts[p].index, vb).norm() +
+                 parts[p].body->relative_speed_bound(parts[p].index, vb);
+    }
+    loads_ = estimate_loads(parts, speed, options.environment);
+    loads_width_ = options.ramp_voxels * h0;
+    stiffness_ = choose_stiffness(loads_, loads_width_, options.time_step);
+  }
+  if (!(stiffness_ > 0.0)) stiffness_ = 1e6;  // nothing has weight: any contact may be this stiff
+}
+
+PairMaterial PairLaws::material_of(const PartInfo& a, const PartInfo& b, const WorldOptions& options) const {
+  auto key = std::minmax(a.material.name, b.material.name);
+  const auto it = options.pair_materials.find({key.first, key.second});
+  PairMaterial m = it != options.pair_materials.end() ? it->second : PairMaterial{};
+  if (m.friction < 0.0) m.friction = std::sqrt(a.material.friction * b.material.friction);
+  if (m.restitution < 0.0) m.restitution = std::max(a.material.restitution, b.material.restitution);
+  m.response = choose_response(m.response, a.material.response, b.material.response, options.response);
+  if (m.stiffness > 0.0) return m;
+  if (options.stiffness > 0.0)
+    m.stiffness = options.stiffness;
+  else if (a.shapeless || b.shapeless)
+    m.stiffness = shapeless_stiffness(
+        stiffness_, std::min(a.shapeless ? a.modulus : b.modulus, b.shapeless ? b.modulus : a.modulus), loads_);
+  else
+    m.stiffness = soften_stiffness(stiffness_, std::min(a.modulus, b.modulus), loads_, loads_width_, options.time_step);
+  return m;
+}
+
+void PairLaws::choose(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
+                      const WorldOptions& options, std::span<const ContactPair> pairs) {
+  penalties_.resize(pairs.size());
+  constraints_.resize(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const WorldPart &a = parts[pairs[i].part_a], &b = parts[pairs[i].part_b];
+    const PairMaterial m = material_of(a.info, b.info, options);
+    const bool constrained = m.response == Response::Constraint;
+    constraints_[i] = {constrained, m.friction, m.restitution, is_stiff(a) && is_stiff(b)};
+    const bool rigid = std::isinf(a.info.modulus) && std::isinf(b.info.modulus);
+    penalties_[i] = {constrained ? 0.0 : m.stiffness,
+                     m.friction,
+                     a.body->carrier_velocity(a.index, velocities_of(a, v, first_v)),
+                     b.body->carrier_velocity(b.index, velocities_of(b, v, first_v)),
+                     {a.info.shapeless, b.info.shapeless},
+                     rigid};
+  }
+}
+
+}  // namespace brim

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "brim/contact/contact_set.h"
+#include "brim/response/constraint.h"
+#include "brim/response/penalty.h"
+#include "brim/world/contact_stage.h"
+#include "brim/world/loads.h"
+#include "brim/world/world.h"
+
+namespace brim {
+
+/// The law of contact between two parts: what the scene, their materials and the loads say together.
+/// Tests: tests/world/world_test.cpp
+class PairLaws {
+ public:
+  /// Chooses the stiffness that the world has at most, from its initial state.
+  /// @param v   [m/s] velocities of all bodies  @param h0  [m] finest step of the grid
+  void start(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
+             const WorldOptions& options, double h0);
+  /// [Pa] the largest of any pair that is not told its own
+  double stiffness() const { return stiffness_; }
+
+  /// What the responses need to know of every pair of a contact set, at the velocities v.
+  void choose(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
+              const WorldOptions& options, std::span<const ContactPair> pairs);
+  std::span<const PairState> penalties() const { return penalties_; }
+  std::span<const ConstraintPair> constraints() const { return constraints_; }
+
+ private:
+  PairMaterial material_of(const PartInfo& a, const PartInfo& b, const WorldOptions& options) const;
+
+  double stiffness_ = 0.0;
+  Loads loads_;
+  double loads_width_ = 0.0;  ///< [m] ramp that the stiffness was chosen for
+  std::vector<PairState> penalties_;
+  std::vector<ConstraintPair> constraints_;
+};
+
+}  // namespace brim
