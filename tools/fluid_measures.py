@@ -7,8 +7,8 @@
 Draft: height of the surface over the lowest point of each rigid body, mean over the second half of the run, beside that
 of a box of its mass and outline (Archimedes). The surface is that of the columns which the body's outline leaves free by
 a cell: zero of the level set, or the highest particle and half a spacing. Volume: of the cells, cut where the level
-set says; of particles it is not known. Front: largest x over the column's length a, at T = t sqrt(2 g / a), beside
-Martin and Moyce (1952), figure 3, n² = 2. Needs h5py.
+set says; of particles it is not known. Sheets: particles below them. Front: largest x over the column's length a, at
+T = t sqrt(2 g / a), beside Martin and Moyce (1952), figure 3, n² = 2. Needs h5py.
 """
 import argparse
 import json
@@ -104,6 +104,25 @@ def draft(run, fluid, number, frame):
     return free[:, 2].mean() - lo[2] if len(free) else None
 
 
+def under_sheet(run, fluid, number, frame):
+    """Particles below a sheet, within its outline, and all within it."""
+    corners = run[f"display/{number}/positions"][frame][run[f"bodies/{number}/triangles"][:]]
+    a, e1, e2 = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    area = e1[:, 0] * e2[:, 1] - e1[:, 1] * e2[:, 0]
+    flat = np.abs(area) > 1e-12
+    a, e1, e2, area = a[flat], e1[flat], e2[flat], area[flat]
+    under = within = 0
+    for x in fluid.positions[frame]:
+        r = x - a
+        u = (r[:, 0] * e2[:, 1] - r[:, 1] * e2[:, 0]) / area
+        w = (e1[:, 0] * r[:, 1] - e1[:, 1] * r[:, 0]) / area
+        hit = (u >= 0) & (w >= 0) & (u + w <= 1)
+        if hit.any():
+            within += 1
+            under += bool((x[2] < (a[:, 2] + u * e1[:, 2] + w * e2[:, 2])[hit]).all())
+    return under, within
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("run", help="folder that brim run wrote")
@@ -134,6 +153,10 @@ def main():
             print(f"{name}: volume {volumes[0]:.4f} m³, worst change {100 * max(abs(x / volumes[0] - 1) for x in volumes):.2f} %")
         for other in range(len(run["bodies"])):
             solid = run[f"bodies/{other}"].attrs
+            if solid["kind"].decode() == "cloth" and kind == "particle_fluid":
+                counts = [under_sheet(run, fluid, other, f) for f in range(0, frames, 6)]
+                print(f"{solid['name'].decode()}: particles of {name} under it {max(c[0] for c in counts)}, over it at the end "
+                      f"{counts[-1][1] - counts[-1][0]}; looked at every sixth frame")
             if solid["kind"].decode() != "rigid":
                 continue
             found_drafts = [d for d in (draft(run, fluid, other, f) for f in range(frames // 2, frames)) if d is not None]
