@@ -72,7 +72,7 @@ bool ContactMaps::serves(std::span<const std::uint8_t> chosen) const {
   std::size_t held = 0;
   for (const std::uint32_t c : chosen_) held += chosen[c] != 0;
   const auto wanted = static_cast<std::size_t>(std::count_if(chosen.begin(), chosen.end(), [](auto f) { return f; }));
-  return held == wanted && chosen_.size() <= 2 * wanted;
+  return held == wanted && 4 * chosen_.size() <= 5 * wanted;
 }
 
 void ContactMaps::velocities(std::span<const double> v, std::span<Vec3> a, std::span<Vec3> b) const {
