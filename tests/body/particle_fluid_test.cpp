@@ -318,6 +318,39 @@ TEST(FluidMap, ForcesDoTheWorkOfVelocitiesAndUniformMotionIsExact) {
   for (const Vec3& e : u) EXPECT_LT((e - Vec3(1, -2, 3)).norm(), 1e-12);
 }
 
+TEST(FluidMap, AChoiceOfPointsDoesAsThoseOfAllDo) {
+  Held f(block(Vec3(0.2, 0.2, 0.2), 0.3), options());
+  const double h = 0.025;
+  const Sampled s(f.body, h);
+  std::vector<Vec3> nodes;
+  const std::unique_ptr<Map> all = map_of(f.body, s, h, nodes);
+  std::vector<std::uint32_t> rows;
+  for (std::uint32_t i = 0; i < nodes.size(); i += 1 + i % 3) rows.push_back(i);
+  ASSERT_GT(rows.size(), 30u);
+  std::unique_ptr<Map> some;
+  ASSERT_TRUE(all->select(rows, some));
+  ASSERT_EQ(some->points(), rows.size());
+  const std::vector<double> v = random_vector(f.v.size(), kSeed), r = random_vector(3 * rows.size(), kSeed + 1);
+  std::vector<Vec3> u(nodes.size()), chosen(rows.size()), force(nodes.size(), Vec3::Zero()), part(rows.size());
+  all->velocity(v, u);
+  some->velocity(v, chosen);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(chosen[i], u[rows[i]]);
+    part[i] = force[rows[i]] = Vec3(r[3 * i], r[3 * i + 1], r[3 * i + 2]);
+  }
+  std::vector<double> Q(v.size(), 0.0), P(v.size(), 0.0);
+  all->add_force(force, Q);
+  some->add_force(part, P);
+  for (std::size_t i = 0; i < Q.size(); ++i) EXPECT_NEAR(P[i], Q[i], 1e-14);
+  // Refilled for other points, with the room it has.
+  rows.assign({5, 9});
+  ASSERT_TRUE(all->select(rows, some));
+  chosen.resize(2);
+  some->velocity(v, chosen);
+  EXPECT_EQ(chosen[0], u[5]);
+  EXPECT_EQ(chosen[1], u[9]);
+}
+
 TEST(FluidMap, AlongItsDirectionTheVelocityIsTheRateOfTheDensity) {
   Held f(block(Vec3(0.4, 0.4, 0.3), 0.15, Vec3(-0.2, -0.2, -0.3)), options());
   const double h = 0.025, e = 1e-6;
