@@ -22,7 +22,7 @@ namespace brim {
 ///
 /// Values and slopes of the kernel are kept in single precision and divided by their own sums in double: both
 /// identities hold to rounding, and a product reads a third of the memory. Products are parallel and give the same bits
-/// for any number of threads.  Tests: tests/body/particle_fluid_test.cpp
+/// for any number of threads.  Tests: tests/body/fluid_map_test.cpp
 class FluidMap final : public Map {
  public:
   /// A particle near a point.
