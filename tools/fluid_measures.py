@@ -16,9 +16,9 @@ import os
 import re
 import sys
 
-os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
-import h5py  # noqa: E402
-import numpy as np  # noqa: E402
+import numpy as np
+
+from run_file import RunFile
 
 GRAVITY = 9.81
 MARTIN_AND_MOYCE = [(0.832, 1.217), (1.219, 1.474), (1.997, 2.292), (2.547, 2.995), (3.345, 4.134), (4.034, 4.944)]
@@ -35,11 +35,14 @@ class Particles:
 
     def __init__(self, run, number, spec):
         self.step = spec["spacing"]
-        self.positions = run[f"display/{number}/positions"]
+        self.run, self.body = run, run.bodies[number]
+
+    def positions(self, frame):
+        return self.run.positions(self.body, frame)
 
     def columns(self, frame):
         """(x, y, height) of the surface, shape (n, 3)."""
-        x = self.positions[frame]
+        x = self.positions(frame)
         best = {}
         for (i, j), z in zip(np.floor(x[:, :2] / self.step).astype(int), x[:, 2]):
             best[i, j] = max(best.get((i, j), -np.inf), z)
@@ -50,7 +53,7 @@ class Particles:
         return None
 
     def front(self, frame):
-        return self.positions[frame][:, 0].max() + 0.5 * self.step
+        return self.positions(frame)[:, 0].max() + 0.5 * self.step
 
 
 class Grid:
@@ -60,8 +63,7 @@ class Grid:
         self.step = spec["cell_size"]
         self.lo, hi = np.array(spec["box"]["lo"]), np.array(spec["box"]["hi"])
         self.cells = np.round((hi - self.lo) / self.step).astype(int)
-        body = run[f"bodies/{number}"].attrs
-        self.q, self.first = run["frames/q"], int(body["q_offset"])
+        self.q, self.first = run.file["frames/q"], int(run.bodies[number].attrs["q_offset"])
 
     def level_set(self, frame):
         nx, ny, nz = self.cells
@@ -89,7 +91,7 @@ class Grid:
 
 
 def outline(run, number, frame):
-    x = run[f"display/{number}/positions"][frame]
+    x = run.positions(run.bodies[number], frame)
     return x.min(axis=0), x.max(axis=0)
 
 
@@ -106,13 +108,14 @@ def draft(run, fluid, number, frame):
 
 def under_sheet(run, fluid, number, frame):
     """Particles below a sheet, within its outline, and all within it."""
-    corners = run[f"display/{number}/positions"][frame][run[f"bodies/{number}/triangles"][:]]
+    body = run.bodies[number]
+    corners = run.positions(body, frame)[body.cells]
     a, e1, e2 = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     area = e1[:, 0] * e2[:, 1] - e1[:, 1] * e2[:, 0]
     flat = np.abs(area) > 1e-12
     a, e1, e2, area = a[flat], e1[flat], e2[flat], area[flat]
     under = within = 0
-    for x in fluid.positions[frame]:
+    for x in fluid.positions(frame):
         r = x - a
         u = (r[:, 0] * e2[:, 1] - r[:, 1] * e2[:, 0]) / area
         w = (e1[:, 0] * r[:, 1] - e1[:, 1] * r[:, 0]) / area
@@ -129,35 +132,33 @@ def main():
     parser.add_argument("--front", type=float, metavar="A", help="length of the column that breaks [m], from x = 0")
     options = parser.parse_args()
     try:
-        run = h5py.File(os.path.join(options.run, "run.h5"), "r")
+        run = RunFile(os.path.join(options.run, "run.h5"))
         scene = read_scene(os.path.join(options.run, "scene.json"))
     except OSError as error:
         sys.exit(f"{options.run}: {error}")
     specs = {b["name"]: b for b in scene["bodies"]}
-    frames = len(run["frames/time"])
+    frames = run.frames
     found = False
-    for number in range(len(run["bodies"])):
-        body = run[f"bodies/{number}"].attrs
-        kind, name = body["kind"].decode(), body["name"].decode()
+    for number, body in enumerate(run.bodies):
+        kind, name = body.kind, body.name
         if kind not in ("particle_fluid", "grid_fluid"):
             continue
         found = True
         spec = specs[name]
         fluid = (Particles if kind == "particle_fluid" else Grid)(run, number, spec)
-        first, size = int(body["v_offset"]), int(body["v_size"])
-        v = run["frames/v"][-max(1, frames // 10):, first:first + size]
+        first, size = int(body.attrs["v_offset"]), int(body.attrs["v_size"])
+        v = run.file["frames/v"][frames - max(1, frames // 10):frames, first:first + size]
         share = 3 if kind == "particle_fluid" else 1
         print(f"{name}: root mean square speed in the last tenth of the run {np.sqrt(share * (v**2).mean()):.3f} m/s")
         volumes = [fluid.volume(f) for f in range(frames)]
         if volumes[0]:
             print(f"{name}: volume {volumes[0]:.4f} m³, worst change {100 * max(abs(x / volumes[0] - 1) for x in volumes):.2f} %")
-        for other in range(len(run["bodies"])):
-            solid = run[f"bodies/{other}"].attrs
-            if solid["kind"].decode() == "cloth" and kind == "particle_fluid":
+        for other, solid in enumerate(run.bodies):
+            if solid.kind == "cloth" and kind == "particle_fluid":
                 counts = [under_sheet(run, fluid, other, f) for f in range(0, frames, 6)]
-                print(f"{solid['name'].decode()}: particles of {name} under it {max(c[0] for c in counts)}, over it at the end "
+                print(f"{solid.name}: particles of {name} under it {max(c[0] for c in counts)}, over it at the end "
                       f"{counts[-1][1] - counts[-1][0]}; looked at every sixth frame")
-            if solid["kind"].decode() != "rigid":
+            if solid.kind != "rigid":
                 continue
             found_drafts = [d for d in (draft(run, fluid, other, f) for f in range(frames // 2, frames)) if d is not None]
             if not found_drafts:
@@ -166,11 +167,11 @@ def main():
             mean = float(np.mean(found_drafts))
             if mean > (hi - lo)[2]:
                 continue  # it sank
-            wanted = float(solid["mass"]) / (spec.get("density", 1000.0) * (hi - lo)[0] * (hi - lo)[1])
-            print(f"{solid['name'].decode()}: draft in {name} {mean:.4f} m; a box of its outline and mass {wanted:.4f} m "
+            wanted = float(solid.attrs["mass"]) / (spec.get("density", 1000.0) * (hi - lo)[0] * (hi - lo)[1])
+            print(f"{solid.name}: draft in {name} {mean:.4f} m; a box of its outline and mass {wanted:.4f} m "
                   f"({100 * (mean / wanted - 1):+.1f} %)")
         if options.front:
-            times = run["frames/time"][:] * np.sqrt(2 * GRAVITY / options.front)
+            times = run.file["frames/time"][:frames] * np.sqrt(2 * GRAVITY / options.front)
             front = [fluid.front(f) / options.front for f in range(frames)]
             for t, z in MARTIN_AND_MOYCE:
                 if t <= times[-1]:

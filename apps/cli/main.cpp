@@ -1,10 +1,29 @@
+#include <csignal>
 #include <cstdio>
 #include <exception>
+#include <new>
+#include <string>
 
 #include "brim/core/error.h"
 #include "commands.h"
 
+namespace {
+
+/// A message as one line for a terminal: what a file said may hold control characters, or be very long.
+std::string printable(std::string text) {
+  constexpr std::size_t kMost = 2000;
+  if (text.size() > kMost) text = text.substr(0, kMost / 2) + " ... " + text.substr(text.size() - kMost / 2);
+  for (char& c : text)
+    if ((static_cast<unsigned char>(c) < 0x20 && c != '\n') || c == 0x7f) c = '?';
+  return text;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
+#ifdef SIGXFSZ
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is then an error of writing, with its message
+#endif
   CLI::App app("brim: bodies of any kind in contact through a grid of densities", "brim");
   app.set_version_flag("--version", BRIM_VERSION);
   app.require_subcommand(1);
@@ -23,16 +42,16 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);
-    std::fprintf(stderr, "brim: error: %s; brim --help lists what is allowed\n", e.what());
+    std::fprintf(stderr, "brim: error: %s; brim --help lists what is allowed\n", printable(e.what()).c_str());
     return brim::cli::kBadInput;
   } catch (const brim::InputError& e) {
-    std::fprintf(stderr, "brim: error: %s\n", e.what());
+    std::fprintf(stderr, "brim: error: %s\n", printable(e.what()).c_str());
     return brim::cli::kBadInput;
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "brim: error: out of memory; a coarser voxel_size or lattice_spacing needs less\n");
     return brim::cli::kFailed;
   } catch (const std::exception& e) {
-    std::fprintf(stderr, "brim: error: %s (a defect of brim; please report it)\n", e.what());
+    std::fprintf(stderr, "brim: error: %s (a defect of brim; please report it)\n", printable(e.what()).c_str());
     return brim::cli::kFailed;
   }
   return code;

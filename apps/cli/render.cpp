@@ -26,7 +26,7 @@ namespace brim::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 struct RenderOptions {
   std::string run, out, size = "1280x720", camera = "fit", contacts, slice, surface, colour;
@@ -178,6 +178,10 @@ int render(const RenderOptions& options) {
     throw InputError(fmt::format("-o {}: must end in .png or .mp4", options.out));
 
   viewer::RecordedRun run(options.run);
+  if (const std::int64_t frames = run.progress().frames;
+      out.extension() == ".png" && (options.frame >= frames || options.frame < -frames))
+    throw InputError(
+        fmt::format("--frame {}: is not there; it must be from {} to {}", options.frame, -frames, frames - 1));
   const Tools tools = find_tools();
   const std::string script = viewer::find_render_script().string();
   viewer::ViewerServer server(run, viewer::find_page_folder());

@@ -7,10 +7,12 @@
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "brim/core/profile.h"
 #include "brim/record/runner.h"
 #include "brim/scene/scene.h"
 #include "commands.h"
 #include "live_view.h"
+#include "profile_table.h"
 #include "progress.h"
 #include "server/page_folder.h"
 
@@ -26,7 +28,7 @@ struct Options {
   std::string scene, folder, resume;
   std::int64_t frames = 0;
   int threads = 0;
-  bool check = false, json = false, force = false, quiet = false, view = false;
+  bool check = false, json = false, force = false, quiet = false, view = false, profile = false;
 };
 
 bool on_terminal() {
@@ -66,12 +68,16 @@ int run(const Options& o) {
   std::optional<LiveView> live;
   if (o.view) plan.started = [&] { live.emplace(plan.folder, o.json); };
   progress.start(scene.name, plan.folder, plan, world);
+  ProfileTable profile;
+  set_profile(o.profile);
   const RunResult result = record_run(world, plan, [&](const RunProgress& p) {
     progress.frame(p);
+    if (o.profile) profile.add(*p.report, scene.steps_per_frame);
     return !interrupted();
   });
   progress.end(result, plan.folder);
   if (!o.json && (o.check || !result.findings.empty())) std::fputs(findings_table(result.findings).c_str(), stdout);
+  if (o.profile) std::fputs(profile.text(thread_count()).c_str(), o.json ? stderr : stdout);
   if (live && result.end != RunEnd::Interrupted) {
     fmt::print(stderr, "brim: the viewer goes on; Ctrl-C ends it\n");
     live->stay();
@@ -104,6 +110,8 @@ void add_run(CLI::App& app, int& code) {
   command->add_flag("--check", o->check, "exit with 1 when an expectation of the scene is not met");
   command->add_flag("--json", o->json, "report progress as lines of JSON on standard output");
   command->add_flag("--quiet", o->quiet, "no progress bar");
+  command->add_flag("--profile", o->profile,
+                    "print where the time went: by phase, kind of body, solves and memory traffic");
   command->add_flag("--view", o->view, "serve the run to a browser while it is made, and after it until Ctrl-C");
   CLI::Option* force = command->add_flag("--force", o->force, "replace an old run in the folder");
   CLI::Option* resume =

@@ -20,6 +20,7 @@ namespace {
 constexpr std::size_t kWarningsShown = 1000;
 constexpr double kSilence = 600.0;  // [s]
 constexpr int kAttempts = 4;
+constexpr int kFirstAttempts = 25;
 constexpr auto kPause = std::chrono::milliseconds(40);
 
 const char* display_word(Display::Kind kind) {
@@ -65,7 +66,16 @@ Json read_json(const fs::path& path) {
 RecordedRun::RecordedRun(const std::string& path) {
   folder_ = fs::is_directory(path) ? fs::path(path) : fs::path(path).parent_path();
   file_ = fs::is_directory(path) ? folder_ / "run.h5" : fs::path(path);
-  RunReader{path};  // whose message is better than any made here
+  // A file caught in the middle of a write is tried again; the last message is better than any made here.
+  for (int attempt = 0;; ++attempt) {
+    try {
+      RunReader{path};
+      break;
+    } catch (const InputError&) {
+      if (attempt == kFirstAttempts || !fs::is_regular_file(file_)) throw;
+      std::this_thread::sleep_for(kPause);
+    }
+  }
   refresh();
 }
 
@@ -99,10 +109,10 @@ bool RecordedRun::fixed(std::size_t body) const {
 }
 
 void RecordedRun::find_end(Progress& progress) const {
-  // The summary is written when a run ends; one that is older than the frames is of a run since resumed.
-  std::error_code error;
-  const auto summary = fs::last_write_time(folder_ / "summary.json", error);
-  const bool ended = !error && summary >= seen_;
+  // The summary is written when a run ends; one that speaks of fewer frames is of a run since gone on with.
+  const Json summary = read_json(folder_ / "summary.json");
+  const bool ended = summary.is_object() && summary.contains("frames") && summary["frames"].is_number_integer() &&
+                     summary["frames"].get<std::int64_t>() == progress_.frames;
   progress.stopped = !ended && writer_gone();
   progress.complete = ended || progress.stopped;
 }

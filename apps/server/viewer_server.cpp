@@ -5,6 +5,7 @@
 #include <atomic>
 #include <charconv>
 #include <chrono>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -17,8 +18,12 @@ using Json = nlohmann::json;
 namespace {
 
 constexpr auto kPoll = std::chrono::milliseconds(300);
-constexpr int kQuietPolls = 30;       // a comment is sent after so many, to notice pages that have gone
-constexpr std::size_t kThreads = 24;  // each open page holds one for its events
+constexpr int kQuietPolls = 30;             // a comment is sent after so many, to notice pages that have gone
+constexpr std::size_t kThreads = 48;        // each open page holds one for its events
+constexpr int kMostStreams = 16;            // of events: the other threads are kept for answers
+constexpr int kPatience = 5;                // [s] for a page to send what it asks, or to take what it gets
+constexpr std::size_t kMostPayload = 4096;  // [bytes]; no request needs any
+constexpr std::size_t kMostAddress = 2048;  // [bytes]
 
 void answer_json(httplib::Response& response, int status, const Json& value) {
   response.status = status;
@@ -47,6 +52,18 @@ std::int64_t number(const std::string& text) {
   return value;
 }
 
+int index(std::int64_t value) {
+  if (value < std::numeric_limits<int>::min() || value > std::numeric_limits<int>::max())
+    throw InputError(fmt::format("{} is not a number that can be used here", value));
+  return static_cast<int>(value);
+}
+
+/// The host that an Origin header names, "" for one that names none ("null").
+std::string origin_host(const std::string& origin) {
+  const std::size_t scheme = origin.find("://");
+  return scheme == std::string::npos ? std::string() : host_name(origin.substr(scheme + 3));
+}
+
 double real(const std::string& text) {
   double value = 0.0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -61,6 +78,7 @@ struct ViewerServer::Impl {
   RunSource& source;
   httplib::Server http;
   std::atomic<bool> stopping = false;
+  std::atomic<int> streams = 0;
   bool loopback_only = true;
 
   explicit Impl(RunSource& s) : source(s) {}
@@ -80,31 +98,38 @@ struct ViewerServer::Impl {
   }
 
   void events(httplib::Response& response) {
+    if (++streams > kMostStreams) {
+      --streams;
+      return refuse(response, 503, "too many pages are open at once");
+    }
     auto told = std::make_shared<Progress>();
     auto quiet = std::make_shared<int>(-1);  // nothing told yet
-    response.set_chunked_content_provider("text/event-stream", [this, told, quiet](std::size_t, httplib::DataSink& to) {
-      if (stopping) return false;
-      Progress now = *told;
-      try {
-        now = source.progress();
-      } catch (const std::exception&) {
-        // The file is gone for the moment; the page goes on with what it has.
-      }
-      if (*quiet < 0 || !(now == *told)) {
-        *quiet = 0;
-        *told = now;
-        const std::string text =
-            fmt::format("event: frames\ndata: {{\"frames\":{},\"complete\":{},\"stopped\":{}}}\n\n", now.frames,
-                        now.complete, now.stopped);
-        return to.write(text.data(), text.size());
-      }
-      if (++*quiet >= kQuietPolls) {
-        *quiet = 0;
-        return to.write(": still here\n\n", 14);
-      }
-      std::this_thread::sleep_for(kPoll);
-      return true;
-    });
+    response.set_chunked_content_provider(
+        "text/event-stream",
+        [this, told, quiet](std::size_t, httplib::DataSink& to) {
+          if (stopping) return false;
+          Progress now = *told;
+          try {
+            now = source.progress();
+          } catch (const std::exception&) {
+            // The file is gone for the moment; the page goes on with what it has.
+          }
+          if (*quiet < 0 || !(now == *told)) {
+            *quiet = 0;
+            *told = now;
+            const std::string text =
+                fmt::format("event: frames\ndata: {{\"frames\":{},\"complete\":{},\"stopped\":{}}}\n\n", now.frames,
+                            now.complete, now.stopped);
+            return to.write(text.data(), text.size());
+          }
+          if (++*quiet >= kQuietPolls) {
+            *quiet = 0;
+            return to.write(": still here\n\n", 14);
+          }
+          std::this_thread::sleep_for(kPoll);
+          return true;
+        },
+        [this](bool) { --streams; });
   }
 
   void routes(const std::filesystem::path& page) {
@@ -113,7 +138,7 @@ struct ViewerServer::Impl {
     };
     get("/api/run", [this](const auto&, auto& response) { answer_json(response, 200, source.info()); });
     get(R"(/api/topology/(\d+))", [this, binary](const auto& request, auto& response) {
-      binary(response, source.topology(static_cast<int>(number(request.matches[1]))));
+      binary(response, source.topology(index(number(request.matches[1]))));
     });
     get(R"(/api/frame/(\d+))", [this, binary](const auto& request, auto& response) {
       binary(response, source.frame(number(request.matches[1])));
@@ -127,18 +152,27 @@ struct ViewerServer::Impl {
       const auto given = [&](const char* name, auto fallback) {
         return request.has_param(name) ? request.get_param_value(name) : std::string(fallback);
       };
-      slice.axis = static_cast<int>(number(given("axis", "2")));
-      slice.body = static_cast<int>(number(given("body", "-1")));
+      slice.axis = index(number(given("axis", "2")));
+      slice.body = index(number(given("body", "-1")));
       slice.at = real(given("at", "0"));
       slice.step = real(given("step", "0"));
       binary(response, source.slice(number(request.matches[1]), slice));
     });
     http.set_mount_point("/", page.string());
     http.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
-      if (!loopback_only || is_loopback(host_name(request.get_header_value("Host"))))
-        return httplib::Server::HandlerResponse::Unhandled;
-      refuse(response, 403, "this server answers to localhost only");
-      return httplib::Server::HandlerResponse::Handled;
+      const auto handled = [&](int status, const char* why) {
+        refuse(response, status, why);
+        response.set_header("Connection", "close");
+        return httplib::Server::HandlerResponse::Handled;
+      };
+      const std::string host = host_name(request.get_header_value("Host"));
+      if (loopback_only && !is_loopback(host)) return handled(403, "this server answers to localhost only");
+      // Pages of other sites may send requests here, and learn from how they end.
+      if (request.has_header("Origin") && origin_host(request.get_header_value("Origin")) != host)
+        return handled(403, "this server answers to its own page only");
+      if (request.method != "GET" && request.method != "HEAD") return handled(405, "only GET is answered");
+      if (request.target.size() > kMostAddress) return handled(414, "the address is too long");
+      return httplib::Server::HandlerResponse::Unhandled;
     });
     http.set_error_handler([](const httplib::Request& request, httplib::Response& response) {
       if (response.body.empty()) refuse(response, response.status, "nothing at " + request.path);
@@ -148,6 +182,10 @@ struct ViewerServer::Impl {
       const int yes = 1;
       setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
     });
+    http.set_payload_max_length(kMostPayload);
+    http.set_read_timeout(kPatience);
+    http.set_write_timeout(kPatience);
+    http.set_keep_alive_timeout(kPatience);
     http.new_task_queue = [] { return new httplib::ThreadPool(kThreads); };
     http.set_default_headers({{"X-Content-Type-Options", "nosniff"}, {"Referrer-Policy", "no-referrer"}});
   }

@@ -18,8 +18,8 @@ class BulletEngine final : public Engine {
     world_.setGravity({0, 0, btScalar(-9.81)});
     add_fixed(std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), btScalar(0)), Vec3::Zero(), pile.friction);
     for (const Wall& w : pile.walls) add_fixed(std::make_unique<btBoxShape>(vector(w.half)), w.center, pile.friction);
-    std::vector<btCompoundShape*> shape;
-    for (const auto& pieces : pile.shapes) shape.push_back(compound(pieces));
+    std::vector<btCollisionShape*> shape;
+    for (const auto& pieces : pile.shapes) shape.push_back(make_shape(pieces));
     for (const Solid& s : pile.solids) {
       btRigidBody::btRigidBodyConstructionInfo info(btScalar(s.mass), nullptr, shape[s.shape], vector(s.inertia));
       info.m_startWorldTransform.setOrigin(vector(s.position));
@@ -63,28 +63,36 @@ class BulletEngine final : public Engine {
     shapes_.push_back(std::move(shape));
     add(info);
   }
-  btCompoundShape* compound(const std::vector<Piece>& pieces) {
+  btCollisionShape* keep(std::unique_ptr<btCollisionShape> shape) {
+    shapes_.push_back(std::move(shape));
+    return shapes_.back().get();
+  }
+  /// The shape of a piece in its own frame, and where that frame lies.
+  std::pair<btCollisionShape*, btTransform> convex(const Piece& p) {
+    btTransform at = btTransform::getIdentity();
+    if (p.box()) return {keep(std::make_unique<btBoxShape>(vector(p.half))), at};
+    if (p.ball()) return {keep(std::make_unique<btSphereShape>(btScalar(p.radius))), at};
+    if (p.capsule()) {
+      const Vec3 way = p.points[1] - p.points[0];
+      const Quat turn = Quat::FromTwoVectors(Vec3::UnitY(), way);
+      at.setOrigin(vector(Vec3(0.5 * (p.points[0] + p.points[1]))));
+      at.setRotation({btScalar(turn.x()), btScalar(turn.y()), btScalar(turn.z()), btScalar(turn.w())});
+      return {keep(std::make_unique<btCapsuleShape>(btScalar(p.radius), btScalar(way.norm()))), at};
+    }
+    auto hull = std::make_unique<btConvexHullShape>();
+    for (const Vec3& x : p.points) hull->addPoint(vector(x), false);
+    hull->recalcLocalAabb();
+    hull->setMargin(btScalar(kMargin));
+    return {keep(std::move(hull)), at};
+  }
+  btCollisionShape* make_shape(const std::vector<Piece>& pieces) {
+    if (pieces.size() == 1 && !pieces[0].capsule()) return convex(pieces[0]).first;
     auto whole = std::make_unique<btCompoundShape>();
     for (const Piece& p : pieces) {
-      btTransform at = btTransform::getIdentity();
-      if (p.points.size() == 2) {
-        const Vec3 way = p.points[1] - p.points[0];
-        const Quat turn = Quat::FromTwoVectors(Vec3::UnitY(), way);
-        at.setOrigin(vector(Vec3(0.5 * (p.points[0] + p.points[1]))));
-        at.setRotation({btScalar(turn.x()), btScalar(turn.y()), btScalar(turn.z()), btScalar(turn.w())});
-        shapes_.push_back(std::make_unique<btCapsuleShape>(btScalar(p.radius), btScalar(way.norm())));
-      } else {
-        auto hull = std::make_unique<btConvexHullShape>();
-        for (const Vec3& x : p.points) hull->addPoint(vector(x), false);
-        hull->recalcLocalAabb();
-        hull->setMargin(btScalar(kMargin));
-        shapes_.push_back(std::move(hull));
-      }
-      whole->addChildShape(at, shapes_.back().get());
+      const auto [shape, at] = convex(p);
+      whole->addChildShape(at, shape);
     }
-    btCompoundShape* raw = whole.get();
-    shapes_.push_back(std::move(whole));
-    return raw;
+    return keep(std::move(whole));
   }
 
   double dt_;

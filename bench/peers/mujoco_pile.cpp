@@ -18,11 +18,11 @@ std::string text(const Vec3& v) { return fmt::format("{} {} {}", v.x(), v.y(), v
 std::string write_xml(const Pile& pile, const std::string& solver) {
   std::string x = fmt::format(
       "<mujoco><option timestep='{}' gravity='0 0 -9.81' solver='{}' cone='elliptic'/>"
-      "<size nconmax='2800' njmax='9000'/><default><geom friction='{} 0 0' condim='3'/></default><asset>",
-      pile.time_step, solver, pile.friction);
+      "<size nconmax='{}' njmax='{}'/><default><geom friction='{} 0 0' condim='3'/></default><asset>",
+      pile.time_step, solver, 16 * pile.solids.size(), 50 * pile.solids.size(), pile.friction);
   for (std::size_t s = 0; s < pile.shapes.size(); ++s)
     for (std::size_t p = 0; p < pile.shapes[s].size(); ++p) {
-      if (pile.shapes[s][p].points.size() == 2) continue;
+      if (pile.shapes[s][p].points.size() < 3) continue;
       x += fmt::format("<mesh name='m{}_{}' vertex='", s, p);
       for (const Vec3& v : pile.shapes[s][p].points) x += text(v) + " ";
       x += "'/>";
@@ -36,7 +36,11 @@ std::string write_xml(const Pile& pile, const std::string& solver) {
                      text(b.position), r.w(), r.x(), r.y(), r.z(), b.mass, text(b.inertia));
     for (std::size_t p = 0; p < pile.shapes[b.shape].size(); ++p) {
       const Piece& piece = pile.shapes[b.shape][p];
-      if (piece.points.size() == 2)
+      if (piece.box())
+        x += fmt::format("<geom type='box' size='{}'/>", text(piece.half));
+      else if (piece.ball())
+        x += fmt::format("<geom type='sphere' size='{}'/>", piece.radius);
+      else if (piece.capsule())
         x += fmt::format("<geom type='capsule' size='{}' fromto='{} {}'/>", piece.radius, text(piece.points[0]),
                          text(piece.points[1]));
       else

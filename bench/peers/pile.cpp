@@ -14,6 +14,8 @@ namespace {
 
 using Json = nlohmann::json;
 
+Vec3 vector(const Json& v) { return Vec3(v.at(0).get<double>(), v.at(1).get<double>(), v.at(2).get<double>()); }
+
 Vec3 polar(double radius, double angle, double z) { return {radius * std::cos(angle), radius * std::sin(angle), z}; }
 
 /// A prism over polar corners (radius, angle).
@@ -70,12 +72,18 @@ std::vector<Piece> cut(const Json& shape) {
   if (kind == "gear") return cut_gear(shape);
   if (kind == "star") return cut_star(shape);
   if (kind == "torus") return cut_torus(shape);
+  if (kind == "sphere") return {{{Vec3::Zero()}, shape.at("radius").get<double>()}};
+  if (kind == "box") return {{{}, 0.0, 0.5 * vector(shape.at("size"))}};
   throw InputError("no convex pieces are known for a shape of kind " + kind);
 }
 
-Vec3 vector(const Json& v) { return Vec3(v.at(0).get<double>(), v.at(1).get<double>(), v.at(2).get<double>()); }
-
 }  // namespace
+
+double Piece::reach() const {
+  double farthest = half.norm();
+  for (const Vec3& x : points) farthest = std::max(farthest, x.norm() + radius);
+  return farthest;
+}
 
 Pile cut_pile(const Scene& scene, const World& world) {
   const Json document = Json::parse(scene.text, nullptr, true, true);
@@ -113,9 +121,12 @@ Pile cut_pile(const Scene& scene, const World& world) {
   return pile;
 }
 
-Overlap measure_overlap(World& world, const Placement& placement) {
+namespace {
+
+/// Puts the solids where a placement says, at rest.
+void place(World& world, const Placement& placement) {
   State state = world.state();
-  std::vector<int> rigid;
+  std::fill(state.v.begin(), state.v.end(), 0.0);
   std::size_t at = 0;
   for (int b = 0; b < world.body_count(); ++b) {
     const std::size_t first = static_cast<std::size_t>(world.q(b).data() - world.state().q.data());
@@ -126,7 +137,12 @@ Overlap measure_overlap(World& world, const Placement& placement) {
     std::copy(q, q + 7, state.q.begin() + static_cast<std::ptrdiff_t>(first));
   }
   world.set_state(std::move(state));
+}
 
+}  // namespace
+
+Overlap measure_overlap(World& world, const Placement& placement) {
+  place(world, placement);
   Overlap result;
   double sum = 0.0;
   for (int a = 0; a < world.part_count(); ++a)
@@ -149,7 +165,7 @@ Overlap measure_overlap(World& world, const Placement& placement) {
       for (std::size_t t = 0; t < tiles.size(); ++t)
         for (int n = 0; n < kBlockNodes; ++n) {
           const double da = rho_a[t].rho[n], db = rho_b[t].rho[n];
-          if (da + db > 1.0) deepest = std::max(deepest, -(ramp_inverse(da, w) + ramp_inverse(db, w)) / h);
+          if (da + db > 1.0) deepest = std::max(deepest, -(ramp_inverse(da, w) + ramp_inverse(db, w)));
         }
       if (!(deepest > 0.0)) continue;
       ++result.pairs;
@@ -164,7 +180,12 @@ namespace {
 
 class BrimEngine final : public Engine {
  public:
-  explicit BrimEngine(const Scene& scene) : world_(build_world(scene)) {}
+  BrimEngine(const Scene& scene, const Pile* start) : world_(build_world(scene)) {
+    if (!start) return;
+    Placement p;
+    for (const Solid& s : start->solids) p.position.push_back(s.position), p.rotation.push_back(s.rotation);
+    place(world_, p);
+  }
   std::string name() const override { return "brim"; }
   void step() override { world_.step(); }
   Placement placement() const override {
@@ -186,6 +207,8 @@ class BrimEngine final : public Engine {
 
 }  // namespace
 
-std::unique_ptr<Engine> make_brim(const Scene& scene) { return std::make_unique<BrimEngine>(scene); }
+std::unique_ptr<Engine> make_brim(const Scene& scene, const Pile* start) {
+  return std::make_unique<BrimEngine>(scene, start);
+}
 
 }  // namespace brim::peers

@@ -17,6 +17,7 @@
 #include <thread>
 
 #include "brim/record/run_reader.h"
+#include "checkout_paths.h"
 
 namespace brim {
 namespace {
@@ -147,6 +148,14 @@ TEST_F(Program, GoodSceneIsRecordedAndChecked) {
   EXPECT_EQ(RunReader((folder_ / "made").string()).frames(), 6);
 }
 
+TEST_F(Program, ProfileTellsPhasesKindsAndCounts) {
+  const Outcome o = run("run good.json -o made --profile --threads 1");
+  ASSERT_EQ(o.code, 0) << o.err;
+  for (const char* word :
+       {"rasterize", "contact, all of it", "by kind of body", "rigid", "thread-s", "cg_iterations", "a solve"})
+    EXPECT_NE(o.out.find(word), std::string::npos) << word << " in\n" << o.out;
+}
+
 TEST_F(Program, CheckEndsWithOneWhenAnExpectationIsNotMet) {
   write("high.json", good(99.0));
   const Outcome o = run("run high.json -o made --check");
@@ -180,6 +189,47 @@ TEST_F(Program, InterruptKeepsAllFramesAndEndsWith130) {
   const RunReader reader((folder_ / "made").string());
   EXPECT_GE(reader.frames(), 4);
   EXPECT_EQ(summary["frames"], reader.frames());
+}
+
+TEST_F(Program, ARunThatIsBeingWrittenIsLeftAlone) {
+  const pid_t child = start_long_run();
+  ASSERT_TRUE(wait_for_frame(3));
+  const Outcome resumed = run("run good.json --resume made"), replaced = run("run good.json -o made --force");
+  EXPECT_EQ(resumed.code, 2);
+  EXPECT_NE(resumed.err.find("another process"), std::string::npos) << resumed.err;
+  EXPECT_EQ(replaced.code, 2);
+  EXPECT_EQ(::waitpid(child, nullptr, WNOHANG), 0) << "it goes on";
+  ::kill(child, SIGKILL);
+  ::waitpid(child, nullptr, 0);
+  const auto frames = RunReader((folder_ / "made").string()).frames();
+  EXPECT_EQ(run(fmt::format("run good.json --resume made --frames {}", frames + 1)).code, 0) << "the lock died with it";
+}
+
+TEST_F(Program, ScenesWithoutEndAndWithControlCharactersEndInOnePlainLine) {
+  EXPECT_EQ(run("validate /dev/zero").code, 2);
+  write("odd.json", "{\"brim\": 1, \"\x1b[31m" + std::string(20000, 'k') + "\": 1}");
+  const Outcome o = run("validate odd.json");
+  EXPECT_EQ(o.code, 2);
+  EXPECT_LT(o.err.size(), 3000u);
+  EXPECT_EQ(o.err.find('\x1b'), std::string::npos);
+}
+
+TEST_F(Program, AFullDiskEndsTheRunWithOneLine) {
+  const std::string command =
+      fmt::format("cd '{}' && ulimit -f 200 && '{}/brim' run good.json -o full --frames 2000 2>err.txt",
+                  folder_.string(), BRIM_BINARY_DIR);
+  const int status = std::system(fmt::format("bash -c \"{}\" >/dev/null", command).c_str());
+  ASSERT_TRUE(WIFEXITED(status)) << "a signal ended it";
+  EXPECT_EQ(WEXITSTATUS(status), 2);
+  const std::string said = read(folder_ / "err.txt");
+  EXPECT_NE(said.find("disk full"), std::string::npos) << said;
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+}
+
+TEST_F(Program, AFrameThatIsNotThereCannotBeRendered) {
+  ASSERT_EQ(run("run good.json -o made --frames 2").code, 0);
+  EXPECT_EQ(run("render made -o a.png --frame 3").code, 2);
+  EXPECT_EQ(run("render made -o a.png --frame -4").code, 2);
 }
 
 TEST_F(Program, KilledRunKeepsTheFramesFlushedBeforeAndCanBeGoneOnWith) {

@@ -67,13 +67,14 @@ TEST(FemBody, UnprojectedStiffnessIsTheDerivativeOfForcesAnywhere) {
     K.begin(mesh.vertices.size());
     K.add_elements(elements.nodes(), 4);
     K.finish();
-    elements.find_slots(K);
+    elements.find_pairs(K);
     const std::vector<double> q = deformed(body, 1.0);
     const auto forces = [&](const std::vector<double>& at, BlockMatrix& matrix) {
       std::vector<Vec3> x(mesh.vertices.size()), f(x.size(), Vec3::Zero());
       for (std::size_t i = 0; i < x.size(); ++i) x[i] = Vec3(at[3 * i], at[3 * i + 1], at[3 * i + 2]);
       matrix.set_zero();
       elements.add(x, f, matrix, false);
+      matrix.close();
       return flat(f);
     };
     testing::Noise noise(kSeed);

@@ -69,9 +69,9 @@ TEST(MassSpringBody, OneStretchedStringByHand) {
   // Along the string k = 50; across it tension over length, 50/3.
   std::vector<double> y(6, 0.0);
   body.apply_stiffness(std::vector<double>{1, 1, 0, 0, 0, 0}, y);
-  EXPECT_NEAR(y[0], -50.0 / 3.0, 1e-12);
-  EXPECT_NEAR(y[1], -50.0, 1e-12);
-  EXPECT_NEAR(y[4], 50.0, 1e-12);
+  EXPECT_NEAR(y[0], -50.0 / 3.0, testing::kSingle * 50.0);
+  EXPECT_NEAR(y[1], -50.0, testing::kSingle * 50.0);
+  EXPECT_NEAR(y[4], 50.0, testing::kSingle * 50.0);
 }
 
 TEST(MassSpringBody, SlackStringsDoNotPush) {
@@ -122,7 +122,10 @@ TEST(MassSpringBody, SystemIsMassDampingAndStiffnessComposed) {
   for (double& e : x) e = noise();
   body.apply_system(x, A);
   body.apply_mass(x, M), body.apply_stiffness(x, K), body.apply_damping(x, C);
-  for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(A[i], M[i] - dt * C[i] - dt * dt * K[i], 1e-12);
+  double size = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) size = std::max(size, std::abs(dt * C[i]) + std::abs(dt * dt * K[i]));
+  for (std::size_t i = 0; i < x.size(); ++i)
+    EXPECT_NEAR(A[i], M[i] - dt * C[i] - dt * dt * K[i], testing::kSingle * size);
   // The diagonal blocks are those of the operator.
   BlockDiagonal D;
   D.reset(body.block_sizes());
@@ -162,7 +165,8 @@ TEST(MassSpringBody, DampingDoesNotBrakeTheSpinOfAStretchedBody) {
   EXPECT_GT(size, 1.0);
   EXPECT_LT(power, 0.0);
   EXPECT_LT(force.norm(), 1e-12 * size);
-  EXPECT_LT(torque.norm(), 1e-12 * size);
+  // Blocks are single: torque is zero but for their rounding, which finish_step gives back (spin_test).
+  EXPECT_LT(torque.norm(), std::numeric_limits<float>::epsilon() * size);
 }
 
 /// Energy per measure of a uniform small strain.

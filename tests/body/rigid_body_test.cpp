@@ -139,6 +139,22 @@ TEST(RigidBody, SystemIsTheMassWithDampingAndItsDiagonalIsTheWholeMatrix) {
   }
 }
 
+TEST(RigidBody, ItsRigidFrameInvertsItsSystem) {
+  RigidModel m = brick();
+  m.center_of_mass = Vec3(0.1, 0.2, -0.05);
+  m.rotation = rotation_from_vector(Vec3(0.3, -1.0, 0.6));
+  m.linear_damping = 0.7, m.angular_damping = 1.9;
+  Flight f(m);
+  f.body.begin_solve(0.02);
+  const RigidFrame::Frame frame = f.body.rigid_frame();
+  EXPECT_LT((frame.center - Vec3(f.q[0], f.q[1], f.q[2])).norm(), 1e-15);
+  const std::vector<double> x{0.3, -1.2, 0.5, 2.0, 0.1, -0.7};
+  std::vector<double> y(6, 0.0);
+  f.body.apply_system(x, y);
+  EXPECT_LT((frame.inverse_mass * Vec3(y[0], y[1], y[2]) - Vec3(x[0], x[1], x[2])).norm(), 1e-13);
+  EXPECT_LT((frame.inverse_inertia * Vec3(y[3], y[4], y[5]) - Vec3(x[3], x[4], x[5])).norm(), 1e-13);
+}
+
 TEST(RigidBody, CenterOfMassAwayFromTheShapesOriginIsWhatMoves) {
   RigidModel m = brick();
   m.center_of_mass = Vec3(0, 0.4, 0);

@@ -11,14 +11,34 @@ namespace {
 
 constexpr unsigned kSeed = 71;
 
-template <class Field>
-DensityBlock sampled(double h, const Field& f) {
-  DensityBlock b{};
-  for (int k = 0; k < kBlockSize; ++k)
-    for (int j = 0; j < kBlockSize; ++j)
-      for (int i = 0; i < kBlockSize; ++i) b.rho[block_index(i, j, k)] = f(h * Vec3(i, j, k));
-  return b;
-}
+/// The densities of a cube whose first node is at the origin.
+struct Sampled {
+  alignas(32) float rho[kCubeNodes] = {};
+  double h;
+
+  template <class Field>
+  Sampled(double step, const Field& f) : h(step) {
+    for (int k = 0; k < kCubeSize; ++k)
+      for (int j = 0; j < kCubeSize; ++j)
+        for (int i = 0; i < kCubeSize; ++i) rho[cube_index(i, j, k)] = static_cast<float>(f(h * Vec3(i, j, k)));
+  }
+  Vec3 gradient(int i, int j, int k) const {
+    RowDerivatives r;
+    row_derivatives(rho, j, k, false, r);
+    return Vec3(r.gradient[0][i], r.gradient[1][i], r.gradient[2][i]) / h;
+  }
+  Mat3 hessian(int i, int j, int k) const {
+    RowDerivatives r;
+    row_derivatives(rho, j, k, true, r);
+    const auto& H = r.hessian;
+    Mat3 m;
+    m << H[0][i], H[3][i], H[4][i], H[3][i], H[1][i], H[5][i], H[4][i], H[5][i], H[2][i];
+    return m / (h * h);
+  }
+};
+
+/// Densities are in single precision.
+constexpr double kSingle = 1e-6;
 
 struct Dice {
   std::mt19937 rng{kSeed};
@@ -30,27 +50,30 @@ struct Dice {
 };
 
 TEST(Stencil, WeightsByHand) {
-  DensityBlock b{};
-  const int node = block_index(4, 4, 4);
-  b.rho[block_index(5, 4, 4)] = 1.0;
-  b.rho[block_index(3, 5, 4)] = 2.0;
+  Sampled b(0.5, [](const Vec3&) { return 0.0; });
+  b.rho[cube_index(5, 4, 4)] = 1.0f;
+  b.rho[cube_index(3, 5, 4)] = 2.0f;
   // x: 1 * 1/2 * (10/16)² − 2 * 1/2 * 3/16 * 10/16;  y: 2 * 1/2 * 3/16 * 10/16
-  EXPECT_DOUBLE_EQ(density_gradient(b.rho, node, 0.5).x(), (100.0 / 512.0 - 30.0 / 256.0) / 0.5);
-  EXPECT_DOUBLE_EQ(density_gradient(b.rho, node, 0.5).y(), (30.0 / 256.0) / 0.5);
-  EXPECT_DOUBLE_EQ(density_gradient(b.rho, node, 0.5).z(), 0.0);
+  const Vec3 g = b.gradient(4, 4, 4);
+  EXPECT_FLOAT_EQ(static_cast<float>(g.x()), static_cast<float>((100.0 / 512.0 - 30.0 / 256.0) / 0.5));
+  EXPECT_FLOAT_EQ(static_cast<float>(g.y()), static_cast<float>((30.0 / 256.0) / 0.5));
+  EXPECT_EQ(g.z(), 0.0);
+  // xx: (10/16)² (1 − 0) + 3/16 * 10/16 * 2;  xy: 1/2 * −1/2 * 10/16 * 2
+  const Mat3 H = b.hessian(4, 4, 4);
+  EXPECT_FLOAT_EQ(static_cast<float>(H(0, 0)), static_cast<float>((100.0 / 256.0 + 60.0 / 256.0) / 0.25));
+  EXPECT_FLOAT_EQ(static_cast<float>(H(0, 1)), static_cast<float>(-0.25 * 0.625 * 2.0 / 0.25));
 }
 
-TEST(Stencil, GradientOfALinearFieldIsExactEverywhereInTheTile) {
+TEST(Stencil, GradientOfALinearFieldIsExactEverywhereInTheCube) {
   SCOPED_TRACE(kSeed);
   Dice dice;
   for (int trial = 0; trial < 20; ++trial) {
     const Vec3 g = dice.vector();
     const double h = 0.01 * (trial + 1);
-    const DensityBlock b = sampled(h, [&](const Vec3& x) { return 0.3 + g.dot(x); });
-    for (int k = 1; k <= kTileSize; ++k)
-      for (int j = 1; j <= kTileSize; ++j)
-        for (int i = 1; i <= kTileSize; ++i)
-          ASSERT_LT((density_gradient(b.rho, block_index(i, j, k), h) - g).norm(), 1e-13 / h);
+    const Sampled b(h, [&](const Vec3& x) { return 0.3 + g.dot(x); });
+    for (int k = 1; k <= kCubeOwn; ++k)
+      for (int j = 1; j <= kCubeOwn; ++j)
+        for (int i = 1; i <= kCubeOwn; ++i) ASSERT_LT((b.gradient(i, j, k) - g).norm(), kSingle / h);
   }
 }
 
@@ -63,23 +86,17 @@ TEST(Stencil, SecondDerivativesOfAQuadraticAreExactAndTheGradientToo) {
     const Mat3 H = m + m.transpose();
     const Vec3 g = dice.vector();
     const double h = 0.2;
-    const DensityBlock b = sampled(h, [&](const Vec3& x) { return g.dot(x) + 0.5 * x.dot(H * x); });
+    const Sampled b(h, [&](const Vec3& x) { return g.dot(x) + 0.5 * x.dot(H * x); });
     const Vec3 x = h * Vec3(3, 6, 5);
-    Vec3 gradient;
-    Mat3 hessian;
-    density_derivatives(b.rho, block_index(3, 6, 5), h, gradient, hessian);
-    EXPECT_LT((gradient - g - H * x).norm(), 1e-12);
-    EXPECT_LT((hessian - H).norm(), 1e-11);
-    EXPECT_EQ(gradient, density_gradient(b.rho, block_index(3, 6, 5), h));
+    // Values up to 10, and second differences of them.
+    EXPECT_LT((b.gradient(3, 6, 5) - g - H * x).norm(), 10 * kSingle / h);
+    EXPECT_LT((b.hessian(3, 6, 5) - H).norm(), 40 * kSingle / (h * h));
   }
 }
 
 TEST(Stencil, ConstantFieldHasNoDerivatives) {
-  const DensityBlock b = sampled(1.0, [](const Vec3&) { return 1.0; });
-  Vec3 g;
-  Mat3 H;
-  density_derivatives(b.rho, block_index(4, 4, 4), 1.0, g, H);
-  EXPECT_LT(g.norm() + H.norm(), 1e-15);
+  const Sampled b(1.0, [](const Vec3&) { return 1.0; });
+  EXPECT_LT(b.gradient(4, 4, 4).norm() + b.hessian(4, 4, 4).norm(), kSingle);
 }
 
 TEST(Stencil, GradientOfATiltedPlaneIsIsotropic) {
@@ -98,8 +115,8 @@ TEST(Stencil, GradientOfATiltedPlaneIsIsotropic) {
     for (int s = 0; s < kDepths; ++s) {
       const double depth = w * ((s + 0.5) / kDepths - 0.5);
       const Vec3 center = h * Vec3(4, 4, 4);
-      const DensityBlock b = sampled(h, [&](const Vec3& x) { return ramp(n.dot(x - center) + depth, w); });
-      const Vec3 g = -density_gradient(b.rho, block_index(4, 4, 4), h);
+      const Sampled b(h, [&](const Vec3& x) { return ramp(n.dot(x - center) + depth, w); });
+      const Vec3 g = -b.gradient(4, 4, 4);
       sum += g;
       along += g.dot(n);
       worst_node = std::max(worst_node, (g - n * n.dot(g)).norm() / (1.5 / w));

@@ -11,6 +11,7 @@
 #include <random>
 
 #include "brim/core/error.h"
+#include "checkout_paths.h"
 #include "io/temporary_folder.h"
 
 namespace brim {

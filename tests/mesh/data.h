@@ -8,6 +8,7 @@
 #include <string>
 
 #include "brim/mesh/tri_mesh.h"
+#include "checkout_paths.h"
 
 namespace brim::test {
 

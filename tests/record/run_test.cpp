@@ -15,6 +15,7 @@
 #include "brim/scene/scene.h"
 #include "brim/world/report_fields.h"
 #include "support/made_run.h"
+#include "support/version_1_run.h"
 
 namespace brim {
 namespace {
@@ -191,6 +192,133 @@ TEST_F(Run, AnOlderRunReadsZerosForWhatItsVersionDidNotRecordAndCanBeGoneOnWith)
   EXPECT_GT(voxels.back(), 0.0);
 }
 
+TEST_F(Run, ARunOfTheFirstVersionReadsAlikeAndIsGoneOnWithToTheSameBits) {
+  const Scene scene = parse_scene(kScene);
+  World straight = build_world(scene);
+  record_run(straight, plan(scene, at("straight")), {});
+  {
+    World first = build_world(scene);
+    record_run(first, plan(scene, at("run")), [](const RunProgress& p) { return p.frame < 7; });
+  }
+  testing::write_version_1(at("run"), at("old"));
+  {
+    const RunReader now(at("run")), old(at("old"));
+    EXPECT_EQ(old.format_version(), 1);
+    EXPECT_EQ(now.format_version(), 2);
+    ASSERT_EQ(now.frames(), old.frames());
+    for (std::int64_t f = 0; f < now.frames(); ++f)
+      for (int b = 0; b < 3; ++b) {
+        EXPECT_EQ(now.positions(b, f), old.positions(b, f));
+        EXPECT_EQ(now.triangles(b, f), old.triangles(b, f));
+        EXPECT_EQ(now.still(b), old.still(b));
+      }
+  }
+  World world = build_world(scene);
+  RunPlan p = plan(scene, at("old"));
+  p.resume = true;
+  EXPECT_EQ(record_run(world, p, {}).end, RunEnd::Completed);
+  EXPECT_EQ(world.hash(), straight.hash());
+  const RunReader a(at("straight")), b(at("old"));
+  EXPECT_EQ(b.format_version(), 2);
+  ASSERT_EQ(a.frames(), b.frames());
+  for (std::int64_t f = 0; f < a.frames(); ++f) {
+    EXPECT_TRUE(same_bits(a.state(f).q, b.state(f).q)) << f;
+    EXPECT_EQ(a.positions(2, f), b.positions(2, f)) << f;
+    EXPECT_EQ(a.contacts(f).size(), b.contacts(f).size()) << f;
+    EXPECT_EQ(a.pairs(f).size(), b.pairs(f).size()) << f;
+  }
+}
+
+TEST_F(Run, FramesThatWereNotCountedYetAreNotThereAndAreWrittenAgain) {
+  const Scene scene = parse_scene(kScene);
+  World world = build_world(scene);
+  record_run(world, plan(scene, at("run")), {});
+  const State last = RunReader(at("run")).state(12);
+  {
+    // As a process leaves it that is killed after the rows of five frames and before their count.
+    h5::File file(at("run/run.h5"), h5::File::Mode::Write);
+    const std::int64_t count = 8;
+    file.open("/frames/count").overwrite(&count, h5::Type::Int64);
+  }
+  EXPECT_EQ(RunReader(at("run")).frames(), 8);
+  EXPECT_THROW(RunReader(at("run")).state(8), InputError);
+  World again = build_world(scene);
+  RunPlan p = plan(scene, at("run"));
+  p.resume = true;
+  record_run(again, p, {});
+  EXPECT_TRUE(same_bits(RunReader(at("run")).state(12).q, last.q));
+}
+
+TEST_F(Run, DamagedFilesAreRefusedWithTheNameOfWhatIsWrong) {
+  const Scene scene = parse_scene(kScene);
+  World world = build_world(scene);
+  record_run(world, plan(scene, at("run")), {});
+  using Shape = std::vector<std::uint64_t>;
+  const std::vector<char> zeros(1 << 22, 0);
+  const std::vector<std::int64_t> ones(100000, 1), large(100000, 123456789012);
+  std::vector<std::int64_t> rising;
+  for (std::int64_t i = 0; i < 20; ++i) rising.push_back(i << 40);
+  struct Damage {
+    const char* path;
+    h5::Type type;
+    Shape shape;
+    const void* data;
+  };
+  using enum h5::Type;
+  const std::vector<Damage> damages = {{"/meshes/triangles", Int32, {12, 4000}, zeros.data()},
+                                       {"/meshes/triangles", Float32, {12, 3}, zeros.data()},
+                                       {"/meshes/vertices", Float64, {5}, zeros.data()},
+                                       {"/meshes/first_vertex", Int64, {3}, large.data()},
+                                       {"/poses/mesh", Int32, {3}, large.data()},
+                                       {"/poses/mesh", Int32, {9000}, zeros.data()},
+                                       {"/poses/rotation", Float64, {13, 1, 9}, zeros.data()},
+                                       {"/poses/translation", Float64, {13, 9}, zeros.data()},
+                                       {"/bodies/q_offset", Int64, {3}, large.data()},
+                                       {"/bodies/v_size", Int64, {3}, large.data()},
+                                       {"/bodies/pieces", Int64, {3}, large.data()},
+                                       {"/bodies/vertices", Int64, {3}, ones.data()},
+                                       {"/bodies/first_position", Int64, {3}, zeros.data()},
+                                       {"/parts/body", Int64, {3}, large.data()},
+                                       {"/frames/count", Int64, {1}, large.data()},
+                                       {"/frames/q", Float64, {13, 2}, zeros.data()},
+                                       {"/contacts/offset", Int64, {14}, rising.data()},
+                                       {"/contacts/position", Float32, {20000, 30}, zeros.data()},
+                                       {"/contacts/pair", Int32, {20000, 2}, large.data()},
+                                       {"/contacts/pair", Float32, {20000, 2}, zeros.data()},
+                                       {"/memory/offset", Int64, {14}, rising.data()},
+                                       {"/motion/center", Float64, {13, 3, 30}, zeros.data()},
+                                       {"/series/wall", Float64, {2}, zeros.data()},
+                                       {"/display/first_triangle", Int64, {4}, large.data()}};
+  for (const Damage& damage : damages) {
+    SCOPED_TRACE(damage.path);
+    fs::remove_all(folder_ / "bad");
+    fs::copy(folder_ / "run", folder_ / "bad");
+    {
+      h5::File file(at("bad/run.h5"), h5::File::Mode::Write);
+      file.remove(damage.path);
+      file.write(damage.path, damage.type, damage.shape, damage.data);
+    }
+    const auto read_all = [&] {
+      const RunReader run(at("bad"));
+      run.series("wall");
+      for (std::int64_t f = 0; f < run.frames(); ++f) {
+        run.state(f), run.report(f), run.samples(f), run.contacts(f), run.tiles(f);
+        for (std::size_t b = 0; b < run.bodies().size(); ++b) run.positions(static_cast<int>(b), f);
+      }
+    };
+    EXPECT_THROW(read_all(), InputError);
+    World fresh = build_world(scene);
+    RunPlan p = plan(scene, at("bad"));
+    p.resume = true;
+    p.frames = 14;
+    // The positions that resuming does not need may be anything; nothing may crash.
+    try {
+      record_run(fresh, p, {});
+    } catch (const InputError&) {
+    }
+  }
+}
+
 TEST_F(Run, ASurfaceThatChangesIsReadBackFrameByFrameAlsoAfterResuming) {
   const Scene scene = parse_scene(R"({
     "brim": 1, "name": "drop", "frames": 6, "world": {"time_step": 0.02},
@@ -301,7 +429,13 @@ TEST_F(Run, OtherFilesAreNotTakenForRuns) {
 }
 
 TEST_F(Run, XdmfIsWellFormedAndNamesWhatTheFileHolds) {
-  const Scene scene = parse_scene(kScene);
+  std::string text = kScene;
+  text.insert(text.find("{\"kind\": \"rigid\""),
+              R"({"kind": "cloth", "name": "sheet", "grid": {"size": [0.6, 0.6], "cells": [3, 3]},
+    "thickness": 0.05, "transform": {"position": [3, 0, 1]}},
+   {"kind": "rod", "name": "rope", "radius": 0.04, "segments": 3, "points": [[-3, 0, 1], [-2, 0, 1]]},
+   )");
+  const Scene scene = parse_scene(text);
   World world = build_world(scene);
   record_run(world, plan(scene, at("run")), {});
   const std::string script =
@@ -312,11 +446,15 @@ TEST_F(Run, XdmfIsWellFormedAndNamesWhatTheFileHolds) {
       "fs=t.findall('Grid')\n"
       "assert len(fs)==13, len(fs)\n"
       "assert abs(float(fs[12].find('Time').get('Value'))-0.12)<1e-9\n"
-      "assert [g.get('Name') for g in fs[5].findall('Grid')]==['floor','bar','ball']\n"
+      "assert [g.get('Name') for g in fs[5].findall('Grid')]==['sheet','rope','poses']\n"
+      "seen=0\n"
       "for g in fs[12].findall('Grid'):\n"
-      "  start,stride,count,size=[list(map(int,x.split())) for x in\n"
-      "    g.find('Geometry/DataItem').text.split('|')[1].split(':')]\n"
-      "  assert all(b+c<=n for b,c,n in zip(start,count,size))\n";
+      "  for item in g.iter('DataItem'):\n"
+      "    start,stride,count,size=[list(map(int,x.split())) for x in item.text.split('|')[1].split(':')]\n"
+      "    assert all(b+c<=n for b,c,n in zip(start,count,size)), item.text\n"
+      "    assert list(map(int,item.get('Dimensions').split()))==count\n"
+      "    seen+=1\n"
+      "assert seen==6, seen\n";
   std::ofstream(folder_ / "check.py") << script;
   if (std::system("python3 -c 'import xml.etree.ElementTree' 2>/dev/null") != 0) GTEST_SKIP() << "no Python here";
   EXPECT_EQ(std::system(fmt::format("python3 '{}' '{}'", at("check.py"), at("run/run.xdmf")).c_str()), 0);

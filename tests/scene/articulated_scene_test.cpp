@@ -4,6 +4,7 @@
 
 #include "brim/core/error.h"
 #include "brim/scene/scene.h"
+#include "checkout_paths.h"
 
 /// Scenes with trees of links: what they build, and what is refused.
 namespace brim {

@@ -9,6 +9,7 @@
 #include "brim/scene/pairs/pair_report.h"
 #include "brim/scene/pairs/pair_trial.h"
 #include "brim/scene/scene.h"
+#include "checkout_paths.h"
 
 /// The example of docs/bodies/your_own.md, whose source is compiled into this test.
 namespace brim {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "brim/core/error.h"
+#include "checkout_paths.h"
 
 namespace brim::viewer {
 namespace {

@@ -1,6 +1,7 @@
 #include "server/recorded_run.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstring>
@@ -217,6 +218,21 @@ TEST_F(RecordedRunTest, AGrowingRunIsNoticedAndItsSummaryEndsIt) {
   EXPECT_EQ(run.progress(), (Progress{5, true}));
   EXPECT_FALSE(run.progress().stopped);
   EXPECT_EQ(run.info()["summary"]["frames"], 5);
+}
+
+TEST_F(RecordedRunTest, ASummaryOfAllFramesEndsTheRunWhicheverFileIsYounger) {
+  write_run(folder_, 3);
+  std::ofstream(folder_ / "summary.json") << "{\"frames\": 3}";
+  fs::last_write_time(folder_ / "summary.json", fs::file_time_type::clock::now() - std::chrono::minutes(1));
+  EXPECT_EQ(RecordedRun(folder_.string()).progress(), (Progress{3, true, false})) << "as after going on with a run";
+  std::ofstream(folder_ / "summary.json") << "{\"frames\": 2}";
+  EXPECT_EQ(RecordedRun(folder_.string()).progress(), (Progress{3, false, false})) << "it is gone on with";
+}
+
+TEST_F(RecordedRunTest, APipeInThePlaceOfARunIsRefused) {
+  fs::create_directories(folder_);
+  ASSERT_EQ(::mkfifo((folder_ / "run.h5").c_str(), 0600), 0);
+  EXPECT_THROW(RecordedRun(folder_.string()), InputError);
 }
 
 TEST_F(RecordedRunTest, ARunWhoseWriterIsGoneDoesNotGrowForEver) {

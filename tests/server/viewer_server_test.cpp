@@ -10,6 +10,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <vector>
 
 #include "brim/core/error.h"
 
@@ -125,6 +126,48 @@ TEST_F(ViewerServerTest, NothingCanBeWritten) {
   EXPECT_NE(client_->Put("/index.html", "x", "text/plain")->status, 200);
   EXPECT_NE(client_->Delete("/index.html")->status, 200);
   EXPECT_EQ(client_->Get("/")->body, "<html>the page</html>");
+}
+
+TEST_F(ViewerServerTest, PagesOfOtherSitesAndBodiesAreRefused) {
+  EXPECT_EQ(status("/api/run", {{"Origin", "http://evil.example"}}), 403);
+  EXPECT_EQ(status("/api/run", {{"Origin", "null"}}), 403);
+  EXPECT_EQ(status("/api/run", {{"Origin", fmt::format("http://127.0.0.1:{}", port_)}}), 200);
+  const auto sent = client_->Post("/api/run", std::string(1 << 20, 'x'), "text/plain");
+  EXPECT_TRUE(!sent || sent->status >= 400);
+  EXPECT_EQ(status("/api/run"), 200);
+}
+
+TEST_F(ViewerServerTest, NumbersBeyondAnIndexAreNotTakenForSmallOnes) {
+  EXPECT_EQ(status("/api/topology/0"), 200);
+  EXPECT_EQ(status("/api/topology/4294967296"), 404);
+  EXPECT_EQ(status("/api/slice/1?axis=4294967296"), 404);
+}
+
+TEST_F(ViewerServerTest, ManyOpenPagesLeaveRoomForAnswers) {
+  std::atomic<int> heard = 0, refused = 0;
+  std::vector<std::thread> pages;
+  for (int i = 0; i < 20; ++i)
+    pages.emplace_back([&] {
+      httplib::Client page("127.0.0.1", port_);
+      page.set_read_timeout(20);
+      const auto answer = page.Get(
+          "/api/events",
+          [&](const httplib::Response& head) {
+            if (head.status != 503) return true;
+            ++refused;
+            return false;
+          },
+          [&](const char*, std::size_t) {
+            ++heard;
+            return !run_.complete;
+          });
+    });
+  for (int i = 0; i < 1000 && heard + refused < 20; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(heard, 16);
+  EXPECT_EQ(refused, 4);
+  EXPECT_EQ(status("/api/frame/1"), 200);
+  run_.complete = true;
+  for (std::thread& page : pages) page.join();
 }
 
 TEST_F(ViewerServerTest, EventsTellOfNewFrames) {

@@ -59,6 +59,7 @@ struct Stepper {
     }
     for (std::size_t i = 0; i < n; ++i) v[i] += x[i];
     body.advance(dt, q, v);
+    body.finish_step(time, dt, q, v);
     time += dt;
     body.update(time, q, v);
   }

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "brim/core/error.h"
+#include "support/soft_worlds.h"
 #include "support/worlds.h"
 
 namespace brim {
@@ -45,12 +46,18 @@ TEST(ContactStage, WhatMeetsTooFarAwayForTheGridIsRefusedByName) {
       EXPECT_NE(std::string(e.what()).find("'far'"), std::string::npos) << e.what();
     }
   }
-  // Near enough, each of them, but with all that lies between them on one floor.
+  // Near enough, each of them, but with all that lies between them on one rope.
   World apart(testing::options_at(0.1));
-  apart.add(testing::ground(0.5));
-  apart.add(testing::ball("one", {Vec3(0, 0, 0.49)}));
-  apart.add(testing::ball("other", {Vec3(3e4, 3e4, -3e4)}));
+  apart.add(testing::rope("rope", Vec3::Zero(), Vec3(3e4, 3e4, 3e4)));
+  apart.add(testing::ball("one", {Vec3(0, 0, 0)}));
+  apart.add(testing::ball("other", {Vec3(3e4, 3e4, 3e4)}));
   EXPECT_THROW(apart.step(), InputError);
+  // Solids are looked at pair by pair: how far pairs are from each other does not matter.
+  World solids(testing::options_at(0.1));
+  solids.add(testing::ground(0.5));
+  solids.add(testing::ball("one", {Vec3(0, 0, 0.49)}));
+  solids.add(testing::ball("other", {Vec3(3e4, 3e4, 0.49)}));
+  EXPECT_GT(solids.step().contacts, 0);
 
   World w(testing::options_at(0.1));
   w.add(testing::ground(0.5));
@@ -72,7 +79,9 @@ TEST(ContactStage, FindsEveryOverlapThatASearchOfAllTilesFinds) {
     const int parts = w.part_count();
     std::vector<std::vector<DensityBlock>> density(parts, std::vector<DensityBlock>(tiles.size()));
     for (int p = 0; p < parts; ++p) w.density(p, h, tiles, density[p]);
-    std::map<std::pair<int, int>, std::int64_t> expected;
+    // Contact is sampled in single precision: nodes that overlap by less than its rounding may be found or not.
+    constexpr double kRounding = 1e-6;
+    std::map<std::pair<int, int>, std::int64_t> sure, possible;
     for (int a = 0; a < parts; ++a)
       for (int b = a + 1; b < parts; ++b)
         for (std::size_t t = 0; t < tiles.size(); ++t)
@@ -85,8 +94,10 @@ TEST(ContactStage, FindsEveryOverlapThatASearchOfAllTilesFinds) {
                   return r[0] >= 1 && r[1] >= 1 && r[-1] >= 1 && r[10] >= 1 && r[-10] >= 1 && r[100] >= 1 &&
                          r[-100] >= 1;
                 };
-                if (density[a][t].rho[node] + density[b][t].rho[node] > 1.0 && !(full(a) && full(b)))
-                  ++expected[{a, b}];
+                const double sum = density[a][t].rho[node] + density[b][t].rho[node];
+                if (full(a) && full(b)) continue;
+                if (sum > 1.0 + kRounding) ++sure[{a, b}];
+                if (sum > 1.0 - kRounding) ++possible[{a, b}];
               }
     // One sub-step: its contacts are those of the state before it.
     const StepReport r = w.step();
@@ -94,19 +105,22 @@ TEST(ContactStage, FindsEveryOverlapThatASearchOfAllTilesFinds) {
     std::map<std::pair<int, int>, std::int64_t> found;
     for (const ContactSample& c : w.contacts())
       if (c.overlap > 0.0f) ++found[{c.part_a, c.part_b}];
-    EXPECT_EQ(found, expected);
-    EXPECT_GT(expected.size(), 4u);
+    for (const auto& [pair, count] : sure) EXPECT_GE(found[pair], count) << pair.first << " " << pair.second;
+    for (const auto& [pair, count] : found) EXPECT_LE(count, possible[pair]) << pair.first << " " << pair.second;
+    EXPECT_GT(sure.size(), 4u);
   }
 }
 
 TEST(ContactStage, ABodyInAnEmptyPlaceIsNotRasterized) {
-  // Two touch, a third stands alone: only tiles of the two.
+  // Two touch, a third stands alone: only nodes of the two are sampled.
   World w(testing::options_at(0.125));
   w.add(testing::ball("a", {Vec3(0, 0, 0)}));
   w.add(testing::ball("b", {Vec3(0.95, 0, 0)}));
   w.add(testing::ball("alone", {Vec3(0, 9, 0)}));
   const StepReport r = w.step();
-  EXPECT_EQ(r.tiles, 2 * static_cast<std::int64_t>(w.active_tiles().size()));
+  EXPECT_GE(r.tiles, 2);
+  EXPECT_GT(r.voxels, r.contacts);
+  EXPECT_FALSE(w.active_tiles().empty());
   for (const auto& [tile, h] : w.active_tiles()) EXPECT_LT(tile_box(tile, h).lo.y(), 2.0);
 }
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/worlds.h"
+#include "support/soft_worlds.h"
 
 namespace brim {
 namespace {
@@ -54,6 +54,29 @@ TEST(Substeps, SpinCountsWithTheReachOfTheBody) {
   w.add(box("b", {Vec3(0, 0, 1.05)}));
   // Corners move at 5 * sqrt(3)/2 = 4.33 m/s: 3.5 voxels in the step.
   EXPECT_EQ(w.step().substeps, 4);
+}
+
+/// Sub-steps of a step of a soft beam beside a ball at its left end, whose nodes from x0 to x1 move at 10 m/s.
+int substeps_of_beam(double x0, double x1) {
+  WorldOptions o = options_at(0.1);
+  o.environment.gravity = Vec3::Zero();
+  World w(o);
+  const TetMesh mesh = testing::block(24, 2, 2, 0.1);
+  FemOptions soft;
+  soft.young = 100.0;
+  w.add(testing::named<FemBody>("beam", mesh, soft));
+  w.add(ball("ball", {Vec3(0.1, 0.1, -0.6)}));
+  State s = w.state();
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    if (mesh.vertices[i].x() > x0 && mesh.vertices[i].x() < x1) s.v[3 * i + 2] = 10.0;
+  w.set_state(s);
+  return w.step().substeps;
+}
+
+TEST(Substeps, AFastEndOfASoftBodyCountsWhereItIs) {
+  // 10 m/s in a sixtieth of a second are 1.7 voxels.
+  EXPECT_EQ(substeps_of_beam(2.15, 9.0), 1);
+  EXPECT_GE(substeps_of_beam(-1.0, 0.25), 2);
 }
 
 TEST(Substeps, TheLimitIsKeptAndTold) {

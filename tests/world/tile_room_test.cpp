@@ -37,7 +37,7 @@ ContactSet contacts_of(const Bounded& a, const Bounded& b, const ContactPair& pa
   b.solid.rasterize(pair.h, pair.w, {&tile, 1}, {&of_b, 1});
   ContactSet set;
   set.pairs = {pair};
-  const PairTile both{0, tile, &of_a, &of_b};
+  const PairTile both{0, tile, &of_a, &of_b, octants};
   detect({&both, 1}, set);
   return set;
 }

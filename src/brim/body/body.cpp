@@ -1,5 +1,7 @@
 #include "brim/body/body.h"
 
+#include "brim/math/block_matrix.h"
+
 namespace brim {
 
 void Body::apply_system(std::span<const double> x, std::span<double> y) const {
@@ -11,6 +13,8 @@ void Body::apply_system(std::span<const double> x, std::span<double> y) const {
   apply_stiffness(x, t);
   for (std::size_t i = 0; i < t.size(); ++i) y[i] -= dt_ * dt_ * t[i];
 }
+
+std::optional<BlockSystem> Body::block_system() const { return std::nullopt; }
 
 void Body::precondition(std::size_t first, const BlockDiagonal& D, std::span<const double> r,
                         std::span<double> z) const {

@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -14,6 +15,8 @@
 #include "brim/mesh/tri_mesh.h"
 
 namespace brim {
+
+struct BlockSystem;  // brim/math/block_matrix.h
 
 /// How contacts act: by stiff forces, or by rows that no motion may violate (docs/constraint.md).
 enum class Response { Inherit, Penalty, Constraint };
@@ -98,6 +101,9 @@ class Body {
   virtual void begin_solve(double dt) { dt_ = dt; }
   /// y += A x.
   virtual void apply_system(std::span<const double> x, std::span<double> y) const;
+  /// A as sparse 3x3 blocks, after begin_solve, for preconditioners; the kinds that have no such matrix give nothing.
+  /// Tests: tests/body/block_system_test.cpp
+  virtual std::optional<BlockSystem> block_system() const;
   /// Sizes of the diagonal blocks of A, in order; they sum to v_size().
   virtual std::vector<int> block_sizes() const = 0;
   /// Adds the diagonal blocks of A. @param first  index of the body's first block in D

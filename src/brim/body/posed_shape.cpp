@@ -2,16 +2,15 @@
 
 #include <cmath>
 
+#include "brim/body/posed_display.h"
 #include "brim/core/parallel.h"
-#include "brim/raster/known_distance.h"
 
 namespace brim {
 
 PosedShape::PosedShape(std::shared_ptr<const Shape> shape, TriMesh surface)
-    : shape_(std::move(shape)), surface_(std::move(surface)) {
-  const auto* known = dynamic_cast<const KnownDistance*>(shape_.get());
-  slack_ = known != nullptr ? known->slack() : std::numeric_limits<double>::infinity();
-}
+    : shape_(std::move(shape)),
+      known_(dynamic_cast<const KnownDistance*>(shape_.get())),
+      surface_(std::move(surface)) {}
 
 double PosedShape::box_reach(const Vec3& center) const {
   const Aabb box = shape_->bounds();
@@ -31,16 +30,14 @@ void PosedShape::presence(double h, double w, const Aabb& region, std::vector<Ti
 }
 
 double PosedShape::distance_bound(const Vec3& x) const {
-  return std::isfinite(slack_) ? shape_->distance(pose_.to_local(x)) - slack_ : -slack_;
+  if (known_ == nullptr) return -std::numeric_limits<double>::infinity();
+  return known_->rough_distance(pose_.to_local(x)) - known_->slack();
 }
 
 void PosedShape::rasterize(double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {
   parallel_for(tiles.size(), [&](std::size_t i) { shape_->fill(pose_, tiles[i], h, w, out[i]); });
 }
 
-void PosedShape::display_positions(std::span<Vec3f> x) const {
-  for (std::size_t i = 0; i < x.size(); ++i)
-    x[i] = (pose_.rotation * surface_.vertices[i] + pose_.translation).cast<float>();
-}
+void PosedShape::display_positions(std::span<Vec3f> x) const { place_vertices(surface_.vertices, pose_, x); }
 
 }  // namespace brim

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "brim/body/body.h"
+#include "brim/raster/known_distance.h"
 #include "brim/raster/shape.h"
 
 namespace brim {
@@ -18,6 +19,8 @@ class PosedShape {
   const Shape& shape() const { return *shape_; }
   const TriMesh& surface() const { return surface_; }
   const Pose& pose() const { return pose_; }
+  /// How the shape tells its distances; null where its density is not a ramp of them.
+  const KnownDistance* known_distance() const { return known_; }
   void place(const Pose& pose) { pose_ = pose; }
 
   /// Distance from a point to the farthest corner of the solid's box, [m]; 0 when the box is infinite.
@@ -36,7 +39,7 @@ class PosedShape {
 
  private:
   std::shared_ptr<const Shape> shape_;
-  double slack_;  ///< [m] of the shape's distance; infinity where its density is not a ramp of it
+  const KnownDistance* known_;
   TriMesh surface_;
   Pose pose_;
 };

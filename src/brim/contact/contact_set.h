@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -16,6 +17,7 @@ struct PairTile {
   TileKey tile;
   const DensityBlock* a = nullptr;
   const DensityBlock* b = nullptr;
+  Octants octants = kAllOctants;  ///< those that are searched
 };
 
 /// Two parts that may touch, and where their contacts are in a ContactSet.
@@ -27,21 +29,67 @@ struct ContactPair {
   std::size_t begin = 0, end = 0;  ///< contacts of the pair
 };
 
-/// Nodes where the densities of two parts sum to more than 1 (paper, section 4.1) or soon may, ordered by pair, tile
-/// and node. Structure of arrays, each of shape (n).
+/// A list of vectors kept in single precision: written and read in double.
+class FloatVectors {
+ public:
+  Vec3 operator[](std::size_t i) const { return data_[i].cast<double>(); }
+  void set(std::size_t i, const Vec3& v) { data_[i] = v.cast<float>(); }
+  void set(std::size_t i, const Vec3f& v) { data_[i] = v; }
+  const Vec3f& raw(std::size_t i) const { return data_[i]; }
+  std::size_t size() const { return data_.size(); }
+  void resize(std::size_t n) { data_.resize(n); }
+  void append(const FloatVectors& from, std::size_t i) { data_.push_back(from.data_[i]); }
+  void erase(std::size_t i) { data_.erase(data_.begin() + static_cast<std::ptrdiff_t>(i)); }
+  bool operator==(const FloatVectors&) const = default;
+
+ private:
+  std::vector<Vec3f> data_;
+};
+
+/// T H T with T = 1 − ĝĝᵀ, as the three numbers uu, uv, vv that it has in a frame u, v across g; zero where g is.
+/// @param H  xx, yy, zz, xy, xz, yz  @param scale  times H
+std::array<float, 3> tangent_tensor(const Vec3f& g, const std::array<float, 6>& H, float scale);
+/// The tensor that tangent_tensor has packed. @param g  the same as there
+Mat3 unpack_tangent_tensor(const Vec3f& g, const std::array<float, 3>& packed);
+
+/// The same as xx, yy, zz, xy, xz, yz in single precision.
+Eigen::Matrix<float, 6, 1> unpack_tensor_entries(const Vec3f& g, const std::array<float, 3>& packed);
+
+/// One contact (ContactSet has the meaning of each number).
+struct Contact {
+  Vec3 point;
+  Vec3i node;
+  float overlap, depth;
+  Vec3f gradient_a, gradient_b;
+  std::array<float, 3> bend_a, bend_b;
+  std::int32_t source_a, source_b;
+};
+
+/// Nodes where the densities of two parts sum to more than 1 (paper, section 4.1) or soon may, ordered by pair, block
+/// and node. Structure of arrays, each of shape (n): 100 bytes a contact.
 struct ContactSet {
   std::vector<ContactPair> pairs;
-  std::vector<Vec3> node;                    ///< [m] the grid point
-  std::vector<Vec3> point;                   ///< [m] where the force is applied: the node carried to where ρ_a = ρ_b
-  std::vector<double> overlap;               ///< [-] ρ̄ = ρ_a + ρ_b − 1, > −margin of the pair
-  std::vector<double> depth;                 ///< [m] penetration: minus the sum of the distances to the two surfaces
-  std::vector<Vec3> gradient_a, gradient_b;  ///< [1/m] ∇ρ
-  std::vector<Mat3> curvature_a, curvature_b;  ///< [1/m²] T H T, tangential second derivatives of ρ
+  std::vector<Vec3i> node;              ///< the grid point, at h (i, j, k) with the pair's h
+  std::vector<Vec3> point;              ///< [m] where the force is applied: the node carried to where ρ_a = ρ_b
+  std::vector<float> overlap;           ///< [-] ρ̄ = ρ_a + ρ_b − 1, > −margin of the pair
+  std::vector<float> depth;             ///< [m] penetration: minus the sum of the distances to the two surfaces
+  FloatVectors gradient_a, gradient_b;  ///< [1/m] ∇ρ
+  std::vector<std::array<float, 3>> bend_a, bend_b;  ///< [1/m²] packed; read by curvature_a and curvature_b
   std::vector<std::int32_t> source_a, source_b;
   std::int64_t engulfed = 0;  ///< overlapping nodes without any gradient: one part deep inside the other
 
   std::size_t size() const { return node.size(); }
   void resize(std::size_t n);
+  /// Place of the grid point, [m]. @param h  [m] step of the pair
+  Vec3 node_at(std::size_t c, double h) const { return h * node[c].cast<double>(); }
+  /// T H T, tangential second derivatives of ρ, [1/m²].
+  Mat3 curvature_a(std::size_t c) const { return unpack_tangent_tensor(gradient_a.raw(c), bend_a[c]); }
+  Mat3 curvature_b(std::size_t c) const { return unpack_tangent_tensor(gradient_b.raw(c), bend_b[c]); }
+  void set(std::size_t c, const Contact& contact);
+  /// Appends contact c of another set, elsewhere. @param x  [m] its point  @param d  [m] its depth
+  void append(const ContactSet& from, std::size_t c, const Vec3& x, double d);
+  /// Takes contact c out; those behind it move up.
+  void erase(std::size_t c);
 };
 
 /// Finds the contacts on the given tiles, which must be ordered by pair. `set.pairs` holds the pairs on entry; their

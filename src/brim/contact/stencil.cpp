@@ -1,56 +1,51 @@
 #include "brim/contact/stencil.h"
 
+#include <cstring>
+
+#include "brim/core/wide.h"
+
 namespace brim {
 
 namespace {
 
-constexpr Stencil make_stencil() {
-  constexpr double smooth[3] = {3.0 / 16.0, 10.0 / 16.0, 3.0 / 16.0};
-  constexpr double first[3] = {-0.5, 0.0, 0.5};
-  constexpr double second[3] = {1.0, -2.0, 1.0};
-  Stencil s{};
-  int n = 0;
-  for (int k = 0; k < 3; ++k)
-    for (int j = 0; j < 3; ++j)
-      for (int i = 0; i < 3; ++i) {
-        Stencil::Row& r = s.rows[n++];
-        r.offset = block_index(i - 1, j - 1, k - 1);
-        r.gradient = {first[i] * smooth[j] * smooth[k], smooth[i] * first[j] * smooth[k],
-                      smooth[i] * smooth[j] * first[k]};
-        r.hessian = {second[i] * smooth[j] * smooth[k], smooth[i] * second[j] * smooth[k],
-                     smooth[i] * smooth[j] * second[k], first[i] * first[j] * smooth[k],
-                     first[i] * smooth[j] * first[k],   smooth[i] * first[j] * first[k]};
-      }
-  return s;
+BRIM_INLINE CubeRow load(const float* x) {
+  CubeRow r;
+  std::memcpy(&r, x, sizeof r);
+  return r;
 }
-
-constexpr Stencil kStencil = make_stencil();
+BRIM_INLINE void store(const CubeRow& r, float* x) { std::memcpy(x, &r, sizeof r); }
+BRIM_INLINE CubeRow smooth(const CubeRow& a, const CubeRow& b, const CubeRow& c) {
+  return 0.1875f * (a + c) + 0.625f * b;
+}
+BRIM_INLINE CubeRow slope(const CubeRow& a, const CubeRow& c) { return 0.5f * (c - a); }
+BRIM_INLINE CubeRow bend(const CubeRow& a, const CubeRow& b, const CubeRow& c) { return (a + c) - 2.0f * b; }
+/// Each node's neighbours along the row.
+BRIM_INLINE CubeRow before(const CubeRow& a) { return __builtin_shufflevector(a, a, 0, 0, 1, 2, 3, 4, 5, 6); }
+BRIM_INLINE CubeRow behind(const CubeRow& a) { return __builtin_shufflevector(a, a, 1, 2, 3, 4, 5, 6, 7, 7); }
 
 }  // namespace
 
-const Stencil& stencil() { return kStencil; }
-
-Vec3 density_gradient(const double* rho, int node, double h) {
-  double x = 0.0, y = 0.0, z = 0.0;
-  for (const Stencil::Row& r : kStencil.rows) {
-    const double value = rho[node + r.offset];
-    x += r.gradient[0] * value;
-    y += r.gradient[1] * value;
-    z += r.gradient[2] * value;
+BRIM_WIDE void row_derivatives(const float* rho, int j, int k, bool bent, RowDerivatives& out) {
+  CubeRow even[3], odd[3], second[3];  // smoothed, differenced and twice differenced along y, at k − 1, k, k + 1
+  for (int dz = 0; dz < 3; ++dz) {
+    const CubeRow a = load(rho + cube_index(0, j - 1, k + dz - 1)), b = load(rho + cube_index(0, j, k + dz - 1)),
+                  c = load(rho + cube_index(0, j + 1, k + dz - 1));
+    even[dz] = smooth(a, b, c), odd[dz] = slope(a, c), second[dz] = bend(a, b, c);
   }
-  return Vec3(x, y, z) / h;
-}
-
-void density_derivatives(const double* rho, int node, double h, Vec3& gradient, Mat3& hessian) {
-  double g[3] = {}, s[6] = {};
-  for (const Stencil::Row& r : kStencil.rows) {
-    const double value = rho[node + r.offset];
-    for (int a = 0; a < 3; ++a) g[a] += r.gradient[a] * value;
-    for (int a = 0; a < 6; ++a) s[a] += r.hessian[a] * value;
-  }
-  gradient = Vec3(g[0], g[1], g[2]) / h;
-  hessian << s[0], s[3], s[4], s[3], s[1], s[5], s[4], s[5], s[2];
-  hessian /= h * h;
+  // Smoothed across x, and the slopes along y and along z with the other of the two smoothed.
+  const CubeRow x = smooth(even[0], even[1], even[2]), y = smooth(odd[0], odd[1], odd[2]), z = slope(even[0], even[2]);
+  store(slope(before(x), behind(x)), out.gradient[0]);
+  store(smooth(before(y), y, behind(y)), out.gradient[1]);
+  store(smooth(before(z), z, behind(z)), out.gradient[2]);
+  if (!bent) return;
+  const CubeRow yy = smooth(second[0], second[1], second[2]), zz = bend(even[0], even[1], even[2]),
+                yz = slope(odd[0], odd[2]);
+  store(bend(before(x), x, behind(x)), out.hessian[0]);
+  store(smooth(before(yy), yy, behind(yy)), out.hessian[1]);
+  store(smooth(before(zz), zz, behind(zz)), out.hessian[2]);
+  store(slope(before(y), behind(y)), out.hessian[3]);
+  store(slope(before(z), behind(z)), out.hessian[4]);
+  store(smooth(before(yz), yz, behind(yz)), out.hessian[5]);
 }
 
 }  // namespace brim

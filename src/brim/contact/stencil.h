@@ -1,30 +1,20 @@
 #pragma once
 
-#include <array>
-
-#include "brim/grid/tile.h"
-#include "brim/math/types.h"
+#include "brim/grid/node_cube.h"
 
 namespace brim {
 
-/// Weights of the isotropic 3x3x3 stencils at unit step: the derivative along one axis by the central difference,
-/// smoothed by (3, 10, 3)/16 along the others (Scharr). Measured isotropy: 0.2 % for a ramp of 3h.
-struct Stencil {
-  struct Row {
-    int offset;                      ///< in a block, from the centre node
-    std::array<double, 3> gradient;  ///< x, y, z
-    std::array<double, 6> hessian;   ///< xx, yy, zz, xy, xz, yz
-  };
-  std::array<Row, 27> rows;
+/// Derivatives of a density at the nodes of one row of a cube, at unit step.
+struct RowDerivatives {
+  alignas(32) float gradient[3][kCubeSize];  ///< x, y, z
+  alignas(32) float hessian[6][kCubeSize];   ///< xx, yy, zz, xy, xz, yz
 };
 
-/// The stencil; constant.
-const Stencil& stencil();
-
-/// ∇ρ at a node of a block, [1/m]. @param node  offset of an own node
-Vec3 density_gradient(const double* rho, int node, double h);
-
-/// ∇ρ and the second derivatives H of ρ at a node, [1/m] and [1/m²].
-void density_derivatives(const double* rho, int node, double h, Vec3& gradient, Mat3& hessian);
+/// By the isotropic 3x3x3 stencils: the derivative along one axis by the central difference, smoothed by
+/// (3, 10, 3)/16 along the others (Scharr). Measured isotropy: 0.2 % for a ramp of 3h. Eight nodes at a time; the first
+/// and the last of a row have no neighbours and get nothing of use.
+/// @param rho   densities of the cube  @param j, k  the row, 1 to 6 each
+/// @param bent  whether second derivatives are wanted as well
+void row_derivatives(const float* rho, int j, int k, bool bent, RowDerivatives& out);
 
 }  // namespace brim

@@ -1,28 +1,3 @@
 #pragma once
 
-#include <cstdint>
-
-// Functions marked BRIM_WIDE are compiled twice where the machine decides at start-up which one runs; without
-// contraction to fused operations both give the same bits. Sanitizers do not follow that choice. What they call must be
-// inlined.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
-#define BRIM_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define BRIM_WIDE
-#endif
-#define BRIM_INLINE __attribute__((always_inline)) inline
-// Vectors of doubles do not leave a file, so it does not matter how a machine without them would pass them on.
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC diagnostic ignored "-Wpsabi"
-#endif
-
-namespace brim {
-
-inline constexpr int kLanes = 4;
-/// Numbers that are worked on together; the compiler maps them to what the machine has, with the same bits.
-typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double))));
-typedef float FloatLanes __attribute__((vector_size(kLanes * sizeof(float))));
-typedef std::int64_t LaneFlags __attribute__((vector_size(kLanes * sizeof(double))));
-typedef std::int32_t LaneIds __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
-
-}  // namespace brim
+#include "brim/core/simd.h"  // the former name of that header

@@ -38,10 +38,10 @@ struct Header {
   }
 };
 
-const std::map<int, VoxelType> kTypes = {{2, VoxelType::UInt8},    {4, VoxelType::Int16},    {8, VoxelType::Int32},
-                                         {16, VoxelType::Float32}, {64, VoxelType::Float64}, {256, VoxelType::Int8},
-                                         {512, VoxelType::UInt16}, {768, VoxelType::UInt32}, {1024, VoxelType::Int64},
-                                         {1280, VoxelType::UInt64}};
+const std::map<int, VoxelType> kNiftiTypes = {
+    {2, VoxelType::UInt8},    {4, VoxelType::Int16},    {8, VoxelType::Int32},    {16, VoxelType::Float32},
+    {64, VoxelType::Float64}, {256, VoxelType::Int8},   {512, VoxelType::UInt16}, {768, VoxelType::UInt32},
+    {1024, VoxelType::Int64}, {1280, VoxelType::UInt64}};
 
 /// Where the voxels are: the sform when it is set, else the qform, else the steps alone.
 void read_place(const Header& h, VolumeInfo& info) {
@@ -92,8 +92,8 @@ VolumeInfo read_nifti_info(const std::string& path) {
   }
   for (int a = std::max(0, axes); a < 3; ++a) info.size[a] = axes < 1 || axes > 7 ? 0 : 1;
   const int type = h.at<std::int16_t>(70);
-  const auto known = kTypes.find(type);
-  if (known == kTypes.end())
+  const auto known = kNiftiTypes.find(type);
+  if (known == kNiftiTypes.end())
     throw InputError(fmt::format("{}: voxels are of type {}; they must be whole numbers or floats", path, type));
   info.type = known->second;
   info.big_endian = h.swapped;

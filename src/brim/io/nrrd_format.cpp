@@ -25,42 +25,42 @@ std::string trimmed(const std::string& s) {
 }
 
 /// The words that NRRD allows for each type.
-const std::map<std::string, VoxelType> kTypes = {{"signed char", VoxelType::Int8},
-                                                 {"int8", VoxelType::Int8},
-                                                 {"int8_t", VoxelType::Int8},
-                                                 {"uchar", VoxelType::UInt8},
-                                                 {"unsigned char", VoxelType::UInt8},
-                                                 {"uint8", VoxelType::UInt8},
-                                                 {"uint8_t", VoxelType::UInt8},
-                                                 {"short", VoxelType::Int16},
-                                                 {"short int", VoxelType::Int16},
-                                                 {"signed short", VoxelType::Int16},
-                                                 {"signed short int", VoxelType::Int16},
-                                                 {"int16", VoxelType::Int16},
-                                                 {"int16_t", VoxelType::Int16},
-                                                 {"ushort", VoxelType::UInt16},
-                                                 {"unsigned short", VoxelType::UInt16},
-                                                 {"unsigned short int", VoxelType::UInt16},
-                                                 {"uint16", VoxelType::UInt16},
-                                                 {"uint16_t", VoxelType::UInt16},
-                                                 {"int", VoxelType::Int32},
-                                                 {"signed int", VoxelType::Int32},
-                                                 {"int32", VoxelType::Int32},
-                                                 {"int32_t", VoxelType::Int32},
-                                                 {"uint", VoxelType::UInt32},
-                                                 {"unsigned int", VoxelType::UInt32},
-                                                 {"uint32", VoxelType::UInt32},
-                                                 {"uint32_t", VoxelType::UInt32},
-                                                 {"longlong", VoxelType::Int64},
-                                                 {"int64", VoxelType::Int64},
-                                                 {"int64_t", VoxelType::Int64},
-                                                 {"long long", VoxelType::Int64},
-                                                 {"ulonglong", VoxelType::UInt64},
-                                                 {"uint64", VoxelType::UInt64},
-                                                 {"uint64_t", VoxelType::UInt64},
-                                                 {"unsigned long long", VoxelType::UInt64},
-                                                 {"float", VoxelType::Float32},
-                                                 {"double", VoxelType::Float64}};
+const std::map<std::string, VoxelType> kNrrdTypes = {{"signed char", VoxelType::Int8},
+                                                     {"int8", VoxelType::Int8},
+                                                     {"int8_t", VoxelType::Int8},
+                                                     {"uchar", VoxelType::UInt8},
+                                                     {"unsigned char", VoxelType::UInt8},
+                                                     {"uint8", VoxelType::UInt8},
+                                                     {"uint8_t", VoxelType::UInt8},
+                                                     {"short", VoxelType::Int16},
+                                                     {"short int", VoxelType::Int16},
+                                                     {"signed short", VoxelType::Int16},
+                                                     {"signed short int", VoxelType::Int16},
+                                                     {"int16", VoxelType::Int16},
+                                                     {"int16_t", VoxelType::Int16},
+                                                     {"ushort", VoxelType::UInt16},
+                                                     {"unsigned short", VoxelType::UInt16},
+                                                     {"unsigned short int", VoxelType::UInt16},
+                                                     {"uint16", VoxelType::UInt16},
+                                                     {"uint16_t", VoxelType::UInt16},
+                                                     {"int", VoxelType::Int32},
+                                                     {"signed int", VoxelType::Int32},
+                                                     {"int32", VoxelType::Int32},
+                                                     {"int32_t", VoxelType::Int32},
+                                                     {"uint", VoxelType::UInt32},
+                                                     {"unsigned int", VoxelType::UInt32},
+                                                     {"uint32", VoxelType::UInt32},
+                                                     {"uint32_t", VoxelType::UInt32},
+                                                     {"longlong", VoxelType::Int64},
+                                                     {"int64", VoxelType::Int64},
+                                                     {"int64_t", VoxelType::Int64},
+                                                     {"long long", VoxelType::Int64},
+                                                     {"ulonglong", VoxelType::UInt64},
+                                                     {"uint64", VoxelType::UInt64},
+                                                     {"uint64_t", VoxelType::UInt64},
+                                                     {"unsigned long long", VoxelType::UInt64},
+                                                     {"float", VoxelType::Float32},
+                                                     {"double", VoxelType::Float64}};
 
 /// The fields of a header and where the data after it start.
 struct Fields {
@@ -188,8 +188,8 @@ VolumeInfo read_nrrd_info(const std::string& path) {
   if (sizes.size() != 3)
     throw InputError(fmt::format("{}: \"sizes: {}\" must be three whole numbers", path, f.get("sizes")));
   for (int a = 0; a < 3; ++a) info.size[a] = sizes[a] >= 1.0 && sizes[a] < 2e9 ? static_cast<int>(sizes[a]) : 0;
-  const auto type = kTypes.find(lower(f.get("type")));
-  if (type == kTypes.end())
+  const auto type = kNrrdTypes.find(lower(f.get("type")));
+  if (type == kNrrdTypes.end())
     throw InputError(
         fmt::format("{}: voxels are of type \"{}\"; they must be whole numbers or floats", path, f.get("type")));
   info.type = type->second;

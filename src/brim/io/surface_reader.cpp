@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "brim/core/error.h"
+#include "brim/io/polygon_soup.h"
 #include "brim/mesh/topology.h"
 
 namespace brim {
@@ -44,21 +45,7 @@ void add_node(const aiScene& scene, const aiNode& node, const aiMatrix4x4& above
   for (unsigned c = 0; c < node.mNumChildren; ++c) add_node(scene, *node.mChildren[c], placed, out);
 }
 
-}  // namespace
-
-TriMesh read_surface(const std::filesystem::path& path) {
-  const std::string name = path.string();
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) throw InputError(fmt::format("{}: no such file", name));
-  if (!std::filesystem::is_regular_file(path, ignored)) throw InputError(fmt::format("{}: not a file", name));
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (std::find(kFormats.begin(), kFormats.end(), extension) == kFormats.end())
-    throw InputError(
-        fmt::format("{}: surfaces are read from {}, not from '{}' files", name, fmt::join(kFormats, " "), extension));
-  if (std::filesystem::file_size(path, ignored) == 0) throw InputError(fmt::format("{}: the file is empty", name));
-
+TriMesh read_by_assimp(const std::string& name, const std::string& extension) {
   Assimp::Importer importer;
   // Positions only: whatever else differs between two vertices must not keep them apart.
   importer.SetPropertyInteger(AI_CONFIG_PP_RVC_FLAGS,
@@ -74,6 +61,35 @@ TriMesh read_surface(const std::filesystem::path& path) {
 
   TriMesh soup;
   add_node(*scene, *scene->mRootNode, aiMatrix4x4(), soup);
+  return soup;
+}
+
+/// Triangles as the file has them, before equal vertices are joined.
+TriMesh read_triangles(const std::filesystem::path& path, const std::string& extension) {
+  if (extension != ".ply" && extension != ".off") return read_by_assimp(path.string(), extension);
+  PolygonSoup soup = extension == ".ply" ? read_ply(path) : read_off(path);
+  TriMesh mesh{std::move(soup.vertices), soup.triangles()};
+  // Single precision as in the other formats: the same vertices are joined whatever the file.
+  for (Vec3& x : mesh.vertices) x = x.cast<float>().cast<double>();
+  return mesh;
+}
+
+}  // namespace
+
+TriMesh read_surface(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) throw InputError(fmt::format("{}: no such file", name));
+  if (!std::filesystem::is_regular_file(path, ignored)) throw InputError(fmt::format("{}: not a file", name));
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (std::find(kFormats.begin(), kFormats.end(), extension) == kFormats.end())
+    throw InputError(
+        fmt::format("{}: surfaces are read from {}, not from '{}' files", name, fmt::join(kFormats, " "), extension));
+  if (std::filesystem::file_size(path, ignored) == 0) throw InputError(fmt::format("{}: the file is empty", name));
+
+  const TriMesh soup = read_triangles(path, extension);
   if (soup.triangles.empty()) throw InputError(fmt::format("{}: the file holds no triangles", name));
   for (std::size_t v = 0; v < soup.vertices.size(); ++v)
     if (!soup.vertices[v].allFinite())

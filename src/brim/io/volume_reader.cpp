@@ -19,8 +19,8 @@ struct TypeWord {
   const char* word;
   std::size_t bytes;
 };
-constexpr TypeWord kTypes[] = {{"uint8", 1}, {"int8", 1},   {"uint16", 2}, {"int16", 2},   {"uint32", 4},
-                               {"int32", 4}, {"uint64", 8}, {"int64", 8},  {"float32", 4}, {"float64", 8}};
+constexpr TypeWord kTypeWords[] = {{"uint8", 1}, {"int8", 1},   {"uint16", 2}, {"int16", 2},   {"uint32", 4},
+                                   {"int32", 4}, {"uint64", 8}, {"int64", 8},  {"float32", 4}, {"float64", 8}};
 
 /// What the formats cannot say: sizes, axes, and that the bytes are there.
 void check(const VolumeInfo& info) {
@@ -116,11 +116,11 @@ class TextNumbers {
 
 }  // namespace
 
-std::size_t voxel_bytes(VoxelType type) { return kTypes[static_cast<int>(type)].bytes; }
-const char* voxel_word(VoxelType type) { return kTypes[static_cast<int>(type)].word; }
+std::size_t voxel_bytes(VoxelType type) { return kTypeWords[static_cast<int>(type)].bytes; }
+const char* voxel_word(VoxelType type) { return kTypeWords[static_cast<int>(type)].word; }
 std::optional<VoxelType> voxel_type(const std::string& word) {
-  for (std::size_t i = 0; i < std::size(kTypes); ++i)
-    if (word == kTypes[i].word) return static_cast<VoxelType>(i);
+  for (std::size_t i = 0; i < std::size(kTypeWords); ++i)
+    if (word == kTypeWords[i].word) return static_cast<VoxelType>(i);
   return std::nullopt;
 }
 

@@ -6,7 +6,7 @@
 namespace brim {
 
 namespace {
-constexpr std::size_t kGrain = 512;
+constexpr std::size_t kLeverGrain = 512;
 }
 
 void LeverWeightsMap::reset(std::size_t particles, std::size_t points, int entries_per_point) {
@@ -32,7 +32,7 @@ void LeverWeightsMap::finish() {
 void LeverWeightsMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
   BRIM_CHECK(v.size(), ==, 3 * particles_);
   BRIM_CHECK(u.size(), ==, points());
-  parallel_blocks(points(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(points(), kLeverGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
       Vec3 sum = Vec3::Zero();
       for (std::size_t e = entries_ * p; e < entries_ * (p + 1); ++e) {
@@ -47,7 +47,7 @@ void LeverWeightsMap::velocity(std::span<const double> v, std::span<Vec3> u) con
 void LeverWeightsMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
   BRIM_CHECK(Q.size(), ==, 3 * particles_);
   BRIM_CHECK(f.size(), ==, points());
-  parallel_blocks(transpose_.columns.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(transpose_.columns.size(), kLeverGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       Vec3 sum = Vec3::Zero();
       for (std::int32_t e = transpose_.first[c]; e < transpose_.first[c + 1]; ++e) {
@@ -59,9 +59,18 @@ void LeverWeightsMap::add_force(std::span<const Vec3> f, std::span<double> Q) co
   });
 }
 
+bool LeverWeightsMap::append_rows(MapRows& out) const {
+  for (std::size_t p = 0; p < points(); ++p) {
+    for (std::size_t e = entries_ * p; e < entries_ * (p + 1); ++e)
+      out.add(particle_[e], (weight_[e] * Mat3::Identity() + lever_[e] * direction_[p].transpose()).cast<float>());
+    out.end_row();
+  }
+  return true;
+}
+
 void LeverWeightsMap::add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const {
   BRIM_CHECK(K.size(), ==, points());
-  parallel_blocks(transpose_.columns.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(transpose_.columns.size(), kLeverGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       Mat3 sum = Mat3::Zero();
       for (const auto& e : transpose_.of(c)) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "brim/map/map.h"
+#include "brim/map/map_rows.h"
 #include "brim/map/row_transpose.h"
 
 namespace brim {
@@ -14,7 +15,7 @@ namespace brim {
 /// with weights w_i and levers l_i [1] per particle and one direction d per point. ShellWeightsMap and LineWeightsMap
 /// say what w, l and d are for triangles and segments.
 /// Products are parallel and give the same bits for any number of threads.
-class LeverWeightsMap : public Map {
+class LeverWeightsMap : public Map, public SparseMap {
  public:
   /// Prepares the products; rows are final from here on. O(particles + points).
   void finish();
@@ -22,6 +23,7 @@ class LeverWeightsMap : public Map {
   std::size_t points() const override { return direction_.size(); }
   void velocity(std::span<const double> v, std::span<Vec3> u) const override;
   void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
+  bool append_rows(MapRows& out) const override;
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
 
  protected:

@@ -6,7 +6,7 @@
 namespace brim {
 
 namespace {
-constexpr std::size_t kGrain = 512;
+constexpr std::size_t kPointGrain = 512;
 }
 
 void PointWeightsMap::reset(std::size_t particles, std::size_t points, int entries_per_point) {
@@ -44,7 +44,7 @@ void PointWeightsMap::finish() {
 void PointWeightsMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
   BRIM_CHECK(v.size(), ==, 3 * particles_);
   BRIM_CHECK(u.size(), ==, points());
-  parallel_blocks(points(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(points(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
       Vec3 sum = Vec3::Zero();
       for (std::int32_t e = row_start_[p]; e < row_start_[p + 1]; ++e)
@@ -57,7 +57,7 @@ void PointWeightsMap::velocity(std::span<const double> v, std::span<Vec3> u) con
 void PointWeightsMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
   BRIM_CHECK(Q.size(), ==, 3 * particles_);
   BRIM_CHECK(f.size(), ==, points());
-  parallel_blocks(transpose_.columns.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(transpose_.columns.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       Vec3 sum = Vec3::Zero();
       for (std::int32_t e = transpose_.first[c]; e < transpose_.first[c + 1]; ++e)
@@ -67,9 +67,18 @@ void PointWeightsMap::add_force(std::span<const Vec3> f, std::span<double> Q) co
   });
 }
 
+bool PointWeightsMap::append_rows(MapRows& out) const {
+  for (std::size_t p = 0; p < points(); ++p) {
+    for (std::int32_t e = row_start_[p]; e < row_start_[p + 1]; ++e)
+      if (weight_[e] != 0.0) out.add(particle_[e], static_cast<float>(weight_[e]) * Eigen::Matrix3f::Identity());
+    out.end_row();
+  }
+  return true;
+}
+
 void PointWeightsMap::add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const {
   BRIM_CHECK(K.size(), ==, points());
-  parallel_blocks(transpose_.columns.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(transpose_.columns.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       Mat3 sum = Mat3::Zero();
       const auto entries = transpose_.of(c);

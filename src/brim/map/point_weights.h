@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "brim/map/map.h"
+#include "brim/map/map_rows.h"
 #include "brim/map/row_transpose.h"
 
 namespace brim {
@@ -14,7 +15,7 @@ namespace brim {
 /// (finite elements: shape functions; paper, section 5.1). When Σ w = 1 and Σ w x = r, linear and angular momentum of
 /// contact are exact. Constant in q, so it has no geometric stiffness.
 /// Products are parallel and give the same bits for any number of threads.  Tests: tests/map/point_weights_test.cpp
-class PointWeightsMap final : public Map {
+class PointWeightsMap final : public Map, public SparseMap {
  public:
   /// Weights of one point, to be written.
   struct Row {
@@ -35,6 +36,7 @@ class PointWeightsMap final : public Map {
   std::size_t points() const override { return row_start_.empty() ? 0 : row_start_.size() - 1; }
   void velocity(std::span<const double> v, std::span<Vec3> u) const override;
   void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
+  bool append_rows(MapRows& out) const override;
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
 
  private:

@@ -32,6 +32,17 @@ void RigidMap::add_geometric(std::span<const Vec3> f, std::span<const double> dq
   Eigen::Map<Vec3>(Q.data() + first_ + 3) += torque;
 }
 
+bool RigidMap::append_rows(MapRows& out) const {
+  if (first_ % 3 != 0) return false;
+  const auto column = static_cast<std::int32_t>(first_ / 3);
+  for (const Vec3& arm : arm_) {
+    out.add(column, Eigen::Matrix3f::Identity());
+    out.add(column + 1, -skew(arm).cast<float>());
+    out.end_row();
+  }
+  return true;
+}
+
 void RigidMap::add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const {
   Eigen::Matrix<double, 6, 6> sum = Eigen::Matrix<double, 6, 6>::Zero();
   for (std::size_t i = 0; i < arm_.size(); ++i) {

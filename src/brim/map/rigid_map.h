@@ -3,11 +3,12 @@
 #include <vector>
 
 #include "brim/map/map.h"
+#include "brim/map/map_rows.h"
 
 namespace brim {
 
 /// Map of a rigidly moving part (paper, section 5.3): r' = o' + ω × (r − o), with v = (o', ω) in the world frame.
-class RigidMap final : public Map {
+class RigidMap final : public Map, public SparseMap {
  public:
   /// @param first   row of o' in the body's velocities
   /// @param origin  o, [m]
@@ -18,6 +19,7 @@ class RigidMap final : public Map {
   void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
   /// Torque of a force that stays while its arm turns: (dθ × (r − o)) × f, the ω × (ω × r) term of section 5.3.
   void add_geometric(std::span<const Vec3> f, std::span<const double> dq, std::span<double> Q) const override;
+  bool append_rows(MapRows& out) const override;
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
 
  private:

@@ -44,6 +44,18 @@ void RowsMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
       256);
 }
 
+bool RowsMap::append_rows(MapRows& out) const {
+  for (std::size_t p = 0; p < points(); ++p) {
+    for (std::int32_t e = rows_.first[p]; e < rows_.first[p + 1]; ++e) {
+      Mat3 J = rows_.weight[e] * Mat3::Identity();
+      if (!rows_.lever.empty()) J += rows_.normal[p] * rows_.lever[e].transpose();
+      out.add(rows_.source[e], J.cast<float>());
+    }
+    out.end_row();
+  }
+  return true;
+}
+
 void RowsMap::add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const {
   BRIM_CHECK(K.size(), ==, points());
   parallel_for(

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "brim/map/map.h"
+#include "brim/map/map_rows.h"
 #include "brim/map/row_transpose.h"
 #include "brim/map/weight_rows.h"
 
@@ -10,7 +11,7 @@ namespace brim {
 ///   J_pi = w_pi I + n_p b_piᵀ,   J_piᵀ f = w_pi f + b_pi (n_p · f)
 /// Constant during a solve; how the rows change with q is left out.
 /// Products are parallel and give the same bits for any number of threads.  Tests: tests/map/weight_rows_test.cpp
-class RowsMap final : public Map {
+class RowsMap final : public Map, public SparseMap {
  public:
   /// @param particles  number of particles of the body, nv / 3
   void assign(std::size_t particles, WeightRows rows);
@@ -18,6 +19,7 @@ class RowsMap final : public Map {
   std::size_t points() const override { return rows_.rows(); }
   void velocity(std::span<const double> v, std::span<Vec3> u) const override;
   void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
+  bool append_rows(MapRows& out) const override;
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
   const WeightRows& rows() const { return rows_; }
 

@@ -1,5 +1,7 @@
 #include "brim/raster/grid_shape.h"
 
+#include "brim/mesh/distance_row.h"
+#include "brim/raster/cube_distances.h"
 #include "brim/raster/known_distance.h"
 
 namespace brim {
@@ -13,6 +15,14 @@ class GridShape final : public Shape, public KnownDistance {
 
   double distance(const Vec3& p) const override { return grid_->value(p); }
   double slack() const override { return grid_->spacing(); }
+  double rough_distance(const Vec3& p) const override { return grid_->value(p, Interpolation::Trilinear); }
+  bool by_rows() const override { return false; }
+  void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
+    const CubeFrame f(pose, cube);
+    wanted.for_rows([&](int j, int k, std::uint8_t row) {
+      distance_row(*grid_, f.base + j * f.dy + k * f.dz, f.dx, row, d + cube_index(0, j, k));
+    });
+  }
   Aabb bounds() const override { return box_; }
   double thickness() const override { return thickness_; }
 

@@ -1,13 +1,27 @@
 #pragma once
 
+#include "brim/grid/node_cube.h"
+#include "brim/raster/shape.h"
+
 namespace brim {
 
-/// What a Shape is besides where its density is ramp(distance, w), and distance changes by no more than the point moves
-/// but for errors of at most slack.
+/// Optional interface of shapes whose density is ramp(distance, w), where distance changes by no more than the point
+/// moves but for errors of at most slack. Their nodes can be sampled a cube at a time.
+/// Tests: tests/raster/cube_distances_test.cpp
 class KnownDistance {
  public:
   virtual ~KnownDistance() = default;
   virtual double slack() const = 0;  ///< [m]
+  /// The distance, or what differs from it by less than slack and costs less, [m]. @param p  [m] shape's frame
+  virtual double rough_distance(const Vec3& p) const = 0;
+  /// Distances at the wanted nodes of a cube, [m], in single precision: wrong by some 1e-7 of the shape's size. Beyond
+  /// reach from the surface they need only lie beyond it on the right side. What stands at other nodes of the rows of
+  /// wanted ones is overwritten.
+  /// @param reach  [m]
+  virtual void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double reach,
+                              float* d) const = 0;
+  /// True where a whole row costs no more than a node of it.
+  virtual bool by_rows() const = 0;
 };
 
 }  // namespace brim

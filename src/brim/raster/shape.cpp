@@ -1,6 +1,7 @@
 #include "brim/raster/shape.h"
 
 #include "brim/core/error.h"
+#include "brim/raster/cube_distances.h"
 #include "brim/raster/known_distance.h"
 
 namespace brim {
@@ -23,6 +24,8 @@ class ShapeOf : public Shape, public KnownDistance {
  public:
   double distance(const Vec3& p) const final { return self()(p); }
   double slack() const final { return 0.0; }
+  double rough_distance(const Vec3& p) const final { return self()(p); }
+  bool by_rows() const final { return true; }
   void fill(const Pose& pose, const TileKey& tile, double h, double w, DensityBlock& out) const final {
     fill_block(self(), pose, tile, h, w, out);
   }
@@ -35,6 +38,9 @@ class Sphere final : public ShapeOf<Sphere> {
  public:
   explicit Sphere(double r) : r_(r) {}
   double operator()(const Vec3& p) const { return p.norm() - r_; }
+  void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
+    sphere_distances({pose, cube}, r_, wanted, d);
+  }
   Aabb bounds() const override { return {Vec3::Constant(-r_), Vec3::Constant(r_)}; }
   Aabb placed_bounds(const Pose& pose) const override {
     return {pose.translation - Vec3::Constant(r_), pose.translation + Vec3::Constant(r_)};
@@ -52,6 +58,9 @@ class Box final : public ShapeOf<Box> {
     const Vec3 d = p.cwiseAbs() - half_;
     return d.cwiseMax(0.0).norm() + std::min(d.maxCoeff(), 0.0);
   }
+  void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
+    box_distances({pose, cube}, half_, wanted, d);
+  }
   Aabb bounds() const override { return {-half_, half_}; }
   double thickness() const override { return 2 * half_.minCoeff(); }
 
@@ -59,12 +68,15 @@ class Box final : public ShapeOf<Box> {
   Vec3 half_;
 };
 
-class Capsule final : public ShapeOf<Capsule> {
+class CapsuleShape final : public ShapeOf<CapsuleShape> {
  public:
-  Capsule(double r, double length) : r_(r), half_(0.5 * length) {}
+  CapsuleShape(double r, double length) : r_(r), half_(0.5 * length) {}
   double operator()(const Vec3& p) const {
     const double z = p.z() - std::clamp(p.z(), -half_, half_);
     return std::sqrt(p.x() * p.x() + p.y() * p.y() + z * z) - r_;
+  }
+  void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
+    capsule_distances({pose, cube}, r_, half_, wanted, d);
   }
   Aabb bounds() const override { return {Vec3(-r_, -r_, -half_ - r_), Vec3(r_, r_, half_ + r_)}; }
   double thickness() const override { return 2 * r_; }
@@ -81,6 +93,9 @@ class Cylinder final : public ShapeOf<Cylinder> {
     const double dz = std::abs(p.z()) - half_;
     return std::hypot(std::max(dr, 0.0), std::max(dz, 0.0)) + std::min(std::max(dr, dz), 0.0);
   }
+  void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
+    cylinder_distances({pose, cube}, r_, half_, wanted, d);
+  }
   Aabb bounds() const override { return {Vec3(-r_, -r_, -half_), Vec3(r_, r_, half_)}; }
   double thickness() const override { return 2 * std::min(r_, half_); }
 
@@ -91,6 +106,9 @@ class Cylinder final : public ShapeOf<Cylinder> {
 class HalfSpace final : public ShapeOf<HalfSpace> {
  public:
   double operator()(const Vec3& p) const { return p.z(); }
+  void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
+    half_space_distances({pose, cube}, wanted, d);
+  }
   Aabb bounds() const override {
     const double inf = std::numeric_limits<double>::infinity();
     return {Vec3::Constant(-inf), Vec3(inf, inf, 0.0)};
@@ -129,7 +147,7 @@ std::shared_ptr<const Shape> make_box(const Vec3& extents) {
 std::shared_ptr<const Shape> make_capsule(double radius, double length) {
   check_positive("capsule radius", radius);
   check_positive("capsule length", length);
-  return std::make_shared<Capsule>(radius, length);
+  return std::make_shared<CapsuleShape>(radius, length);
 }
 
 std::shared_ptr<const Shape> make_cylinder(double radius, double height) {

@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "brim/core/error.h"
 #include "brim/record/h5.h"
 #include "brim/world/measures.h"
 
@@ -9,7 +10,9 @@
 namespace brim::run_layout {
 
 inline constexpr const char* kFormat = "brim-run";
-inline constexpr int kVersion = 1;
+inline constexpr int kVersion = 2;       ///< that is written
+inline constexpr int kFirstVersion = 1;  ///< that is still read
+inline constexpr int kMostParts = 1 << 30;
 
 /// One quantity of BodySample, recorded for all bodies in every frame.
 struct MotionField {
@@ -52,6 +55,12 @@ inline const char* display_word(Display::Kind kind) {
       return "points";
   }
   return "points";
+}
+
+inline Display::Kind display_kind(const std::string& word) {
+  for (const Display::Kind kind : {Display::Kind::Triangles, Display::Kind::Lines, Display::Kind::Points})
+    if (word == display_word(kind)) return kind;
+  throw InputError(fmt::format("display_kind: is \"{}\"; it must be \"triangles\", \"lines\" or \"points\"", word));
 }
 
 }  // namespace brim::run_layout

@@ -6,31 +6,15 @@
 #include <vector>
 
 #include "brim/record/process_mark.h"
+#include "brim/record/run_tables.h"
 #include "brim/world/measures.h"
 #include "brim/world/world.h"
 
 namespace brim {
 
-/// A body as a run file describes it.
-struct RecordedBody {
-  std::string name, kind;
-  Display display;
-  bool immobile = false;
-  bool changing = false;  ///< other vertices and triangles in every frame: the display has none of its own
-  double mass = 0.0;      ///< [kg], may be infinite
-  std::size_t q_offset = 0, q_size = 0, v_offset = 0, v_size = 0;
-  int parts = 0;
-};
-
-/// A part as a run file describes it.
-struct RecordedPart {
-  std::string name, material;
-  int body = 0, part = 0;
-  double voxel_size = 0.0;  ///< [m]
-};
-
 /// Reads run.h5, finished, growing or interrupted (docs/formats.md). Frame 0 is the start.
-/// Every function throws InputError for frames and names that are not there, and for damaged files.
+/// Runs of all versions of the format are read alike. Every function throws InputError for frames and names that are
+/// not there, and for damaged files: what a file says is checked before it is used. For one thread at a time.
 class RunReader {
  public:
   /// @param path  a run folder, or a run.h5
@@ -42,6 +26,8 @@ class RunReader {
   const std::string& path() const;
   const std::string& scene_name() const;
   const std::string& brim_version() const;
+  /// Of the format, 1 or 2.
+  int format_version() const;
   /// Of the file that the scene was read from, absolute; empty when it is not known.
   const std::string& scene_path() const;
   /// The process that writes the run, or wrote it last; not known for runs of older versions.

@@ -7,26 +7,31 @@
 #include <nlohmann/json.hpp>
 
 #include "brim/body/changing_surface.h"
+#include "brim/body/posed_display.h"
+#include "brim/record/column.h"
 #include "brim/record/h5.h"
 #include "brim/record/process_mark.h"
 #include "brim/record/run_layout.h"
+#include "brim/record/run_tables.h"
 #include "brim/record/xdmf.h"
 #include "brim/world/report_fields.h"
 
 namespace brim {
 
 namespace fs = std::filesystem;
-using h5::Dataset;
 using h5::Type;
 using Clock = std::chrono::steady_clock;
 
 namespace {
 
 constexpr const char* kFiles[] = {"run.h5", "run.xdmf", "scene.json", "summary.json"};
-constexpr std::uint64_t kRows = 256;       // of small rows in a chunk
-constexpr std::uint64_t kManyRows = 4096;  // of contacts and tiles
+constexpr std::uint64_t kRows = 256;          // of numbers in a chunk
+constexpr std::uint64_t kContactRows = 4096;  // in a chunk, and of what comes in other numbers:
+constexpr std::uint64_t kTileRows = 1024, kPairRows = 512, kTextRows = 4096;
 constexpr double kFlushSeconds = 1.0;
+constexpr double kFlushShare = 0.02;  // of the time, at most, when frames are fast
 constexpr double kXdmfSeconds = 10.0;
+constexpr double kXdmfShare = 0.01;
 
 using Row = std::vector<std::uint64_t>;
 
@@ -34,49 +39,49 @@ double seconds_since(Clock::time_point t) { return std::chrono::duration<double>
 
 /// Lists that differ in length from frame to frame: rows one after another, and where each frame's rows start.
 struct Ragged {
-  Dataset offset;
-  std::vector<Dataset> columns;
+  Column offset;
+  std::vector<Column> columns;
   std::int64_t total = 0;
 
   void close_frame(std::int64_t rows) {
     total += rows;
-    offset.append(&total, 1, Type::Int64);
+    offset.append_value(total);
   }
 };
 
-struct Column {
+struct ColumnType {
   const char* name;
   Type type;
   std::uint64_t width;  ///< 0: a plain number
 };
 
-Row row_of(const Column& c) { return c.width > 0 ? Row{c.width} : Row{}; }
+Row row_of(const ColumnType& c) { return c.width > 0 ? Row{c.width} : Row{}; }
 
-const std::vector<Column> kContactColumns = {{"position", Type::Float32, 3},
-                                             {"force", Type::Float32, 3},
-                                             {"friction", Type::Float32, 3},
-                                             {"overlap", Type::Float32, 0},
-                                             {"pair", Type::Int32, 2}};
-const std::vector<Column> kTileColumns = {{"key", Type::Int32, 3}, {"step", Type::Float64, 0}};
-const std::vector<Column> kPairColumns = {{"parts", Type::Int32, 2},      {"force", Type::Float64, 3},
-                                          {"friction", Type::Float64, 3}, {"center", Type::Float64, 3},
-                                          {"contacts", Type::Int32, 0},   {"overlap", Type::Float64, 0},
-                                          {"pressure", Type::Float64, 0}};
-const std::vector<Column> kMemoryColumns = {{"value", Type::Float64, 0}};
-const std::vector<Column> kVertexColumns = {{"position", Type::Float32, 3}};
-const std::vector<Column> kTriangleColumns = {{"corner", Type::Int32, 3}};
-const std::vector<Column> kWarningColumns = {{"text", Type::UInt8, 0}};
+const std::vector<ColumnType> kContactColumns = {{"position", Type::Float32, 3},
+                                                 {"force", Type::Float32, 3},
+                                                 {"friction", Type::Float32, 3},
+                                                 {"overlap", Type::Float32, 0},
+                                                 {"pair", Type::Int32, 2}};
+const std::vector<ColumnType> kTileColumns = {{"key", Type::Int32, 3}, {"step", Type::Float64, 0}};
+const std::vector<ColumnType> kPairColumns = {{"parts", Type::Int32, 2},      {"force", Type::Float64, 3},
+                                              {"friction", Type::Float64, 3}, {"center", Type::Float64, 3},
+                                              {"contacts", Type::Int32, 0},   {"overlap", Type::Float64, 0},
+                                              {"pressure", Type::Float64, 0}};
+const std::vector<ColumnType> kMemoryColumns = {{"value", Type::Float64, 0}};
+const std::vector<ColumnType> kVertexColumns = {{"position", Type::Float32, 3}};
+const std::vector<ColumnType> kTriangleColumns = {{"corner", Type::Int32, 3}};
+const std::vector<ColumnType> kWarningColumns = {{"text", Type::UInt8, 0}};
 
 /// Appends one column of a list of structs, gathered by get(item, target).
 template <class T, class List, class Get>
-void append_column(Dataset& set, const List& list, int width, Type type, const Get& get) {
-  std::vector<T> data(list.size() * static_cast<std::size_t>(width));
-  T* at = data.data();
+void append_column(Column& column, std::vector<std::byte>& room, const List& list, std::size_t width, const Get& get) {
+  room.resize(list.size() * width * sizeof(T));
+  T* at = reinterpret_cast<T*>(room.data());
   for (const auto& item : list) {
     get(item, at);
     at += width;
   }
-  set.append(data.data(), list.size(), type);
+  column.append(room.data(), list.size());
 }
 
 }  // namespace
@@ -106,38 +111,55 @@ void check_run_folder(const std::string& folder, bool force) {
     throw InputError(fmt::format("{}: holds a run already; --force replaces it, --resume goes on with it", folder));
 }
 
-/// Display of a body: one row of positions a frame, or of a surface that changes, lists of vertices and triangles.
-struct Shown {
-  Dataset positions;
+/// The surface of a body that is another one in every frame.
+struct Surface {
+  std::size_t body = 0;
   Ragged vertices, triangles;
-  bool changing = false;
 };
 
 struct RunWriter::Impl {
   std::string folder;
   std::unique_ptr<h5::File> file;
-  Dataset time, step, q, v;
-  std::vector<Dataset> series, motion;
-  std::vector<Shown> display;
-  Dataset series_steps, series_warnings;
+  RunTables tables;
+  Column time, step, q, v, rotation, translation, positions;
+  std::vector<Column> series, motion;
+  Column series_steps, series_warnings;
+  std::vector<Surface> surfaces;
   Ragged contacts, tiles, pairs, memory, warnings;
+  h5::Dataset count, still_set;
+  std::vector<std::int64_t> still;  ///< of each body: 1 until its display differs from the first
+  bool still_changed = false;
   std::vector<double> times;
   XdmfModel xdmf;
   Clock::time_point last_flush = Clock::now(), last_xdmf = Clock::now();
-  double flush_cost = 0.0;  ///< [s] of the last flush
-  std::vector<Vec3f> positions;
+  double flush_cost = 0.0, xdmf_cost = 0.0;  ///< [s] of the last time
+  // Rows of the frame, and of the first one.
+  std::vector<double> rotation_row, translation_row, first_rotation, first_translation;
+  std::vector<Vec3f> position_row, first_positions;
+  std::vector<Vec3f> vertices;
   std::vector<Triangle> corners;
-  std::vector<std::vector<Vec3f>> first_positions;  ///< of bodies that have not moved yet
+  std::vector<std::byte> room;
 
   void make(const World& world, const RunInfo& info);
   void mark_writer();
-  void describe(const World& world);
   void open_all(const World& world, bool create);
-  Ragged open_ragged(const std::string& group, const std::vector<Column>& columns, bool create);
+  void open_series(bool create);
+  void open_display(bool create);
+  void describe_xdmf();
+  Ragged open_ragged(const std::string& group, const std::vector<ColumnType>& columns, std::uint64_t chunk,
+                     bool create);
+  template <class Visit>
+  void for_each_column(const Visit& visit);
   void cut_all(std::int64_t frames);
+  void add_series(const StepReport& report, int steps, std::span<const BodySample> samples);
   void add_display(const World& world);
-  void add_lists(const World& world, const StepReport& report);
-  void write_xdmf() { write_whole((fs::path(folder) / "run.xdmf").string(), xdmf_text(xdmf, times)); }
+  void watch_still();
+  void add_contacts(std::span<const ContactSample> list);
+  void add_tiles(std::span<const std::pair<TileKey, double>> list);
+  void add_pairs(const std::vector<PairReport>& list);
+  void add_warnings(const std::vector<Warning>& list);
+  void flush();
+  void write_xdmf();
 };
 
 void RunWriter::Impl::make(const World& world, const RunInfo& info) {
@@ -154,7 +176,7 @@ void RunWriter::Impl::make(const World& world, const RunInfo& info) {
   file->attribute("/", "steps_per_frame", std::int64_t{info.steps_per_frame});
   file->attribute("/", "scene_path", info.scene_path);
   mark_writer();
-  describe(world);
+  write_tables(*file, world);
   open_all(world, true);
   write_whole((fs::path(folder) / "scene.json").string(), info.scene_text);
 }
@@ -166,240 +188,305 @@ void RunWriter::Impl::mark_writer() {
   file->attribute("/", "writer_started", me.started);
 }
 
-void RunWriter::Impl::describe(const World& world) {
-  file->group("/bodies");
-  file->group("/parts");
-  std::int64_t q_offset = 0, v_offset = 0;
-  for (int b = 0; b < world.body_count(); ++b) {
-    const Body& body = world.body(b);
-    const Display& d = body.display();
-    const std::string at = "/bodies/" + std::to_string(b);
-    file->group(at);
-    file->attribute(at, "name", body.name());
-    file->attribute(at, "kind", std::string(body.kind()));
-    file->attribute(at, "display_kind", std::string(run_layout::display_word(d.kind)));
-    file->attribute(at, "two_sided", std::int64_t{d.two_sided});
-    file->attribute(at, "radius", d.radius);
-    file->attribute(at, "vertices", static_cast<std::int64_t>(d.vertices));
-    file->attribute(at, "changing", std::int64_t{changing_surface(body) != nullptr});
-    file->attribute(at, "q_offset", q_offset);
-    file->attribute(at, "q_size", static_cast<std::int64_t>(body.q_size()));
-    file->attribute(at, "v_offset", v_offset);
-    file->attribute(at, "v_size", static_cast<std::int64_t>(body.v_size()));
-    file->attribute(at, "immobile", std::int64_t{body.immobile()});
-    file->attribute(at, "mass", body.mass());
-    file->attribute(at, "parts", std::int64_t{body.part_count()});
-    q_offset += static_cast<std::int64_t>(body.q_size());
-    v_offset += static_cast<std::int64_t>(body.v_size());
-    if (d.kind == Display::Kind::Triangles && !changing_surface(body))
-      file->write(at + "/triangles", Type::Int32, Row{d.triangles.size(), 3}, d.triangles.data());
-    if (d.kind == Display::Kind::Lines) file->write(at + "/lines", Type::Int32, Row{d.lines.size(), 2}, d.lines.data());
-  }
-  for (int p = 0; p < world.part_count(); ++p) {
-    const PartRef ref = world.part(p);
-    const Body& body = world.body(ref.body);
-    const PartInfo part = body.part(ref.index);
-    const std::string at = "/parts/" + std::to_string(p);
-    file->group(at);
-    file->attribute(at, "name", body.part_count() > 1 ? fmt::format("{}/{}", body.name(), ref.index) : body.name());
-    file->attribute(at, "body", std::int64_t{ref.body});
-    file->attribute(at, "part", std::int64_t{ref.index});
-    file->attribute(at, "material", part.material.name);
-    file->attribute(at, "voxel_size", part.voxel_size);
-  }
-}
-
-Ragged RunWriter::Impl::open_ragged(const std::string& group, const std::vector<Column>& columns, bool create) {
+Ragged RunWriter::Impl::open_ragged(const std::string& group, const std::vector<ColumnType>& columns,
+                                    std::uint64_t chunk, bool create) {
   Ragged r;
   if (create) {
     file->group(group);
-    r.offset = file->growing(group + "/offset", Type::Int64, {}, kRows, 0);
+    r.offset = Column(*file, group + "/offset", Type::Int64, {}, kRows);
     r.close_frame(0);
-    for (const Column& c : columns)
-      r.columns.push_back(file->growing(group + "/" + c.name, c.type, row_of(c), kManyRows, 0));
+    for (const ColumnType& c : columns) r.columns.emplace_back(*file, group + "/" + c.name, c.type, row_of(c), chunk);
   } else {
-    r.offset = file->open(group + "/offset");
-    for (const Column& c : columns) r.columns.push_back(file->open(group + "/" + c.name));
+    r.offset = Column(file->open(group + "/offset"));
+    for (const ColumnType& c : columns) r.columns.emplace_back(file->open(group + "/" + c.name));
   }
   return r;
 }
 
-void RunWriter::Impl::open_all(const World& world, bool create) {
-  const auto set = [&](const std::string& path, Type type, const Row& row, std::uint64_t chunk, int deflate) {
-    return create ? file->growing(path, type, row, chunk, deflate) : file->open(path);
+void RunWriter::Impl::open_series(bool create) {
+  const auto number = [&](const std::string& path) {
+    return create ? Column(*file, path, Type::Float64, {}, kRows) : Column(file->open(path));
   };
-  if (create)
-    for (const char* group : {"/frames", "/display", "/series", "/motion"}) file->group(group);
-  time = set("/frames/time", Type::Float64, {}, kRows, 0);
-  step = set("/frames/step", Type::Int64, {}, kRows, 0);
-  q = set("/frames/q", Type::Float64, {world.state().q.size()}, 1, 0);
-  v = set("/frames/v", Type::Float64, {world.state().v.size()}, 1, 0);
   for (const ReportField& f : report_fields()) {
     const std::string path = std::string("/series/") + f.name;
     // A run of an older version that is gone on with has zeros for what that version did not record.
     const bool missing = !create && !file->exists(path);
-    series.push_back(missing ? file->growing(path, Type::Float64, {}, kRows, 0)
-                             : set(path, Type::Float64, {}, kRows, 0));
-    const std::vector<double> zeros(missing ? time.shape()[0] : 0, 0.0);
-    if (missing) series.back().append(zeros.data(), zeros.size(), Type::Float64);
+    series.push_back(missing ? Column(*file, path, Type::Float64, {}, kRows) : number(path));
+    const std::vector<double> zeros(missing ? time.rows() : 0, 0.0);
+    series.back().append(zeros.data(), zeros.size());
   }
-  series_steps = set("/series/steps", Type::Float64, {}, kRows, 0);
-  series_warnings = set("/series/warnings", Type::Float64, {}, kRows, 0);
-  const auto bodies = static_cast<std::uint64_t>(world.body_count());
-  for (const run_layout::MotionField& f : run_layout::kMotion)
-    motion.push_back(set(f.path, Type::Float64, f.width > 1 ? Row{bodies, 3} : Row{bodies}, 16, 0));
-  for (int b = 0; b < world.body_count(); ++b) {
-    const Display& d = world.body(b).display();
+  series_steps = number("/series/steps");
+  series_warnings = number("/series/warnings");
+}
+
+void RunWriter::Impl::open_display(bool create) {
+  const auto set = [&](const std::string& path, Type type, const Row& row, std::size_t bytes) {
+    return create ? Column(*file, path, type, row, frame_chunk(bytes)) : Column(file->open(path));
+  };
+  const std::size_t pieces = tables.piece_mesh.size(), n = tables.positions;
+  rotation = set("/poses/rotation", Type::Float64, {pieces, 9}, 72 * pieces);
+  translation = set("/poses/translation", Type::Float64, {pieces, 3}, 24 * pieces);
+  positions = set("/display/positions", Type::Float32, {n, 3}, 12 * n);
+  for (std::size_t b = 0; b < tables.bodies.size(); ++b) {
+    if (!tables.bodies[b].changing) continue;
     const std::string at = "/display/" + std::to_string(b);
     if (create) file->group(at);
-    Shown shown;
-    shown.changing = changing_surface(world.body(b)) != nullptr;
-    if (shown.changing) {
-      shown.vertices = open_ragged(at + "/vertices", kVertexColumns, create);
-      shown.triangles = open_ragged(at + "/triangles", kTriangleColumns, create);
-    } else {
-      shown.positions = set(at + "/positions", Type::Float32, {d.vertices, 3}, 1, 1);
-    }
-    xdmf.bodies.push_back({world.body(b).name(),
-                           b,
-                           d.kind,
-                           d.vertices,
-                           d.kind == Display::Kind::Triangles ? d.triangles.size() : d.lines.size(),
-                           world.body(b).immobile() && !shown.changing,
-                           shown.changing,
-                           {0},
-                           {0}});
-    display.push_back(std::move(shown));
+    surfaces.push_back({b, open_ragged(at + "/vertices", kVertexColumns, kContactRows, create),
+                        open_ragged(at + "/triangles", kTriangleColumns, kContactRows, create)});
   }
-  first_positions.resize(display.size());
-  contacts = open_ragged("/contacts", kContactColumns, create);
-  tiles = open_ragged("/tiles", kTileColumns, create);
-  pairs = open_ragged("/pairs", kPairColumns, create);
-  memory = open_ragged("/memory", kMemoryColumns, create);
-  warnings = open_ragged("/warnings", kWarningColumns, create);
+  still.resize(tables.bodies.size());
+  still_set = file->open("/bodies/still");
+  if (!still.empty()) still_set.read(still.data(), still.size(), 0, still.size(), Type::Int64);
+}
+
+void RunWriter::Impl::open_all(const World& world, bool create) {
+  tables = read_tables(*file);
+  if (create)
+    for (const char* group : {"/frames", "/series", "/motion"}) file->group(group);
+  const auto set = [&](const std::string& path, Type type, const Row& row, std::uint64_t chunk) {
+    return create ? Column(*file, path, type, row, chunk) : Column(file->open(path));
+  };
+  const std::size_t nq = world.state().q.size(), nv = world.state().v.size();
+  time = set("/frames/time", Type::Float64, {}, kRows);
+  step = set("/frames/step", Type::Int64, {}, kRows);
+  q = set("/frames/q", Type::Float64, {nq}, frame_chunk(8 * nq));
+  v = set("/frames/v", Type::Float64, {nv}, frame_chunk(8 * nv));
+  const std::int64_t none = 0;
+  if (create) file->write("/frames/count", Type::Int64, Row{1}, &none);
+  count = file->open("/frames/count");
+  open_series(create);
+  const auto bodies = static_cast<std::uint64_t>(world.body_count());
+  for (const run_layout::MotionField& f : run_layout::kMotion)
+    motion.push_back(set(f.path, Type::Float64, f.width > 1 ? Row{bodies, 3} : Row{bodies},
+                         frame_chunk(8 * bodies * static_cast<std::size_t>(f.width))));
+  open_display(create);
+  contacts = open_ragged("/contacts", kContactColumns, kContactRows, create);
+  tiles = open_ragged("/tiles", kTileColumns, kTileRows, create);
+  pairs = open_ragged("/pairs", kPairColumns, kPairRows, create);
+  memory = open_ragged("/memory", kMemoryColumns, kContactRows, create);
+  warnings = open_ragged("/warnings", kWarningColumns, kTextRows, create);
+  describe_xdmf();
+}
+
+void RunWriter::Impl::describe_xdmf() {
+  xdmf.pieces = tables.piece_mesh.size();
+  xdmf.positions = tables.positions;
+  for (std::size_t b = 0; b < tables.bodies.size(); ++b) {
+    const RecordedBody& body = tables.bodies[b];
+    const RunTables::Place& place = tables.places[b];
+    const std::size_t triangles = place.pieces > 0 ? 0 : body.display.triangles.size();
+    if (place.pieces == 0)
+      xdmf.bodies.push_back({body.name,
+                             static_cast<int>(b),
+                             body.display.kind,
+                             body.display.vertices,
+                             body.display.kind == Display::Kind::Lines ? body.display.lines.size() : triangles,
+                             static_cast<std::size_t>(std::max<std::int64_t>(place.first_position, 0)),
+                             body.display.kind == Display::Kind::Lines ? xdmf.lines : xdmf.triangles,
+                             body.changing,
+                             {0},
+                             {0}});
+    xdmf.triangles += triangles;
+    xdmf.lines += body.display.lines.size();
+  }
+}
+
+/// Calls visit(column, list) for every column; list is the ragged list it is of, or nothing where it has a row a frame.
+template <class Visit>
+void RunWriter::Impl::for_each_column(const Visit& visit) {
+  const auto ragged = [&](Ragged& r) {
+    for (Column& c : r.columns) visit(c, &r);
+    visit(r.offset, nullptr);
+  };
+  for (Column* c : {&time, &step, &q, &v, &rotation, &translation, &positions, &series_steps, &series_warnings})
+    visit(*c, nullptr);
+  for (Column& c : series) visit(c, nullptr);
+  for (Column& c : motion) visit(c, nullptr);
+  for (Ragged* r : {&contacts, &tiles, &pairs, &memory, &warnings}) ragged(*r);
+  for (Surface& s : surfaces) ragged(s.vertices), ragged(s.triangles);
 }
 
 void RunWriter::Impl::cut_all(std::int64_t frames) {
   const auto n = static_cast<std::uint64_t>(frames);
-  for (Dataset* d : {&time, &step, &q, &v, &series_steps, &series_warnings}) d->cut(n);
-  for (Dataset& d : series) d.cut(n);
-  for (Dataset& d : motion) d.cut(n);
+  // First it is said that the later frames are gone: a reader must never count rows that are being cut.
+  count.overwrite(&frames, Type::Int64);
+  file->flush();
   std::vector<Ragged*> lists = {&contacts, &tiles, &pairs, &memory, &warnings};
-  for (Shown& d : display) {
-    if (!d.changing)
-      d.positions.cut(n);
-    else
-      lists.insert(lists.end(), {&d.vertices, &d.triangles});
-  }
-  for (Ragged* r : lists) {
-    r->offset.cut(n + 1);
-    r->offset.read(&r->total, n, 1, Type::Int64);
-    for (Dataset& d : r->columns) d.cut(static_cast<std::uint64_t>(r->total));
-  }
+  for (Surface& s : surfaces) lists.insert(lists.end(), {&s.vertices, &s.triangles});
+  for (Ragged* r : lists) r->offset.set().read(&r->total, 1, n, 1, Type::Int64);
+  for_each_column([&](Column& c, const Ragged* list) {
+    const bool offset = std::ranges::any_of(lists, [&](const Ragged* r) { return &r->offset == &c; });
+    c.cut(list != nullptr ? static_cast<std::uint64_t>(list->total) : offset ? n + 1 : n);
+  });
   times.resize(n);
-  time.read(times.data(), 0, n, Type::Float64);
-  for (std::size_t b = 0; b < display.size(); ++b) {
-    XdmfModel::Item& item = xdmf.bodies[b];
-    if (item.changing) {
-      for (auto [offsets, list] : {std::pair(&item.vertex_offset, &display[b].vertices),
-                                   std::pair(&item.cell_offset, &display[b].triangles)}) {
-        offsets->resize(n + 1);
-        list->offset.read(offsets->data(), 0, n + 1, Type::Int64);
-      }
-      continue;
-    }
-    item.still = item.still && display[b].positions.shape()[0] == 1;
-    if (!item.still) continue;
-    first_positions[b].resize(item.vertices);
-    display[b].positions.read(first_positions[b].data(), 0, 1, Type::Float32);
+  time.set().read(times.data(), n, 0, n, Type::Float64);
+  for (XdmfModel::Item& item : xdmf.bodies)
+    for (const Surface& s : surfaces)
+      if (static_cast<std::size_t>(item.index) == s.body)
+        for (auto [offsets, list] :
+             {std::pair(&item.vertex_offset, &s.vertices), std::pair(&item.cell_offset, &s.triangles)}) {
+          offsets->resize(n + 1);
+          list->offset.set().read(offsets->data(), n + 1, 0, n + 1, Type::Int64);
+        }
+  if (n == 0) return;
+  const auto first_row = [](const Column& c, auto& row, std::size_t size, std::size_t numbers, Type type) {
+    row.resize(size);
+    if (size > 0) c.set().read(row.data(), numbers, 0, 1, type);
+  };
+  const std::size_t pieces = tables.piece_mesh.size();
+  first_row(rotation, first_rotation, 9 * pieces, 9 * pieces, Type::Float64);
+  first_row(translation, first_translation, 3 * pieces, 3 * pieces, Type::Float64);
+  first_row(positions, first_positions, tables.positions, 3 * tables.positions, Type::Float32);
+}
+
+void RunWriter::Impl::add_series(const StepReport& report, int steps, std::span<const BodySample> samples) {
+  for (std::size_t i = 0; i < series.size(); ++i) series[i].append_value(report_fields()[i].get(report));
+  series_warnings.append_value(static_cast<double>(report.warnings.size()));
+  series_steps.append_value(static_cast<double>(steps));
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    const run_layout::MotionField& field = run_layout::kMotion[i];
+    const auto width = static_cast<std::size_t>(field.width);
+    room.resize(samples.size() * width * sizeof(double));
+    auto* row = reinterpret_cast<double*>(room.data());
+    for (std::size_t b = 0; b < samples.size(); ++b) field.get(samples[b], row + b * width);
+    motion[i].append(row, 1);
   }
 }
 
 void RunWriter::Impl::add_display(const World& world) {
-  for (std::size_t b = 0; b < display.size(); ++b) {
+  rotation_row.resize(9 * tables.piece_mesh.size());
+  translation_row.resize(3 * tables.piece_mesh.size());
+  position_row.resize(tables.positions);
+  for (std::size_t b = 0; b < tables.bodies.size(); ++b) {
+    const RunTables::Place& place = tables.places[b];
     const Body& body = world.body(static_cast<int>(b));
-    XdmfModel::Item& item = xdmf.bodies[b];
-    if (const ChangingSurface* surface = changing_surface(body)) {
-      surface->display_surface(positions, corners);
-      display[b].vertices.columns[0].append(positions.data(), positions.size(), Type::Float32);
-      display[b].vertices.close_frame(static_cast<std::int64_t>(positions.size()));
-      display[b].triangles.columns[0].append(corners.data(), corners.size(), Type::Int32);
-      display[b].triangles.close_frame(static_cast<std::int64_t>(corners.size()));
-      item.vertex_offset.push_back(display[b].vertices.total);
-      item.cell_offset.push_back(display[b].triangles.total);
+    if (place.pieces > 0) {
+      const PosedDisplay* posed = posed_display(body);
+      for (std::size_t i = 0; i < place.pieces; ++i) {
+        const Pose& pose = posed->piece(i).pose();
+        double* const r = &rotation_row[9 * (place.first_piece + i)];
+        double* const t = &translation_row[3 * (place.first_piece + i)];
+        for (int a = 0; a < 9; ++a) r[a] = pose.rotation(a / 3, a % 3);
+        for (int a = 0; a < 3; ++a) t[a] = pose.translation[a];
+      }
+    } else if (place.first_position >= 0) {
+      body.display_positions(
+          std::span(position_row).subspan(static_cast<std::size_t>(place.first_position), body.display().vertices));
+    }
+  }
+  rotation.append(rotation_row.data(), 1);
+  translation.append(translation_row.data(), 1);
+  positions.append(position_row.data(), 1);
+  for (Surface& s : surfaces) {
+    changing_surface(world.body(static_cast<int>(s.body)))->display_surface(vertices, corners);
+    s.vertices.columns[0].append(vertices.data(), vertices.size());
+    s.vertices.close_frame(static_cast<std::int64_t>(vertices.size()));
+    s.triangles.columns[0].append(corners.data(), corners.size());
+    s.triangles.close_frame(static_cast<std::int64_t>(corners.size()));
+    for (XdmfModel::Item& item : xdmf.bodies)
+      if (static_cast<std::size_t>(item.index) == s.body) {
+        item.vertex_offset.push_back(s.vertices.total);
+        item.cell_offset.push_back(s.triangles.total);
+      }
+  }
+  watch_still();
+}
+
+void RunWriter::Impl::watch_still() {
+  if (times.empty()) {
+    first_rotation = rotation_row, first_translation = translation_row, first_positions = position_row;
+    return;
+  }
+  const auto same = [](const auto& a, const auto& b, std::size_t first, std::size_t size) {
+    return std::equal(a.begin() + static_cast<std::ptrdiff_t>(first),
+                      a.begin() + static_cast<std::ptrdiff_t>(first + size),
+                      b.begin() + static_cast<std::ptrdiff_t>(first));
+  };
+  for (std::size_t b = 0; b < still.size(); ++b) {
+    if (still[b] == 0) continue;
+    const RunTables::Place& place = tables.places[b];
+    if (same(rotation_row, first_rotation, 9 * place.first_piece, 9 * place.pieces) &&
+        same(translation_row, first_translation, 3 * place.first_piece, 3 * place.pieces) &&
+        (place.first_position < 0 || same(position_row, first_positions, static_cast<std::size_t>(place.first_position),
+                                          tables.bodies[b].display.vertices)))
       continue;
-    }
-    display_now(body, positions);
-    if (times.empty()) {
-      if (item.still) first_positions[b] = positions;
-    } else if (item.still) {
-      if (positions == first_positions[b]) continue;
-      // It moves after all: the frames that stood for themselves get their rows.
-      for (std::size_t f = 1; f < times.size(); ++f)
-        display[b].positions.append(first_positions[b].data(), 1, Type::Float32);
-      item.still = false;
-    }
-    display[b].positions.append(positions.data(), 1, Type::Float32);
+    still[b] = 0;
+    still_changed = true;
   }
 }
 
-void RunWriter::Impl::add_lists(const World& world, const StepReport& report) {
-  const auto copy3 = [](const auto& x, auto* to) {
-    for (int a = 0; a < 3; ++a) to[a] = x[a];
-  };
-  const std::span<const ContactSample> c = world.contacts();
-  append_column<float>(contacts.columns[0], c, 3, Type::Float32,
-                       [&](const ContactSample& s, float* x) { copy3(s.position, x); });
-  append_column<float>(contacts.columns[1], c, 3, Type::Float32,
-                       [&](const ContactSample& s, float* x) { copy3(s.force, x); });
-  append_column<float>(contacts.columns[2], c, 3, Type::Float32,
-                       [&](const ContactSample& s, float* x) { copy3(s.friction, x); });
-  append_column<float>(contacts.columns[3], c, 1, Type::Float32,
-                       [](const ContactSample& s, float* x) { *x = s.overlap; });
-  append_column<std::int32_t>(contacts.columns[4], c, 2, Type::Int32, [](const ContactSample& s, std::int32_t* x) {
-    x[0] = s.part_a;
-    x[1] = s.part_b;
+void RunWriter::Impl::add_contacts(std::span<const ContactSample> list) {
+  const auto copy3 = [](const Vec3f& x, float* to) { to[0] = x[0], to[1] = x[1], to[2] = x[2]; };
+  append_column<float>(contacts.columns[0], room, list, 3, [&](const auto& c, float* x) { copy3(c.position, x); });
+  append_column<float>(contacts.columns[1], room, list, 3, [&](const auto& c, float* x) { copy3(c.force, x); });
+  append_column<float>(contacts.columns[2], room, list, 3, [&](const auto& c, float* x) { copy3(c.friction, x); });
+  append_column<float>(contacts.columns[3], room, list, 1, [](const auto& c, float* x) { *x = c.overlap; });
+  append_column<std::int32_t>(contacts.columns[4], room, list, 2, [](const auto& c, std::int32_t* x) {
+    x[0] = c.part_a;
+    x[1] = c.part_b;
   });
-  contacts.close_frame(static_cast<std::int64_t>(c.size()));
+  contacts.close_frame(static_cast<std::int64_t>(list.size()));
+}
 
-  const auto t = world.active_tiles();
-  append_column<std::int32_t>(tiles.columns[0], t, 3, Type::Int32, [](const auto& tile, std::int32_t* x) {
+void RunWriter::Impl::add_tiles(std::span<const std::pair<TileKey, double>> list) {
+  append_column<std::int32_t>(tiles.columns[0], room, list, 3, [](const auto& tile, std::int32_t* x) {
     x[0] = tile.first.x;
     x[1] = tile.first.y;
     x[2] = tile.first.z;
   });
-  append_column<double>(tiles.columns[1], t, 1, Type::Float64, [](const auto& tile, double* x) { *x = tile.second; });
-  tiles.close_frame(static_cast<std::int64_t>(t.size()));
+  append_column<double>(tiles.columns[1], room, list, 1, [](const auto& tile, double* x) { *x = tile.second; });
+  tiles.close_frame(static_cast<std::int64_t>(list.size()));
+}
 
-  const auto& p = report.pairs;
+void RunWriter::Impl::add_pairs(const std::vector<PairReport>& list) {
   const auto vectors = [&](std::size_t column, Vec3 PairReport::*member) {
-    append_column<double>(pairs.columns[column], p, 3, Type::Float64,
-                          [&](const PairReport& r, double* x) { copy3(r.*member, x); });
+    append_column<double>(pairs.columns[column], room, list, 3, [&](const PairReport& r, double* x) {
+      for (int a = 0; a < 3; ++a) x[a] = (r.*member)[a];
+    });
   };
-  append_column<std::int32_t>(pairs.columns[0], p, 2, Type::Int32, [](const PairReport& r, std::int32_t* x) {
+  append_column<std::int32_t>(pairs.columns[0], room, list, 2, [](const PairReport& r, std::int32_t* x) {
     x[0] = r.part_a;
     x[1] = r.part_b;
   });
   vectors(1, &PairReport::force_on_a);
   vectors(2, &PairReport::friction_on_a);
   vectors(3, &PairReport::center);
-  append_column<std::int32_t>(pairs.columns[4], p, 1, Type::Int32,
+  append_column<std::int32_t>(pairs.columns[4], room, list, 1,
                               [](const PairReport& r, std::int32_t* x) { *x = r.contacts; });
-  append_column<double>(pairs.columns[5], p, 1, Type::Float64,
-                        [](const PairReport& r, double* x) { *x = r.worst_overlap; });
-  append_column<double>(pairs.columns[6], p, 1, Type::Float64,
-                        [](const PairReport& r, double* x) { *x = r.worst_pressure; });
-  pairs.close_frame(static_cast<std::int64_t>(p.size()));
+  append_column<double>(pairs.columns[5], room, list, 1, [](const PairReport& r, double* x) { *x = r.worst_overlap; });
+  append_column<double>(pairs.columns[6], room, list, 1, [](const PairReport& r, double* x) { *x = r.worst_pressure; });
+  pairs.close_frame(static_cast<std::int64_t>(list.size()));
+}
 
-  const std::vector<double>& m = world.state().memory;
-  memory.columns[0].append(m.data(), m.size(), Type::Float64);
-  memory.close_frame(static_cast<std::int64_t>(m.size()));
-
+void RunWriter::Impl::add_warnings(const std::vector<Warning>& list) {
   std::string text;
-  for (const Warning& w : report.warnings)
-    text += nlohmann::ordered_json{{"time", w.time}, {"code", w.code}, {"message", w.message}}.dump() + "\n";
-  warnings.columns[0].append(text.data(), text.size(), Type::UInt8);
+  for (const Warning& w : list)
+    text += nlohmann::ordered_json{{"time", w.time}, {"code", w.code}, {"message", w.message}}.dump(
+                -1, ' ', false, nlohmann::json::error_handler_t::replace) +
+            "\n";
+  warnings.columns[0].append(text.data(), text.size());
   warnings.close_frame(static_cast<std::int64_t>(text.size()));
+}
+
+/// Rows first, then how many frames are whole: a reader of what a killed process left never sees half a frame.
+void RunWriter::Impl::flush() {
+  const Clock::time_point start = Clock::now();
+  for_each_column([](Column& c, const Ragged*) { c.flush(); });
+  if (still_changed) still_set.overwrite(still.data(), Type::Int64);
+  still_changed = false;
+  file->flush();
+  const auto frames = static_cast<std::int64_t>(times.size());
+  count.overwrite(&frames, Type::Int64);
+  file->flush();
+  flush_cost = seconds_since(start);
+  last_flush = Clock::now();
+}
+
+void RunWriter::Impl::write_xdmf() {
+  const Clock::time_point start = Clock::now();
+  write_whole((fs::path(folder) / "run.xdmf").string(), xdmf_text(xdmf, times));
+  xdmf_cost = seconds_since(start);
+  last_xdmf = Clock::now();
 }
 
 RunWriter::RunWriter(const std::string& folder, const World& world, const RunInfo& info)
@@ -423,46 +510,37 @@ RunWriter::RunWriter(RunWriter&&) noexcept = default;
 std::int64_t RunWriter::frames() const { return static_cast<std::int64_t>(impl_->times.size()); }
 
 void RunWriter::add(const World& world, const StepReport& frame, int steps, std::span<const BodySample> samples) {
+  add(world, frame, steps, samples, world.contacts(), world.active_tiles());
+}
+
+void RunWriter::add(const World& world, const StepReport& frame, int steps, std::span<const BodySample> samples,
+                    std::span<const ContactSample> contacts, std::span<const std::pair<TileKey, double>> tiles) {
   Impl& d = *impl_;
   const State& state = world.state();
   const bool first = d.times.empty();
-  d.time.append(&state.time, 1, Type::Float64);
-  d.step.append(&state.step, 1, Type::Int64);
-  d.q.append(state.q.data(), 1, Type::Float64);
-  d.v.append(state.v.data(), 1, Type::Float64);
-  for (std::size_t i = 0; i < d.series.size(); ++i) {
-    const double x = report_fields()[i].get(frame);
-    d.series[i].append(&x, 1, Type::Float64);
-  }
-  const double count = static_cast<double>(frame.warnings.size()), taken = steps;
-  d.series_warnings.append(&count, 1, Type::Float64);
-  d.series_steps.append(&taken, 1, Type::Float64);
-  std::vector<double> row;
-  for (std::size_t i = 0; i < d.motion.size(); ++i) {
-    const run_layout::MotionField& field = run_layout::kMotion[i];
-    row.assign(samples.size() * static_cast<std::size_t>(field.width), 0.0);
-    for (std::size_t b = 0; b < samples.size(); ++b)
-      field.get(samples[b], row.data() + b * static_cast<std::size_t>(field.width));
-    d.motion[i].append(row.data(), 1, Type::Float64);
-  }
+  d.time.append_value(state.time);
+  d.step.append_value(state.step);
+  d.q.append(state.q.data(), 1);
+  d.v.append(state.v.data(), 1);
+  d.add_series(frame, steps, samples);
   d.add_display(world);
-  d.add_lists(world, frame);
+  d.add_contacts(contacts);
+  d.add_tiles(tiles);
+  d.add_pairs(frame.pairs);
+  d.memory.columns[0].append(state.memory.data(), state.memory.size());
+  d.memory.close_frame(static_cast<std::int64_t>(state.memory.size()));
+  d.add_warnings(frame.warnings);
   d.times.push_back(state.time);
   // Slow frames are flushed one by one; fast ones together, so that flushing stays a small part of the time.
-  if (first || seconds_since(d.last_flush) > std::min(kFlushSeconds, 20.0 * d.flush_cost)) {
-    const Clock::time_point start = Clock::now();
-    d.file->flush();
-    d.flush_cost = seconds_since(start);
-    d.last_flush = Clock::now();
-  }
-  if (first || seconds_since(d.last_xdmf) > kXdmfSeconds) {
+  if (first || seconds_since(d.last_flush) > std::min(kFlushSeconds, d.flush_cost / kFlushShare)) d.flush();
+  if (first || seconds_since(d.last_xdmf) > std::max(kXdmfSeconds, d.xdmf_cost / kXdmfShare)) {
+    d.flush();
     d.write_xdmf();
-    d.last_xdmf = Clock::now();
   }
 }
 
 void RunWriter::flush() {
-  impl_->file->flush();
+  impl_->flush();
   impl_->write_xdmf();
 }
 

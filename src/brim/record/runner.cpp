@@ -8,6 +8,9 @@
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "brim/record/folder_lock.h"
+#include "brim/record/run_layout.h"
+#include "brim/record/upgrade_run.h"
 #include "brim/world/report_fields.h"
 
 namespace brim {
@@ -62,9 +65,17 @@ RunResult record_run(World& world, const RunPlan& plan, const std::function<bool
   std::int64_t frame = 0;
   const Clock::time_point start = Clock::now();
 
+  FolderLock lock;  // while the run is written
   if (plan.resume) {
+    if (std::filesystem::is_directory(plan.folder)) lock = FolderLock(plan.folder);
+    bool older = false;
+    {
+      const RunReader found(plan.folder);
+      check_same_world(found, world);
+      older = found.format_version() != run_layout::kVersion && found.frames() > 0;
+    }
+    if (older) upgrade_run(plan.folder, world);
     const RunReader old(plan.folder);
-    check_same_world(old, world);
     frame = old.frames() - 1;
     if (frame < 0) throw InputError(fmt::format("{}: holds no frame to go on from", plan.folder));
     // A failed frame is a report, not a state to go on from twice; its state is that before the failure.
@@ -76,6 +87,10 @@ RunResult record_run(World& world, const RunPlan& plan, const std::function<bool
     world.set_state(old.state(frame));
   } else if (!plan.folder.empty()) {
     check_run_folder(plan.folder, plan.force);
+    std::error_code error;
+    std::filesystem::create_directories(plan.folder, error);
+    if (error) throw InputError(fmt::format("{}: the folder cannot be made: {}", plan.folder, error.message()));
+    lock = FolderLock(plan.folder);
   }
   if (!plan.folder.empty()) {
     if (plan.resume)

@@ -8,7 +8,20 @@ namespace brim {
 
 namespace {
 
-void topology(std::string& out, const XdmfModel::Item& b) {
+// Rows are picked out of a data set as "data set|start:stride:count:size", one number per axis. That form is of Xdmf 3,
+// which ParaView takes for files of this kind unless told otherwise; the older ItemType="HyperSlab" makes it crash
+// (ParaView 5.11).
+
+/// One frame of a data set of shape (frames, n, width): rows first to first + count.
+std::string frame_item(const char* path, int bytes, std::size_t frame, std::size_t frames, std::size_t first,
+                       std::size_t count, std::size_t n, int width) {
+  return fmt::format(
+      "<DataItem Dimensions=\"1 {5} {7}\" NumberType=\"Float\" Precision=\"{1}\" Format=\"HDF\">run.h5:{0}|{2} {4} 0:1 "
+      "1 1:1 {5} {7}:{3} {6} {7}</DataItem>",
+      path, bytes, frame, frames, first, count, n, width);
+}
+
+void topology(std::string& out, const XdmfModel& model, const XdmfModel::Item& b) {
   auto to = std::back_inserter(out);
   if (b.kind == Display::Kind::Points) {
     fmt::format_to(to, "<Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\"/>", b.vertices);
@@ -18,18 +31,20 @@ void topology(std::string& out, const XdmfModel::Item& b) {
   fmt::format_to(
       to,
       "<Topology TopologyType=\"{}\" NumberOfElements=\"{}\"{}><DataItem Dimensions=\"{} {}\" NumberType=\"Int\" "
-      "Precision=\"4\" Format=\"HDF\">run.h5:/bodies/{}/{}</DataItem></Topology>",
-      lines ? "Polyline" : "Triangle", b.cells, lines ? " NodesPerElement=\"2\"" : "", b.cells, lines ? 2 : 3, b.index,
-      lines ? "lines" : "triangles");
+      "Precision=\"4\" Format=\"HDF\">run.h5:/display/{}|{} 0:1 1:{} {}:{} {}</DataItem></Topology>",
+      lines ? "Polyline" : "Triangle", b.cells, lines ? " NodesPerElement=\"2\"" : "", b.cells, lines ? 2 : 3,
+      lines ? "lines" : "triangles", b.first_cell, b.cells, lines ? 2 : 3, lines ? model.lines : model.triangles,
+      lines ? 2 : 3);
 }
 
-/// Rows of one frame out of all. The form "data set|start:stride:count:size" is that of Xdmf 3, which ParaView takes
-/// for files of this kind unless told otherwise; the older ItemType="HyperSlab" makes it crash (ParaView 5.11).
-void geometry(std::string& out, const XdmfModel::Item& b, std::size_t frame, std::size_t frames) {
+/// All rigid pieces as points at the origins of their shapes, with their rotations row by row.
+void poses(std::string& out, const XdmfModel& model, std::size_t frame, std::size_t frames) {
   fmt::format_to(std::back_inserter(out),
-                 "<Geometry GeometryType=\"XYZ\"><DataItem Dimensions=\"1 {1} 3\" NumberType=\"Float\" Precision=\"4\" "
-                 "Format=\"HDF\">run.h5:/display/{3}/positions|{0} 0 0:1 1 1:1 {1} 3:{2} {1} 3</DataItem></Geometry>",
-                 b.still ? 0 : frame, b.vertices, b.still ? 1 : frames, b.index);
+                 "<Grid Name=\"poses\"><Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\"/><Geometry "
+                 "GeometryType=\"XYZ\">{}</Geometry><Attribute Name=\"rotation\" AttributeType=\"Tensor\" "
+                 "Center=\"Node\">{}</Attribute></Grid>\n",
+                 model.pieces, frame_item("/poses/translation", 8, frame, frames, 0, model.pieces, model.pieces, 3),
+                 frame_item("/poses/rotation", 8, frame, frames, 0, model.pieces, model.pieces, 9));
 }
 
 /// A frame of a surface that changes: rows of its lists of triangles and of vertices.
@@ -91,11 +106,14 @@ std::string xdmf_text(const XdmfModel& model, std::span<const double> times) {
       if (b.changing) {
         changing(out, b, f);
       } else {
-        topology(out, b);
-        geometry(out, b, f, times.size());
+        topology(out, model, b);
+        out += "<Geometry GeometryType=\"XYZ\">" +
+               frame_item("/display/positions", 4, f, times.size(), b.first_vertex, b.vertices, model.positions, 3) +
+               "</Geometry>";
       }
       out += "</Grid>\n";
     }
+    if (model.pieces > 0) poses(out, model, f, times.size());
     out += "</Grid>\n";
   }
   out += "</Grid>\n</Domain>\n</Xdmf>\n";

@@ -17,12 +17,14 @@ constexpr double kSlop = 0.005, kShare = 0.2, kPush = 0.1;
 constexpr double kTouch = 0.005;
 /// [voxels] cell whose nodes make a point where a part deforms; least cosine of a patch's normals to its deepest
 /// node's.
-constexpr double kCell = 2.0, kAlike = 0.9;
+constexpr double kCell = 2.0, kAlikeInPatch = 0.9;
 /// [voxels] the gaps of a patch that one model must tell; where it does not, those so far around the deepest node are
 /// modelled first.
 constexpr double kMisfit = 0.1, kAround = 3.0;
 /// [voxels] rise of the gap by curvature up to which a node belongs to the flat part of a patch.
 constexpr double kFlat = 0.05;
+/// [voxels] overlap that nodes know of beyond that of the nearest point, above which the point takes it over.
+constexpr double kUnseen = 0.05;
 /// [voxels] corners nearer to another point than this say nothing new.
 constexpr double kApart = 1.0;
 
@@ -46,7 +48,7 @@ void Constraint::gather_pair(const ContactSet& contacts, std::span<const Vec3> n
   order_.clear();
   std::size_t best = pair.begin;
   for (std::size_t c = pair.begin; c < pair.end; ++c) {
-    if (tells_distances(contacts, c, pair.w)) order_.push_back(c);
+    if (tells_distances(contacts, c, pair)) order_.push_back(c);
     if (facing(contacts, c) > facing(contacts, best)) best = c;
   }
   const std::size_t first = points_.size();
@@ -68,6 +70,29 @@ void Constraint::gather_pair(const ContactSet& contacts, std::span<const Vec3> n
       against = against || (normal_[i].dot(e.normal) < 0.0 && (points_.point[i] - e.point).norm() < kAround * pair.h);
     if (!against) add_point(contacts, e.node, e.point, e.normal, e.gap, law);
   }
+  if (law.stiff && !options.every_node) deepen(contacts, normals, pair, law, first);
+}
+
+void Constraint::deepen(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
+                        const ConstraintPair& law, std::size_t first) {
+  const std::size_t end = points_.size();
+  const double far = kAround * pair.h, unseen = kUnseen * pair.h;
+  std::size_t alone = pair.end;  // the deepest node that no point is near
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    if (!(contacts.depth[c] > unseen)) continue;
+    std::size_t best = end;
+    double least = far * far;
+    for (std::size_t i = first; i < end; ++i) {
+      const double d = (points_.point[i] - contacts.point[c]).squaredNorm();
+      if (d < least) least = d, best = i;
+    }
+    if (best == end) {
+      if (alone == pair.end || contacts.depth[c] > contacts.depth[alone]) alone = c;
+    } else if (contacts.depth[c] > points_.depth[best] + unseen) {
+      points_.depth[best] = contacts.depth[c];
+    }
+  }
+  if (alone < pair.end) add_point(contacts, alone, contacts.point[alone], normals[alone], -contacts.depth[alone], law);
 }
 
 void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
@@ -75,7 +100,7 @@ void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> n
   // Cells that stay where they are: points then move smoothly, and keep their impulses from step to step.
   std::map<std::array<std::int64_t, 3>, std::vector<std::size_t>> cells;
   for (const std::size_t c : order_) {
-    const Vec3 i = (contacts.node[c] / (kCell * pair.h) + Vec3::Constant(1e-6)).array().floor();
+    const Vec3 i = (contacts.node[c].cast<double>() / kCell + Vec3::Constant(1e-6)).array().floor();
     cells[{static_cast<std::int64_t>(i.x()), static_cast<std::int64_t>(i.y()), static_cast<std::int64_t>(i.z())}]
         .push_back(c);  // deepest first, as in order_
   }
@@ -84,9 +109,9 @@ void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> n
       const Vec3 n = normals[nodes.front()];
       patch_.clear();
       for (const std::size_t c : nodes)
-        if (normals[c].dot(n) >= kAlike) patch_.push_back(c);
+        if (normals[c].dot(n) >= kAlikeInPatch) patch_.push_back(c);
       add_patch(contacts, normals, pair, law, patch_);
-      std::erase_if(nodes, [&](std::size_t c) { return normals[c].dot(n) >= kAlike; });
+      std::erase_if(nodes, [&](std::size_t c) { return normals[c].dot(n) >= kAlikeInPatch; });
     }
   }
 }
@@ -95,8 +120,10 @@ void Constraint::gather_stiff(const ContactSet& contacts, std::span<const Vec3> 
                               const ConstraintPair& law) {
   // Where each node lies, so that patches grow from neighbour to neighbour.
   place_.reset(pair.h);
-  for (std::size_t i = 0; i < order_.size(); ++i) place_.set(contacts.node[order_[i]], i);
-  const auto for_neighbours = [&](std::size_t c, const auto& f) { place_.for_around(contacts.node[c], 1, f); };
+  for (std::size_t i = 0; i < order_.size(); ++i) place_.set(contacts.node_at(order_[i], pair.h), i);
+  const auto for_neighbours = [&](std::size_t c, const auto& f) {
+    place_.for_around(contacts.node_at(c, pair.h), 1, f);
+  };
   taken_.assign(order_.size(), 0);
   for (std::size_t i = 0; i < order_.size(); ++i) {
     if (taken_[i]) continue;
@@ -109,7 +136,7 @@ void Constraint::gather_stiff(const ContactSet& contacts, std::span<const Vec3> 
     patch_.assign(1, seed);
     for (std::size_t k = 0; k < patch_.size(); ++k)
       for_neighbours(patch_[k], [&](std::size_t j) {
-        if (taken_[j] || normals[order_[j]].dot(normals[seed]) < kAlike) return;
+        if (taken_[j] || normals[order_[j]].dot(normals[seed]) < kAlikeInPatch) return;
         taken_[j] = 1;
         patch_.push_back(order_[j]);
       });
@@ -189,20 +216,13 @@ void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair
 
 void Constraint::remove_point(std::size_t i) {
   const auto drop = [i](auto& v) { v.erase(v.begin() + static_cast<std::ptrdiff_t>(i)); };
-  ContactSet& s = points_;
-  drop(s.node), drop(s.point), drop(s.overlap), drop(s.depth), drop(s.gradient_a), drop(s.gradient_b);
-  drop(s.curvature_a), drop(s.curvature_b), drop(s.source_a), drop(s.source_b);
+  points_.erase(i);
   drop(normal_), drop(friction_), drop(restitution_);
 }
 
 void Constraint::add_point(const ContactSet& contacts, std::size_t c, const Vec3& x, const Vec3& n, double gap,
                            const ConstraintPair& law) {
-  ContactSet& s = points_;
-  s.node.push_back(contacts.node[c]), s.point.push_back(x);
-  s.overlap.push_back(contacts.overlap[c]), s.depth.push_back(-gap);
-  s.gradient_a.push_back(contacts.gradient_a[c]), s.gradient_b.push_back(contacts.gradient_b[c]);
-  s.curvature_a.push_back(contacts.curvature_a[c]), s.curvature_b.push_back(contacts.curvature_b[c]);
-  s.source_a.push_back(contacts.source_a[c]), s.source_b.push_back(contacts.source_b[c]);
+  points_.append(contacts, c, x, -gap);
   normal_.push_back(n), friction_.push_back(law.friction), restitution_.push_back(law.restitution);
 }
 
@@ -210,10 +230,10 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
                              std::span<const Vec3> free) {
   const double dt = options.dt;
   velocity_target_.resize(points_.size()), travel_target_.resize(points_.size());
-  travels_apart_ = false;
+  travels_apart_ = bounces_ = false;
   for (const ContactPair& pair : points_.pairs) {
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t c = pair.begin; c < pair.end; ++c) least = std::min(least, -points_.depth[c]);
+    for (std::size_t c = pair.begin; c < pair.end; ++c) least = std::min(least, -double{points_.depth[c]});
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const double gap = -points_.depth[c], open = std::max(0.0, gap);
       const double u0 = normal_[c].dot(start[c]), u1 = normal_[c].dot(free[c]), a = (u1 - u0) / dt;
@@ -227,6 +247,7 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
         const double before = open / -u1, left = dt - before;
         const double hit = u0 + a * (0.5 * dt + before);
         if (-hit > options.bounce_speed) {
+          bounces_ = true;
           const double after = -restitution_[c] * hit;
           velocity_target_[c] = std::max(0.0, after + a * (0.5 * dt - before));
           travel_target_[c] = std::max(push, (after * left + 0.5 * a * left * left) / dt) - open / dt;

@@ -57,6 +57,8 @@ class Constraint {
   /// Least normal velocity at the end of the step, and on the mean over the step, [m/s].
   std::span<const double> velocity_targets() const { return velocity_target_; }
   std::span<const double> travel_targets() const { return travel_target_; }
+  /// True when some contact bounces within the step.
+  bool bounces() const { return bounces_; }
   /// True when some way is not what the velocity at the end makes of it.
   bool travels_apart() const { return travels_apart_; }
 
@@ -74,6 +76,10 @@ class Constraint {
   /// Corners of the flat part of the nodes in around_. @param first  of the patch's points  @param center  the model's
   void add_corners(const ContactSet& contacts, const ContactPair& pair, const ConstraintPair& law,
                    const PatchModel& model, std::size_t first, std::size_t center);
+  /// Sees to it that no node overlaps more than the points say: the sum of the distances to two surfaces is never less
+  /// than the gap between them, wherever it is read. @param first  of the pair's points
+  void deepen(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
+              const ConstraintPair& law, std::size_t first);
   void remove_point(std::size_t i);
   void add_point(const ContactSet& contacts, std::size_t c, const Vec3& x, const Vec3& n, double gap,
                  const ConstraintPair& law);
@@ -82,7 +88,7 @@ class Constraint {
   std::vector<Vec3> normal_;
   std::vector<double> friction_, restitution_;
   std::vector<double> velocity_target_, travel_target_;
-  bool travels_apart_ = false;
+  bool travels_apart_ = false, bounces_ = false;
   std::vector<std::size_t> order_, patch_, rest_, around_, flat_;
   std::vector<std::uint8_t> taken_;
   PatchFitter fitter_;

@@ -13,7 +13,7 @@ namespace {
 /// Least cosine between the surfaces' normals: where they turn away further, no common normal parts them.
 constexpr double kLeastFacing = 0.0;
 /// Least cosine of a normal to that of the least gap of its group.
-constexpr double kAlike = 0.8;
+constexpr double kAlikeAtEdge = 0.8;
 /// [voxels] nodes whose gap exceeds the least by less have a say; a group longer than this has two points.
 constexpr double kNearLeast = 0.25, kLong = 1.0;
 /// [voxels] so near to a node of a face a node belongs to that face, unless its gap is less by more than kNearer.
@@ -25,20 +25,20 @@ constexpr double kNearer = 0.1;
 void EdgePoints::read(const ContactSet& s, const ContactPair& pair, std::span<const std::size_t> faces) {
   reading_.clear();
   place_.reset(pair.h);
-  for (const std::size_t c : faces) place_.set(s.node[c], c);
+  for (const std::size_t c : faces) place_.set(s.node_at(c, pair.h), c);
   const auto belongs_to_face = [&](const Reading& r) {
-    return place_.any_around(s.node[r.node], kBesideFace,
+    return place_.any_around(s.node_at(r.node, pair.h), kBesideFace,
                              [&](std::size_t face) { return -s.depth[face] <= r.gap + kNearer * pair.h; });
   };
   for (std::size_t c = pair.begin; c < pair.end; ++c) {
-    if (tells_distances(s, c, pair.w) || !on_ramps(s, c, pair.w) || facing(s, c) < kLeastFacing) continue;
+    if (tells_distances(s, c, pair) || !on_ramps(s, c, pair) || facing(s, c) < kLeastFacing) continue;
     const Vec3 away_a = -s.gradient_a[c].normalized(), away_b = -s.gradient_b[c].normalized();
-    const double bend_a = s.curvature_a[c].norm() / s.gradient_a[c].norm(),
-                 bend_b = s.curvature_b[c].norm() / s.gradient_b[c].norm();
+    const double bend_a = s.curvature_a(c).norm() / s.gradient_a[c].norm(),
+                 bend_b = s.curvature_b(c).norm() / s.gradient_b[c].norm();
     const double share = bend_a + bend_b > 0.0 ? bend_a / (bend_a + bend_b) : 0.5;
     const Vec3 n = (share * away_b - (1.0 - share) * away_a).normalized();
-    const Vec3 to_a = distance_to(s, c, true) * away_a, to_b = distance_to(s, c, false) * away_b;
-    const Reading reading{c, s.node[c] - 0.5 * (to_a + to_b), n, n.dot(to_b - to_a)};
+    const Vec3 to_a = distance_to(s, c, true, pair.h) * away_a, to_b = distance_to(s, c, false, pair.h) * away_b;
+    const Reading reading{c, s.node_at(c, pair.h) - 0.5 * (to_a + to_b), n, n.dot(to_b - to_a)};
     if (!belongs_to_face(reading)) reading_.push_back(reading);
   }
 }
@@ -49,7 +49,7 @@ std::span<const EdgePoint> EdgePoints::find(const ContactSet& contacts, const Co
   read(contacts, pair, faces);
   std::stable_sort(reading_.begin(), reading_.end(), [](const Reading& i, const Reading& j) { return i.gap < j.gap; });
   place_.reset(pair.h);
-  for (std::size_t i = 0; i < reading_.size(); ++i) place_.set(contacts.node[reading_[i].node], i);
+  for (std::size_t i = 0; i < reading_.size(); ++i) place_.set(contacts.node_at(reading_[i].node, pair.h), i);
   taken_.assign(reading_.size(), 0);
   std::vector<std::size_t> grown;
   for (std::size_t i = 0; i < reading_.size(); ++i) {
@@ -57,8 +57,8 @@ std::span<const EdgePoint> EdgePoints::find(const ContactSet& contacts, const Co
     taken_[i] = 1;
     grown.assign(1, i);
     for (std::size_t k = 0; k < grown.size(); ++k)
-      place_.for_around(contacts.node[reading_[grown[k]].node], 1, [&](std::size_t j) {
-        if (taken_[j] || reading_[j].normal.dot(reading_[i].normal) < kAlike) return;
+      place_.for_around(contacts.node_at(reading_[grown[k]].node, pair.h), 1, [&](std::size_t j) {
+        if (taken_[j] || reading_[j].normal.dot(reading_[i].normal) < kAlikeAtEdge) return;
         taken_[j] = 1;
         grown.push_back(j);
       });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -8,80 +9,49 @@
 
 namespace brim {
 
-/// Smooth average of a field over a coarse lattice: samples are spread to the lattice with tent weights and read back
-/// with the same weights. The lattice is a small hash table, rebuilt for each pair of parts.
-template <class Value>
-class PatchAverage {
+/// Points of a patch among the nodes of a coarse lattice: of each the eight lattice points around it, and their tent
+/// weights. Fields are averaged over the patch by spreading them to the lattice and reading them back (PatchField). The
+/// lattice is a dense array over the box of the points where that is not much larger than they are many, else it holds
+/// the lattice points next to some point only. Memory is kept from patch to patch.
+/// Tests: tests/response/patch_average_test.cpp
+class PatchLattice {
  public:
+  /// @param x       [m] the points
   /// @param cell    [m] lattice step (3h smooths over a patch without hiding its shape)
-  /// @param origin  [m] of the lattice; taken from the samples, it makes the average independent of where they are
-  void reset(double cell, std::size_t samples, const Vec3& origin = Vec3::Zero()) {
-    inverse_cell_ = 1.0 / cell;
-    origin_ = origin;
-    std::size_t capacity = 64;
-    while (capacity < 2 * samples) capacity *= 2;  // few lattice points per sample; grows if that is wrong
-    slot_.assign(capacity, -1);
-    key_.clear();
-    value_.clear();
-  }
+  /// @param origin  [m] of the lattice; taken from the points, it makes averages independent of where they are
+  void place(std::span<const Vec3> x, double cell, const Vec3& origin);
+  /// Lattice points that fields have values at.
+  std::size_t size() const { return size_; }
 
-  void add(const Vec3& x, const Value& v) {
-    visit(x, [&](std::uint64_t key, double weight) {
-      const std::size_t s = find(key);
-      if (slot_[s] < 0) {
-        slot_[s] = static_cast<std::int32_t>(key_.size());
-        key_.push_back(key);
-        value_.push_back(weight * v);
-        if (2 * key_.size() > slot_.size()) grow();
-      } else {
-        value_[slot_[s]] += weight * v;
-      }
-    });
-  }
+  struct Place {
+    std::array<std::int32_t, 8> slot;
+    std::array<float, 8> weight;
+  };
+  const Place& operator[](std::size_t point) const { return place_[point]; }
 
-  /// The smoothed sum at x; zero far from every sample.
-  Value at(const Vec3& x) const {
-    Value sum = 0.0 * value_.front();
-    visit(x, [&](std::uint64_t key, double weight) {
-      const std::size_t s = find(key);
-      if (slot_[s] >= 0) sum += weight * value_[slot_[s]];
-    });
+ private:
+  std::size_t size_ = 0;
+  std::vector<Place> place_;
+  std::vector<std::array<std::int64_t, 3>> base_;  ///< lattice point below each point
+  std::vector<std::array<std::int64_t, 3>> used_;  ///< sorted, where the lattice is not dense
+};
+
+/// A field on a lattice. @tparam Value  a fixed-size Eigen array of floats
+template <class Value>
+class PatchField {
+ public:
+  void clear(std::size_t size) { value_.assign(size, Value::Zero()); }
+  void add(const PatchLattice::Place& p, const Value& v) {
+    for (int c = 0; c < 8; ++c) value_[p.slot[c]] += p.weight[c] * v;
+  }
+  /// The smoothed sum there.
+  Value at(const PatchLattice::Place& p) const {
+    Value sum = p.weight[0] * value_[p.slot[0]];
+    for (int c = 1; c < 8; ++c) sum += p.weight[c] * value_[p.slot[c]];
     return sum;
   }
 
  private:
-  template <class F>
-  void visit(const Vec3& x, const F& f) const {
-    const Vec3 p = (x - origin_) * inverse_cell_;
-    const Vec3 base = p.array().floor();
-    const Vec3 t = p - base;
-    for (int c = 0; c < 8; ++c) {
-      const int i = c & 1, j = (c >> 1) & 1, k = c >> 2;
-      const double weight = (i ? t.x() : 1 - t.x()) * (j ? t.y() : 1 - t.y()) * (k ? t.z() : 1 - t.z());
-      f(pack(static_cast<std::int64_t>(base.x()) + i, static_cast<std::int64_t>(base.y()) + j,
-             static_cast<std::int64_t>(base.z()) + k),
-        weight);
-    }
-  }
-  static std::uint64_t pack(std::int64_t i, std::int64_t j, std::int64_t k) {
-    constexpr std::uint64_t mask = (1u << 21) - 1;
-    return (static_cast<std::uint64_t>(i) & mask) | (static_cast<std::uint64_t>(j) & mask) << 21 |
-           (static_cast<std::uint64_t>(k) & mask) << 42;
-  }
-  std::size_t find(std::uint64_t key) const {
-    std::size_t s = (key * 0x9E3779B97F4A7C15ull >> 20) & (slot_.size() - 1);
-    while (slot_[s] >= 0 && key_[slot_[s]] != key) s = (s + 1) & (slot_.size() - 1);
-    return s;
-  }
-  void grow() {
-    slot_.assign(2 * slot_.size(), -1);
-    for (std::size_t i = 0; i < key_.size(); ++i) slot_[find(key_[i])] = static_cast<std::int32_t>(i);
-  }
-
-  double inverse_cell_ = 1.0;
-  Vec3 origin_ = Vec3::Zero();
-  std::vector<std::int32_t> slot_;
-  std::vector<std::uint64_t> key_;
   std::vector<Value> value_;
 };
 

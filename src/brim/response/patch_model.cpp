@@ -16,7 +16,7 @@ constexpr double kFacing = 0.9;
 /// Part of the ramp's width within which a density tells a distance well; 1/2 is the whole ramp.
 constexpr double kOnRamp = 0.46;
 /// Least cosine of the normal at the least gap to the patch's.
-constexpr double kAlike = 0.9;
+constexpr double kAlikeToModel = 0.9;
 /// [1/h] curvature below which the place of the least gap is not sought; [voxels] farthest that it is.
 constexpr double kLeastBend = 0.02, kFarthestShift = 0.75;
 /// Spread of a patch, over h², below which its gradients are left as the stencil gives them.
@@ -29,10 +29,10 @@ constexpr std::size_t kFewest = 8;
 constexpr double kLevel = 0.15, kPlane = 1e-3;
 
 /// Half the difference of the distances to the two surfaces, (d_a − d_b)/2.
-double lean(const ContactSet& s, std::size_t c) {
+double lean(const ContactSet& s, std::size_t c, double h) {
   const Vec3 g = s.gradient_a[c] - s.gradient_b[c];
   const double length = g.norm();
-  return length > 0.0 ? (s.point[c] - s.node[c]).dot(g) / length : 0.0;
+  return length > 0.0 ? (s.point[c] - s.node_at(c, h)).dot(g) / length : 0.0;
 }
 
 /// A curvature that may be the stencil's noise counts less.
@@ -53,15 +53,15 @@ Plane best_plane(const ContactSet& s, std::span<const std::size_t> nodes, bool o
   double mean_d = 0.0;
   const auto n = static_cast<double>(nodes.size());
   for (const std::size_t c : nodes) {
-    mean += s.node[c] / n, mean_d += distance_to(s, c, of_a) / n;
+    mean += s.node_at(c, h) / n, mean_d += distance_to(s, c, of_a, h) / n;
     normal -= (of_a ? s.gradient_a[c] : s.gradient_b[c]).normalized() / n;
   }
   Mat3 spread = Mat3::Identity() * (1e-9 * n * h * h);
   Vec3 miss = Vec3::Zero();
   for (const std::size_t c : nodes) {
-    const Vec3 d = s.node[c] - mean;
+    const Vec3 d = s.node_at(c, h) - mean;
     spread += d * d.transpose();
-    miss += (distance_to(s, c, of_a) - mean_d - normal.dot(d)) * d;
+    miss += (distance_to(s, c, of_a, h) - mean_d - normal.dot(d)) * d;
   }
   const Vec3 slope = normal + spread.ldlt().solve(miss);
   return {mean_d + slope.dot(x - mean), slope};
@@ -75,14 +75,14 @@ bool fit_plane(const ContactSet& s, std::span<const std::size_t> nodes, bool of_
                std::vector<std::size_t>& level, Plane& plane) {
   level.clear();
   for (const std::size_t c : nodes) {
-    const Vec3& g = of_a ? s.gradient_a[c] : s.gradient_b[c];
-    if (h * (of_a ? s.curvature_a[c] : s.curvature_b[c]).norm() < kLevel * g.norm()) level.push_back(c);
+    const Vec3 g = of_a ? s.gradient_a[c] : s.gradient_b[c];
+    if (h * (of_a ? s.curvature_a(c) : s.curvature_b(c)).norm() < kLevel * g.norm()) level.push_back(c);
   }
   const std::size_t fewest = std::max(kFewest, (3 * level.size() + 3) / 4);
   while (level.size() >= fewest) {
     plane = best_plane(s, level, of_a, x, h);
     const auto miss = [&](std::size_t c) {
-      return std::abs(distance_to(s, c, of_a) - plane.gap - plane.slope.dot(s.node[c] - x));
+      return std::abs(distance_to(s, c, of_a, h) - plane.gap - plane.slope.dot(s.node_at(c, h) - x));
     };
     double worst = 0.0;
     for (const std::size_t c : level) worst = std::max(worst, miss(c));
@@ -101,7 +101,7 @@ struct NodeModel {
 NodeModel model_at(const ContactSet& s, std::size_t c) {
   const double a = s.gradient_a[c].norm(), b = s.gradient_b[c].norm();
   if (!(a > 0.0 && b > 0.0)) return {Vec3::Zero(), Vec3::Zero(), Mat3::Zero(), Mat3::Zero()};
-  return {-s.gradient_a[c] / a, -s.gradient_b[c] / b, -s.curvature_a[c] / a, -s.curvature_b[c] / b};
+  return {-s.gradient_a[c] / a, -s.gradient_b[c] / b, -s.curvature_a(c) / a, -s.curvature_b(c) / b};
 }
 
 /// Normal at a shift from where the gradients hold.
@@ -110,7 +110,7 @@ Vec3 normal_at(const Vec3& n, const Vec3& shift, const Vec3& away_a, const Vec3&
   // The flatter of the two tells the direction better.
   const double a = curvature_a.norm(), b = curvature_b.norm(), share = a + b > 0.0 ? a / (a + b) : 0.5;
   const Vec3 found = share * (away_b + curvature_b * shift) - (1.0 - share) * (away_a + curvature_a * shift);
-  return found.dot(n) > kAlike * found.norm() ? Vec3(found.normalized()) : n;
+  return found.dot(n) > kAlikeToModel * found.norm() ? Vec3(found.normalized()) : n;
 }
 
 }  // namespace
@@ -120,16 +120,16 @@ double facing(const ContactSet& s, std::size_t c) {
   return size > 0.0 ? -s.gradient_a[c].dot(s.gradient_b[c]) / size : -1.0;
 }
 
-bool on_ramps(const ContactSet& s, std::size_t c, double w) {
-  return 0.5 * std::abs(s.depth[c]) + std::abs(lean(s, c)) < kOnRamp * w;
+bool on_ramps(const ContactSet& s, std::size_t c, const ContactPair& pair) {
+  return 0.5 * std::abs(s.depth[c]) + std::abs(lean(s, c, pair.h)) < kOnRamp * pair.w;
 }
 
-double distance_to(const ContactSet& s, std::size_t c, bool of_a) {
-  return (of_a ? lean(s, c) : -lean(s, c)) - 0.5 * s.depth[c];
+double distance_to(const ContactSet& s, std::size_t c, bool of_a, double h) {
+  return (of_a ? lean(s, c, h) : -lean(s, c, h)) - 0.5 * s.depth[c];
 }
 
-bool tells_distances(const ContactSet& s, std::size_t c, double w) {
-  return on_ramps(s, c, w) && facing(s, c) >= kFacing;
+bool tells_distances(const ContactSet& s, std::size_t c, const ContactPair& pair) {
+  return on_ramps(s, c, pair) && facing(s, c) >= kFacing;
 }
 
 double PatchModel::gap_at(const Vec3& y) const {
@@ -196,8 +196,8 @@ PatchModel PatchFitter::fit(const ContactSet& contacts, std::span<const Vec3> no
   const auto for_misses = [&](const auto& f) {
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       const std::size_t c = nodes[i];
-      const Vec3 at = contacts.node[c] - x, d = T * at;
-      const double half = lean(contacts, c), depth = 0.5 * contacts.depth[c];
+      const Vec3 at = contacts.node_at(c, h) - x, d = T * at;
+      const double half = lean(contacts, c, h), depth = 0.5 * contacts.depth[c];
       f(weight_[i] / sum, d, half - depth - away_a.dot(at) - 0.5 * d.dot(curvature_a * d),
         -half - depth - away_b.dot(at) - 0.5 * d.dot(curvature_b * d));
     }

@@ -11,11 +11,11 @@ namespace brim {
 
 /// True where both densities of a contact node are on their ramps of width w, so that they tell distances, and the two
 /// surfaces face each other; elsewhere one of them turns away at an edge.
-bool tells_distances(const ContactSet& contacts, std::size_t c, double w);
+bool tells_distances(const ContactSet& contacts, std::size_t c, const ContactPair& pair);
 /// True where both densities are on their ramps of width w.
-bool on_ramps(const ContactSet& contacts, std::size_t c, double w);
+bool on_ramps(const ContactSet& contacts, std::size_t c, const ContactPair& pair);
 /// What a node on both ramps says of the distance to one of the two surfaces, [m].
-double distance_to(const ContactSet& contacts, std::size_t c, bool of_a);
+double distance_to(const ContactSet& contacts, std::size_t c, bool of_a, double h);
 /// Cosine between the normals of the two surfaces at a node, 1 where they face each other; −1 where one has none.
 double facing(const ContactSet& contacts, std::size_t c);
 

@@ -1,6 +1,10 @@
 #include "brim/response/penalty.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "brim/core/parallel.h"
+#include "brim/core/workspace_pool.h"
 #include "brim/response/patch_average.h"
 
 namespace brim {
@@ -12,23 +16,40 @@ constexpr double kLeastWeight = 1e-9;
 /// Curvature times h below which a surface counts as flat: the stencil reads up to 0.005 on tilted planes.
 constexpr double kCurvatureOfNoise = 0.005;
 
-/// Force and the two curvature tensors (xx, yy, zz, xy, xz, yz) of a neighbourhood.
-using PatchSample = Eigen::Matrix<double, 15, 1>;
-
-void store(const Mat3& m, double weight, PatchSample& s, int at) {
-  s.segment<6>(at) << m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2);
-  s.segment<6>(at) *= weight;
+double weight_of(const ContactSet& contacts, std::size_t c) {
+  return std::max(double{contacts.overlap[c]}, kLeastWeight);
 }
 
-/// Frobenius norm of the tensor stored at `at`, projected across n.
-double curvature(const PatchSample& s, int at, const Vec3& n) {
-  Mat3 m;
-  m << s[at], s[at + 3], s[at + 4], s[at + 3], s[at + 1], s[at + 5], s[at + 4], s[at + 5], s[at + 2];
-  const Mat3 T = Mat3::Identity() - n * n.transpose();
-  return (T * m * T).norm();
+/// Force, and the two curvature tensors as xx, yy, zz, xy, xz, yz, of a neighbourhood; the last is nothing.
+using PatchSample = Eigen::Array<float, 16, 1>;
+using PatchDirection = Eigen::Array<float, 4, 1>;
+
+/// Frobenius norm of the tensor M stored at `at`, projected across n: of T M T with T = 1 − n nᵀ.
+float curvature(const PatchSample& s, int at, const Vec3f& n) {
+  const Vec3f diagonal = s.segment<3>(at), off = s.segment<3>(at + 3);
+  const Vec3f Mn(diagonal[0] * n[0] + off[0] * n[1] + off[1] * n[2], off[0] * n[0] + diagonal[1] * n[1] + off[2] * n[2],
+                 off[1] * n[0] + off[2] * n[1] + diagonal[2] * n[2]);
+  const float nMn = n.dot(Mn), all = diagonal.squaredNorm() + 2.0f * off.squaredNorm();
+  return std::sqrt(std::max(0.0f, all - 2.0f * Mn.squaredNorm() + nMn * nMn));
+}
+
+/// Frobenius norm of a packed tensor (tangent_tensor).
+double size_of(const std::array<float, 3>& t) {
+  return std::sqrt(double{t[0]} * t[0] + 2.0 * (double{t[1]} * t[1]) + double{t[2]} * t[2]);
 }
 
 }  // namespace
+
+/// Lattice and fields of one patch.
+struct Penalty::PatchWorkspace {
+  PatchLattice lattice;
+  PatchField<PatchSample> average;
+  PatchField<PatchDirection> direction;
+};
+struct Penalty::Workspaces : WorkspacePool<PatchWorkspace> {};
+
+Penalty::Penalty() : workspaces_(std::make_unique<Workspaces>()) {}
+Penalty::~Penalty() = default;
 
 void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs, const PenaltyOptions& options,
                     std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b) {
@@ -71,6 +92,7 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
   settle_actions();
 
   energy_ = 0.0;
+  idle_ = std::none_of(pairs.begin(), pairs.end(), [](const PairState& p) { return p.stiffness > 0.0; });
   for (std::size_t p = 0; p < contacts.pairs.size(); ++p) {
     const ContactPair& pair = contacts.pairs[p];
     const double kv = pairs[p].stiffness * pair.h * pair.h * pair.h;
@@ -97,49 +119,60 @@ void Penalty::choose_normals(const ContactSet& contacts, std::span<const PairSta
       bend_[p] = {0.0, 0.0};
       return;
     }
-    // The lattice hangs on the patch's own nodes: moving a scene by whole voxels changes nothing.
-    Vec3 corner = contacts.node[pair.begin];
-    for (std::size_t c = pair.begin; c < pair.end; ++c) corner = corner.cwiseMin(contacts.node[c]);
-    PatchAverage<PatchSample> average;
-    average.reset(3.0 * pair.h, pair.end - pair.begin, corner);
-    for (std::size_t c = pair.begin; c < pair.end; ++c) {
-      PatchSample s;
-      const double weight = std::max(contacts.overlap[c], kLeastWeight);
-      s.head<3>() = weight * (contacts.gradient_a[c] - contacts.gradient_b[c]);
-      store(contacts.curvature_a[c], weight, s, 3);
-      store(contacts.curvature_b[c], weight, s, 9);
-      average.add(contacts.point[c], s);
-    }
-    bend_of_patch(contacts, pair, p);
-    // The flatter part gives the direction; the direction so found is smoothed once more for the normal.
-    PatchAverage<Vec3> direction;
-    direction.reset(3.0 * pair.h, pair.end - pair.begin, corner);
-    for (std::size_t c = pair.begin; c < pair.end; ++c) {
-      const PatchSample s = average.at(contacts.point[c]);
-      const Vec3 n = s.head<3>().normalized();
-      const double ka = curvature(s, 3, n), kb = curvature(s, 9, n);
-      const double alpha = ka + kb > 0.0 ? ka / (ka + kb) : 0.5;
-      direction_[c] = (1.0 - alpha) * contacts.gradient_a[c] - alpha * contacts.gradient_b[c];
-      direction.add(contacts.point[c], std::max(contacts.overlap[c], kLeastWeight) * direction_[c]);
-    }
-    for (std::size_t c = pair.begin; c < pair.end; ++c) {
-      const Vec3 n = direction.at(contacts.point[c]);
-      const double length = n.norm();
-      normal_[c] = length > 0.0 ? Vec3(n / length) : direction_[c].normalized();
-      if (!normal_[c].allFinite()) normal_[c] = Vec3::UnitZ();
-    }
+    smooth_normals(contacts, pair, p);
   });
+}
+
+void Penalty::smooth_normals(const ContactSet& contacts, const ContactPair& pair, std::size_t p) {
+  // The lattice hangs on the patch's own nodes: moving a scene by whole voxels changes nothing.
+  Vec3i first = contacts.node[pair.begin];
+  for (std::size_t c = pair.begin; c < pair.end; ++c) first = first.cwiseMin(contacts.node[c]);
+  auto workspace = workspaces_->borrow();
+  PatchLattice& lattice = workspace->lattice;
+  lattice.place(std::span(contacts.point).subspan(pair.begin, pair.end - pair.begin), 3.0 * pair.h,
+                pair.h * first.cast<double>());
+  auto& average = workspace->average;
+  average.clear(lattice.size());
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    const Vec3f &ga = contacts.gradient_a.raw(c), &gb = contacts.gradient_b.raw(c);
+    PatchSample s;
+    s.head<3>() = (ga - gb).array();
+    s.segment<6>(3) = unpack_tensor_entries(ga, contacts.bend_a[c]).array();
+    s.segment<6>(9) = unpack_tensor_entries(gb, contacts.bend_b[c]).array();
+    s[15] = 0.0f;
+    average.add(lattice[c - pair.begin], static_cast<float>(weight_of(contacts, c)) * s);
+  }
+  bend_of_patch(contacts, pair, p);
+  // The flatter part gives the direction; the direction so found is smoothed once more for the normal.
+  auto& direction = workspace->direction;
+  direction.clear(lattice.size());
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    const PatchSample s = average.at(lattice[c - pair.begin]);
+    const Vec3f n = Vec3f(s.head<3>()).normalized();
+    const double ka = curvature(s, 3, n), kb = curvature(s, 9, n);
+    const double alpha = ka + kb > 0.0 ? ka / (ka + kb) : 0.5;
+    direction_[c] = (1.0 - alpha) * contacts.gradient_a[c] - alpha * contacts.gradient_b[c];
+    const Vec3f weighted = (weight_of(contacts, c) * direction_[c]).cast<float>();
+    direction.add(lattice[c - pair.begin], PatchDirection(weighted[0], weighted[1], weighted[2], 0.0f));
+  }
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    const PatchDirection d = direction.at(lattice[c - pair.begin]);
+    const Vec3 n(d[0], d[1], d[2]);
+    const double length = n.norm();
+    normal_[c] = length > 0.0 ? Vec3(n / length) : direction_[c].normalized();
+    if (!normal_[c].allFinite()) normal_[c] = Vec3::UnitZ();
+  }
 }
 
 void Penalty::bend_of_patch(const ContactSet& contacts, const ContactPair& pair, std::size_t p) {
   double sum = 0.0, flat_a = 0.0, flat_b = 0.0;
   for (std::size_t c = pair.begin; c < pair.end; ++c) {
-    const double weight = std::max(contacts.overlap[c], kLeastWeight);
+    const double weight = weight_of(contacts, c);
     const double slope = 0.5 * (contacts.gradient_a[c] - contacts.gradient_b[c]).norm() / pair.h;
     if (!(slope > 0.0)) continue;
     sum += weight;
-    flat_a += weight / (contacts.curvature_a[c].norm() / slope + 1e-6);
-    flat_b += weight / (contacts.curvature_b[c].norm() / slope + 1e-6);
+    flat_a += weight / (size_of(contacts.bend_a[c]) / slope + 1e-6);
+    flat_b += weight / (size_of(contacts.bend_b[c]) / slope + 1e-6);
   }
   const auto bend = [sum](double flat) {
     const double curvature = flat > 0.0 ? sum / flat : 0.0;  // times h
@@ -153,9 +186,14 @@ void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
     if (pair.begin == pair.end) return;
+    if (pairs[p].stiffness == 0.0) {  // held by constraints: there is no force that a rate would change
+      std::fill(rate_.begin() + static_cast<std::ptrdiff_t>(pair.begin),
+                rate_.begin() + static_cast<std::ptrdiff_t>(pair.end), 0.0);
+      return;
+    }
     // The patch may travel along the surface: with part b, with part a, or between.
     Vec3 n = Vec3::Zero();
-    for (std::size_t c = pair.begin; c < pair.end; ++c) n += std::max(contacts.overlap[c], kLeastWeight) * normal_[c];
+    for (std::size_t c = pair.begin; c < pair.end; ++c) n += weight_of(contacts, c) * normal_[c];
     n.normalize();
     const Vec3 carrier = pairs[p].carrier_b;
     Vec3 travel = pairs[p].carrier_a - carrier;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -41,6 +42,8 @@ struct PairState {
 /// what merely carries the patch along is no compression and gets no force, so that rolling is not braked.
 class Penalty {
  public:
+  Penalty();
+  ~Penalty();
   /// @param velocity_a, velocity_b  [m/s] matter of each part at every contact point, at the start of the step
   void begin(const ContactSet& contacts, std::span<const PairState> pairs, const PenaltyOptions& options,
              std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b);
@@ -68,6 +71,8 @@ class Penalty {
 
   /// Nonzero for contacts that act in the coming solve, shape (contacts).
   std::span<const std::uint8_t> acting() const { return active_; }
+  /// True when no contact can have a force in this step: none is answered by this response.
+  bool idle() const { return idle_; }
   /// Smoothed unit normals, towards a, one per contact; known after begin.
   std::span<const Vec3> normals() const { return normal_; }
   /// Σ ½ k h³ ρ̄², [J].
@@ -81,6 +86,8 @@ class Penalty {
   };
   void settle_actions();
   void choose_normals(const ContactSet& contacts, std::span<const PairState> pairs);
+  /// Directions and normals of a patch, by averages over 3h.
+  void smooth_normals(const ContactSet& contacts, const ContactPair& pair, std::size_t p);
   /// The normals of a surface that something shapeless lies against.
   void take_normals_of(bool side_b, const ContactSet& contacts, const ContactPair& pair);
   /// Judges a patch by the harmonic mean of its curvature: a patch with any flat middle is flat, whatever its edges.
@@ -100,8 +107,12 @@ class Penalty {
     double found_before = 0.0;    ///< by the solve before
   };
 
+  struct PatchWorkspace;
+  struct Workspaces;
+  std::unique_ptr<Workspaces> workspaces_;
   PenaltyOptions options_;
   double energy_ = 0.0;
+  bool idle_ = true;
   // Per contact:
   std::vector<Vec3> direction_;       ///< ĝ, [1/m]
   std::vector<Vec3> normal_;          ///< n, unit

@@ -176,10 +176,16 @@ Document read_document(const std::string& path) {
     throw InputError(fmt::format("{}: {} bytes; at most {} are allowed", path, fs::file_size(path, error), kMaxBytes));
   std::ifstream in(path, std::ios::binary);
   if (!in) throw InputError(fmt::format("{}: cannot be opened for reading", path));
-  std::ostringstream bytes;
-  bytes << in.rdbuf();
+  // Pipes are welcome, and so may be asked for what never ends.
+  std::string bytes;
+  std::vector<char> part(1 << 20);
+  while (in.read(part.data(), static_cast<std::streamsize>(part.size())) || in.gcount() > 0) {
+    bytes.append(part.data(), static_cast<std::size_t>(in.gcount()));
+    if (bytes.size() > kMaxBytes)
+      throw InputError(fmt::format("{}: more than {} bytes; at most that many are allowed", path, kMaxBytes));
+  }
   if (in.bad()) throw InputError(fmt::format("{}: cannot be read to the end", path));
-  return parse_document(bytes.str(), path);
+  return parse_document(bytes, path);
 }
 
 std::string pointer_token(std::string_view key) {

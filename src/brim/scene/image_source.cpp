@@ -15,7 +15,7 @@ namespace {
 /// Voxels of contact along the longest extent of an image when the scene does not say.
 constexpr double kVoxelsAcross = 48.0;
 /// [bytes] a cell takes: its share, and what the field of distances and the search for pieces add.
-constexpr double kBytesPerCell = 6.0;
+constexpr double kBytesPerVoxel = 6.0;
 
 VolumeInfo read_info(const Node& n) {
   const std::string path = scene_path(n.at("file"));
@@ -112,7 +112,7 @@ ImageSolid read_image_solid(const Node& n, double scale, double cells_per_voxel,
   if (!(solid.voxel_size > 0.0)) solid.voxel_size = box.extent().maxCoeff() / kVoxelsAcross;
   const double spacing = solid.voxel_size / cells_per_voxel;
   const Node size_node = n.number("voxel_size") > 0.0 ? n.at("voxel_size") : n;
-  check_count(size_node, ((box.extent() / spacing).array() + 3.0).prod(), kBytesPerCell, limit, "cells");
+  check_count(size_node, ((box.extent() / spacing).array() + 3.0).prod(), kBytesPerVoxel, limit, "cells");
 
   if (n.has("file")) {
     VolumeReadOptions options;

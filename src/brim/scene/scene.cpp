@@ -18,24 +18,45 @@ Response read_response(const Node& n) {
   return n.string("response") == "constraint" ? Response::Constraint : Response::Penalty;
 }
 
+/// What "quality" stands for where the keys themselves are not given.
+struct Quality {
+  double max_motion_voxels, cg_tolerance;
+  int max_passes;
+  double constraint_tolerance;
+  int constraint_sweeps;
+};
+
+Quality read_quality(const Node& n) {
+  const std::string word = n.string("quality");
+  if (word == "draft") return {2.0, 1e-3, 2, 1e-3, 60};
+  if (word == "fine") return {0.5, 1e-6, 8, 1e-5, 1000};
+  const WorldOptions o;
+  return {o.max_motion_voxels, o.cg_tolerance, o.max_passes, o.constraint_tolerance, o.constraint_sweeps};
+}
+
 WorldOptions read_world(const Node& n) {
   WorldOptions o;
+  const Quality quality = read_quality(n);
+  const auto number = [&](const char* key, double otherwise) { return n.has(key) ? n.number(key) : otherwise; };
+  const auto integer = [&](const char* key, int otherwise) {
+    return n.has(key) ? static_cast<int>(n.integer(key)) : otherwise;
+  };
   o.environment.gravity = n.vec3("gravity");
   o.time_step = n.number("time_step");
   o.voxel_size = n.number("voxel_size");
   o.ramp_voxels = n.number("ramp_voxels");
   o.stiffness = n.at("stiffness").json().is_string() ? 0.0 : n.number("stiffness");
   o.damping_steps = n.number("damping_steps");
-  o.max_motion_voxels = n.number("max_motion_voxels");
+  o.max_motion_voxels = number("max_motion_voxels", quality.max_motion_voxels);
   o.max_substeps = static_cast<int>(n.integer("max_substeps"));
   o.min_substeps = static_cast<int>(n.integer("min_substeps"));
-  o.cg_tolerance = n.number("cg_tolerance");
+  o.cg_tolerance = number("cg_tolerance", quality.cg_tolerance);
   o.cg_max_iterations = static_cast<int>(n.integer("cg_max_iterations"));
-  o.max_passes = static_cast<int>(n.integer("max_passes"));
+  o.max_passes = integer("max_passes", quality.max_passes);
   o.friction_speed = n.number("friction_speed");
   o.response = read_response(n);
-  o.constraint_tolerance = n.number("constraint_tolerance");
-  o.constraint_sweeps = static_cast<int>(n.integer("constraint_sweeps"));
+  o.constraint_tolerance = number("constraint_tolerance", quality.constraint_tolerance);
+  o.constraint_sweeps = integer("constraint_sweeps", quality.constraint_sweeps);
   o.memory_limit = n.number("memory_limit");
   if (o.min_substeps > o.max_substeps)
     throw n.at("min_substeps")

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "brim/math/types.h"
+#include "brim/solve/rigid_pair_rows.h"
 
 namespace brim {
 
@@ -13,6 +14,7 @@ namespace brim {
 /// (normal, tangent, tangent) and the answer P Rᵀ of the velocities to a unit impulse along each.
 ///   u = R v + o       0 <= λ_n  ⟂  u_n − b >= 0       |λ_t| <= μ λ_n, against the slip u_t (Coulomb's cone, a true
 ///   disc)
+/// Contacts between two rigid bodies have a compact form (RigidPairRows), and are relaxed pair by pair.
 /// Contacts are swept serially in a fixed order, forward and back: same bits for any number of threads. From one such
 /// pair to the next, the changes of before are followed further as conjugate gradients would (Silcowitz, Niebe and
 /// Erleben 2010), unless the changes grow.
@@ -33,15 +35,19 @@ class ProjectedGaussSeidel {
   void clear();
   /// Takes a contact in; entries are copied, no index twice. A contact whose velocities cannot change does nothing.
   void add(std::span<const Entry> entries, double friction);
-  std::size_t size() const { return friction_.size(); }
+  /// Takes the contacts of two rigid bodies in, numbered on from those before.
+  void add_pair(const RigidPairRows::Side& a, const RigidPairRows::Side& b, std::span<const Vec3> points,
+                std::span<const Mat3> frames, double friction);
+  std::size_t size() const { return place_.size(); }
 
   /// @param offset  o, [m/s], shape (size)
   /// @param target  b, [m/s], shape (size)
   /// @param impulse λ as (n, t1, t2), first guess on entry (already in v), solution on return, [N s], shape (size)
   /// @param v       velocities, changed along with λ
+  /// @param friction times that of every contact: 0 for a solve along the normals alone
   /// The scale of the residual is `scale` or, where larger, the worst miss of any contact at the start, [m/s].
   Report solve(std::span<const Vec3> offset, std::span<const double> target, double tolerance, int max_sweeps,
-               double scale, std::span<Vec3> impulse, std::span<double> v) const;
+               double scale, std::span<Vec3> impulse, std::span<double> v, double friction = 1.0);
 
   /// R v at contact c.
   Vec3 velocity(std::size_t c, std::span<const double> v) const;
@@ -50,17 +56,43 @@ class ProjectedGaussSeidel {
   /// Q += Rᵀ λ of contact c, for velocities below Q's size.
   void add_force(std::size_t c, const Vec3& impulse, std::span<double> Q) const;
   /// u_n that an impulse along n alone makes at its own contact, per [N s].
-  double normal_response(std::size_t c) const { return local_[c](0, 0); }
+  double normal_response(std::size_t c) const {
+    const Place& p = place_[c];
+    return p.rigid ? pairs_.normal_response(p.row) : local_[p.row](0, 0);
+  }
 
  private:
-  /// Corrects contact c. @return largest change of u by it, [m/s]
-  double relax(std::size_t c, const Vec3& offset, double target, Vec3& impulse, std::span<double> v) const;
+  /// A contact among those of its form.
+  struct Place {
+    bool rigid = false;
+    std::size_t row = 0;
+  };
+  /// Contacts that are relaxed together: those of a rigid pair, or one of the general form.
+  struct Group {
+    std::size_t begin = 0, end = 0;
+    bool rigid = false;
+    std::size_t index = 0;  ///< pair, or row
+  };
+  double sweep(bool backward, double friction, std::span<const Vec3> offset, std::span<const double> target,
+               std::span<Vec3> impulse, std::span<double> v) const;
+  /// Corrects the general row r. @return largest change of u by it, [m/s]
+  double relax(std::size_t r, double friction, const Vec3& offset, double target, Vec3& impulse,
+               std::span<double> v) const;
+  Vec3 row_velocity(std::size_t r, std::span<const double> v) const;
+  void add_row_response(std::size_t r, const Vec3& impulse, std::span<double> v) const;
 
+  std::vector<Place> place_;
+  std::vector<Group> group_;
+  RigidPairRows pairs_;
+  // Rows of the general form:
   std::vector<Entry> entries_;
   std::vector<std::size_t> first_{0};
   std::vector<double> friction_;
   std::vector<Mat3> local_;          ///< W = R P Rᵀ
   std::vector<Mat3> local_inverse_;  ///< zero where W is singular
+  // Workspace of solve: where the last step of two sweeps started, and its direction.
+  std::vector<Vec3> before_, way_;
+  std::vector<double> v_before_, v_way_;
 };
 
 }  // namespace brim

@@ -6,12 +6,14 @@
 #include <vector>
 
 #include "brim/body/body.h"
+#include "brim/body/rigid_frame.h"
 #include "brim/response/constraint.h"
 #include "brim/solve/projected_gauss_seidel.h"
 #include "brim/world/body_inverses.h"
 #include "brim/world/contact_maps.h"
 #include "brim/world/direct_rows.h"
 #include "brim/world/implicit_step.h"
+#include "brim/world/row_memory.h"
 #include "brim/world/step_report.h"
 
 namespace brim {
@@ -22,7 +24,8 @@ namespace brim {
 /// Gauss-Seidel runs on J P Jᵀ, P the bodies' own inverses (BodyInverses). Where P is A⁻¹, for bodies of few velocities
 /// without other contacts and for larger ones whose A can be factored, its result is the solution. Elsewhere it gives a
 /// direction d in λ; A⁻¹ Jᵀ d comes from the step's own solve, λ moves along d as far as the two agree, and so on until
-/// d changes no velocity any more.
+/// d changes no velocity any more. Pairs of rigid bodies (RigidFrame) are known by lever arms and inverse inertias
+/// alone, without maps (RigidPairRows).
 class ConstraintStep {
  public:
   struct Settings {
@@ -52,8 +55,20 @@ class ConstraintStep {
   void finish(StepReport& report, std::vector<ContactSample>& samples, bool check, std::vector<double>& memory) const;
 
  private:
-  void choose_frames();
+  /// Notes which bodies have rows, of which form, and which have other contacts too.
+  void mark_bodies(const ContactSet& contacts, std::span<const ConstraintPair> pairs);
+  bool rigid(const ContactPair& pair) const {
+    return frame_of(pair.part_a) != nullptr && frame_of(pair.part_b) != nullptr;
+  }
+  const RigidFrame* frame_of(std::int32_t part) const { return rigid_[parts_[part].body_index]; }
+  /// Calls f(pair, contact, arm on a, arm on b) for all points, where all pairs are rigid.
+  template <class F>
+  void for_arms(const F& f) const;
+  void find_start(std::span<const double> v);
+  /// Q += Jᵀ f for the forces on a at all points.
+  void add_forces(std::span<const Vec3> force, std::span<double> Q) const;
   void recall(std::span<const double> memory);
+  RigidPairRows::Side side_of(std::int32_t part) const;
   void assemble();
   /// Chooses the bodies' inverses: all of them exact, where that can be afforded and nothing else mixes in.
   void choose_inverses();
@@ -66,6 +81,9 @@ class ConstraintStep {
   /// Solves for the targets from λ and Δv on entry. @param most  solves with A
   void solve_rows(const ImplicitStep::Respond& solve, std::span<const double> target, int most,
                   std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual, StepReport& report);
+  int most_sweeps() const;
+  /// Adds to the ways of the step what pushes overlaps apart along the normals, without friction.
+  void push_apart(std::vector<double>& way, StepReport& report);
   void refine(const ImplicitStep::Respond& solve, std::span<const double> target, int most, std::vector<Vec3>& lambda,
               std::vector<double>& delta, double& residual, StepReport& report);
   double longest_way(std::span<const Vec3> from, std::span<const Vec3> way, double most) const;
@@ -80,7 +98,12 @@ class ConstraintStep {
   DirectRows direct_;
   std::size_t width_ = 0;  ///< of all that sweeps know: velocities, rigid motions, coordinates of direct rows
   ProjectedGaussSeidel sweep_;
-  std::vector<std::uint8_t> touched_, mixed_;  ///< per body: has rows, has other contacts too
+  std::vector<std::uint8_t> held_;        ///< per body: has rows
+  std::vector<std::uint8_t> touched_;     ///< per body: has rows of the general form
+  std::vector<std::uint8_t> mixed_;       ///< per body: has contacts of the other response
+  std::vector<const RigidFrame*> rigid_;  ///< per body, or null
+  RowMemory recall_;
+  bool mapped_ = false;  ///< some pair is not rigid: points have maps
   bool exact_ = true;
 
   std::vector<Mat3> frame_;   ///< rows n, t1, t2
@@ -88,6 +111,7 @@ class ConstraintStep {
   std::vector<Vec3> offset_;  ///< the same in the contact's frame
   std::vector<Vec3> lambda_;  ///< [N s] in the contact's frame
   std::vector<double> impulse_, travel_;
+  std::vector<Vec3> force_on_a_;
   // Workspace.
   std::vector<std::unique_ptr<Map>> map_;  ///< per part, of the point at hand
   std::array<std::vector<double>, 3> force_, answer_;

@@ -3,8 +3,15 @@
 #include <algorithm>
 
 #include "brim/core/parallel.h"
+#include "brim/core/profile.h"
 
 namespace brim {
+
+namespace {
+
+const SparseMap* sparse(const Map& map) { return dynamic_cast<const SparseMap*>(&map); }
+
+}  // namespace
 
 template <class F>
 void ContactMaps::for_movable(const F& f) const {
@@ -43,7 +50,8 @@ void ContactMaps::build(std::span<const WorldPart> parts, const ContactSet& cont
   }
   contact_.resize(2 * n), point_.resize(2 * n), source_.resize(2 * n);
   whole_.resize(all != nullptr ? 2 * n : 0);
-  row_a_.resize(n), row_b_.resize(n), row_vector_.resize(2 * n), row_matrix_.resize(2 * n);
+  row_a_.resize(n), row_b_.resize(n), part_a_.resize(n), part_b_.resize(n), row_vector_.resize(2 * n),
+      row_matrix_.resize(2 * n);
   std::vector<std::size_t> next(count.begin(), count.end() - 1);
   std::size_t i = 0;
   for (const ContactPair& p : contacts.pairs)
@@ -51,6 +59,7 @@ void ContactMaps::build(std::span<const WorldPart> parts, const ContactSet& cont
       const std::uint32_t c = chosen_[i];
       row_a_[i] = static_cast<std::uint32_t>(next[p.part_a]++);
       row_b_[i] = static_cast<std::uint32_t>(next[p.part_b]++);
+      part_a_[i] = p.part_a, part_b_[i] = p.part_b;
       contact_[row_a_[i]] = contact_[row_b_[i]] = c;
       point_[row_a_[i]] = point_[row_b_[i]] = contacts.point[c];
       source_[row_a_[i]] = contacts.source_a[c];
@@ -63,6 +72,7 @@ void ContactMaps::build(std::span<const WorldPart> parts, const ContactSet& cont
     Side& s = side_[p];
     if (s.begin == s.end) return;
     if (all != nullptr && all->side_[p].map->select(std::span(whole_).subspan(s.begin, s.end - s.begin), s.map)) return;
+    const ProfileScope scope("maps", *parts[p].body);
     parts[p].body->make_map(parts[p].index, std::span(point_).subspan(s.begin, s.end - s.begin),
                             std::span(source_).subspan(s.begin, s.end - s.begin), s.map);
   });
@@ -124,6 +134,43 @@ void ContactMaps::add_forces(std::span<const Vec3> force, std::span<double> Q) c
       },
       1024);
   add_row_forces(Q);
+}
+
+bool ContactMaps::sparse_rows(std::size_t body) const {
+  return std::all_of(side_.begin() + static_cast<std::ptrdiff_t>(first_side_[body]),
+                     side_.begin() + static_cast<std::ptrdiff_t>(first_side_[body + 1]),
+                     [](const Side& s) { return s.begin == s.end || sparse(*s.map) != nullptr; });
+}
+
+void ContactMaps::gather_rows(ContactRows& out) const {
+  map_rows_.resize(side_.size());
+  std::vector<std::uint8_t> known(side_.size(), 0);
+  parallel_for(side_.size(), [&](std::size_t p) {
+    map_rows_[p].clear();
+    const Side& s = side_[p];
+    known[p] = s.movable && s.begin < s.end && sparse(*s.map) && sparse(*s.map)->append_rows(map_rows_[p]);
+  });
+  const std::size_t n = chosen_.size();
+  out.contact.assign(chosen_.begin(), chosen_.end());
+  out.point.resize(n), out.stiffness.resize(n);
+  out.first.assign(1, 0);
+  out.offset.clear(), out.block.clear();
+  const auto add_side = [&](std::int32_t part, std::uint32_t row, float sign) {
+    if (!known[part]) return;
+    const Side& s = side_[part];
+    const MapRows& m = map_rows_[part];
+    const std::size_t r = row - s.begin;
+    for (std::int32_t e = m.first[r]; e < m.first[r + 1]; ++e) {
+      out.offset.push_back(static_cast<std::int32_t>(s.first_v) + 3 * m.column[e]);
+      out.block.push_back(sign * m.block[e]);
+    }
+  };
+  for (std::size_t i = 0; i < n; ++i) {
+    add_side(part_a_[i], row_a_[i], 1.0f);
+    add_side(part_b_[i], row_b_[i], -1.0f);
+    out.point[i] = point_[row_a_[i]].cast<float>();
+    out.first.push_back(static_cast<std::int32_t>(out.offset.size()));
+  }
 }
 
 void ContactMaps::add_block_diagonal(const std::function<Mat3(std::size_t)>& block,

@@ -8,6 +8,8 @@
 #include "brim/contact/contact_set.h"
 #include "brim/core/parallel.h"
 #include "brim/map/map.h"
+#include "brim/map/map_rows.h"
+#include "brim/world/contact_rows.h"
 #include "brim/world/contact_stage.h"
 
 namespace brim {
@@ -55,6 +57,10 @@ class ContactMaps {
   void add_block_diagonal(const std::function<Mat3(std::size_t)>& block, std::span<const std::size_t> first_block,
                           BlockDiagonal& D) const;
   std::size_t rows() const { return contact_.size(); }
+  /// True when all maps of a body show their rows.
+  bool sparse_rows(std::size_t body) const;
+  /// The contacts that count as sparse rows, sides without such rows left out.
+  void gather_rows(ContactRows& out) const;
 
  private:
   void build(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const std::size_t> first_v,
@@ -84,6 +90,8 @@ class ContactMaps {
   std::vector<std::uint32_t> whole_;  ///< per row: that of the same contact and part in the maps of all, of its part
   mutable std::vector<Vec3> row_vector_;
   mutable std::vector<Mat3> row_matrix_;
+  std::vector<std::int32_t> part_a_, part_b_;  ///< per chosen contact
+  mutable std::vector<MapRows> map_rows_;      ///< per part
 };
 
 }  // namespace brim

@@ -2,14 +2,20 @@
 
 #include <algorithm>
 
+#include "brim/body/posed_shape.h"
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "brim/core/profile.h"
 #include "brim/core/stopwatch.h"
-#include "brim/world/tile_room.h"
+#include "brim/world/pair_laws.h"
 
 namespace brim {
 
 namespace {
+
+/// Least margin of pairs that rows hold apart. At touch the nodes next to a ball of two voxels, or to an edge, are up
+/// to a quarter of a voxel away from both surfaces together, which the ramp, 3 voxels wide, shows as 0.1.
+constexpr double kRowMargin = 0.1;
 
 /// Index of the first element of a sorted list that equals the key; the key must be there.
 std::size_t index_of(const std::vector<TileKey>& sorted, const TileKey& key) {
@@ -36,6 +42,9 @@ void require_near(const WorldPart& a, const WorldPart& b, const Aabb& region, do
                     a.body->name(), b.body->name(), far, h));
 }
 
+/// Tiles of one piece of a search.
+constexpr std::size_t kTilesOfWork = 16;
+
 /// Most tiles that presence may have to look at in the region of one part: seconds of work.
 constexpr double kMostTiles = 2e8;
 
@@ -57,20 +66,33 @@ void ContactStage::find(std::span<const WorldPart> parts, std::span<const double
   const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
   {
     const ScopedSeconds timer(seconds(Phase::Presence));
+    access(parts);
     find_candidates(parts, v, first_v, dt, options);
     find_presence(parts, options.ramp_voxels, report);
   }
   {
     const ScopedSeconds timer(seconds(Phase::Refine));
-    refine(parts, options);
+    refine(options);
   }
   {
     const ScopedSeconds timer(seconds(Phase::Rasterize));
     rasterize(parts, options.ramp_voxels, report);
   }
   const ScopedSeconds timer(seconds(Phase::Detect));
-  collect();
-  detect(pair_tiles_, contacts_);
+  plan_work();
+  parallel_for(work_count_, [&](std::size_t i) { search(work_[i]); });
+  collect(report);
+}
+
+void ContactStage::access(std::span<const WorldPart> parts) {
+  access_.resize(parts.size());
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    PartAccess& a = access_[p];
+    a.bounded = {dynamic_cast<const DistanceBound*>(parts[p].body), parts[p].index};
+    const PosedShape* solid = a.bounded.body != nullptr ? a.bounded.body->solid(parts[p].index) : nullptr;
+    a.solid.solid = solid != nullptr ? solid->known_distance() : nullptr;
+    if (a.is_solid()) a.solid.pose = solid->pose();
+  }
 }
 
 void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<const double> v,
@@ -120,13 +142,14 @@ void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<c
     const auto vb = v.subspan(first_v[b.body_index], first_v[b.body_index + 1] - first_v[b.body_index]);
     const double speed = (a.body->carrier_velocity(a.index, va) - b.body->carrier_velocity(b.index, vb)).norm() +
                          a.body->relative_speed_bound(a.index, va) + b.body->relative_speed_bound(b.index, vb);
-    const double margin = std::min(0.4, 1.5 * (speed + fall) * dt / (ramp * h));
+    const double least = meet_by_rigid_rows(a, b, options) ? kRowMargin : 0.0;
+    const double margin = std::clamp(1.5 * (speed + fall) * dt / (ramp * h), least, 0.4);
     c.pair = ContactPair{t.a, t.b, h, ramp * h, margin, 0, 0};
     c.region = t.region;
     require_near(a, b, t.region, h);
     c.tiles.clear(), c.octants.clear();
-    c.pair_layer_a = layer_of(t.a, h, t.region);
-    c.pair_layer_b = layer_of(t.b, h, t.region);
+    c.layer_a = access_[t.a].is_solid() ? -1 : layer_of(t.a, h, t.region);
+    c.layer_b = access_[t.b].is_solid() ? -1 : layer_of(t.b, h, t.region);
   }
   for (std::size_t l = 0; l < layer_count_; ++l) require_few(parts[layers_[l].part], layers_[l].region, layers_[l].h);
 }
@@ -149,6 +172,7 @@ void ContactStage::find_presence(std::span<const WorldPart> parts, double ramp, 
   parallel_for(layer_count_, [&](std::size_t l) {
     Layer& layer = layers_[l];
     const WorldPart& part = parts[layer.part];
+    const ProfileScope scope("presence", *part.body);
     part.body->presence(part.index, layer.h, ramp * layer.h, layer.region.inflated(layer.h), layer.present);
     sort_unique(layer.present);
   });
@@ -156,28 +180,28 @@ void ContactStage::find_presence(std::span<const WorldPart> parts, double ramp, 
     report.tiles_present += static_cast<std::int64_t>(layers_[l].present.size());
 }
 
-void ContactStage::refine(std::span<const WorldPart> parts, const WorldOptions& options) {
+void ContactStage::refine(const WorldOptions& options) {
   parallel_for(candidate_count_, [&](std::size_t i) {
     Candidate& c = candidates_[i];
-    const auto bounded_part = [&](std::int32_t p) {
-      return BoundedPart{dynamic_cast<const DistanceBound*>(parts[p].body), parts[p].index};
-    };
-    const BoundedPart pa = bounded_part(c.pair.part_a), pb = bounded_part(c.pair.part_b);
-    const std::vector<TileKey>&a = layers_[c.pair_layer_a].present, &b = layers_[c.pair_layer_b].present;
+    if (c.layer_a < 0 && c.layer_b < 0) return;
+    const BoundedPart &pa = access_[c.pair.part_a].bounded, &pb = access_[c.pair.part_b].bounded;
+    const std::vector<TileKey>& one = layers_[c.layer_a >= 0 ? c.layer_a : c.layer_b].present;
+    const std::vector<TileKey>& other = layers_[c.layer_b >= 0 ? c.layer_b : c.layer_a].present;
     const TileRange range = tiles_meeting(c.region.inflated(c.pair.h), c.pair.h);
-    const std::vector<TileKey>& few = a.size() < b.size() ? a : b;
-    const std::vector<TileKey>& many = a.size() < b.size() ? b : a;
+    const std::vector<TileKey>& few = one.size() < other.size() ? one : other;
+    const std::vector<TileKey>& many = one.size() < other.size() ? other : one;
     for (const TileKey& t : few) {
-      if (!inside(t, range) || !std::binary_search(many.begin(), many.end(), t)) continue;
+      if (!inside(t, range) || (&few != &many && !std::binary_search(many.begin(), many.end(), t))) continue;
       const Octants octants = octants_with_room(pa, pb, c.pair, t);
       if (octants != 0) c.tiles.push_back(t), c.octants.push_back(octants);
     }
   });
-  for (std::size_t i = 0; i < candidate_count_; ++i) {
-    const Candidate& c = candidates_[i];
-    for (const std::int32_t l : {c.pair_layer_a, c.pair_layer_b})
-      layers_[l].needed.insert(layers_[l].needed.end(), c.tiles.begin(), c.tiles.end());
-  }
+  const auto for_layers = [&](const auto& f) {
+    for (std::size_t i = 0; i < candidate_count_; ++i)
+      for (const std::int32_t l : {candidates_[i].layer_a, candidates_[i].layer_b})
+        if (l >= 0) f(layers_[l], candidates_[i]);
+  };
+  for_layers([](Layer& l, const Candidate& c) { l.needed.insert(l.needed.end(), c.tiles.begin(), c.tiles.end()); });
   std::size_t total = 0;
   for (std::size_t l = 0; l < layer_count_; ++l) {
     sort_unique(layers_[l].needed);
@@ -185,12 +209,9 @@ void ContactStage::refine(std::span<const WorldPart> parts, const WorldOptions& 
     layers_[l].first_block = total;
     total += layers_[l].needed.size();
   }
-  for (std::size_t i = 0; i < candidate_count_; ++i) {
-    const Candidate& c = candidates_[i];
-    for (const std::int32_t l : {c.pair_layer_a, c.pair_layer_b})
-      for (std::size_t t = 0; t < c.tiles.size(); ++t)
-        layers_[l].octants[index_of(layers_[l].needed, c.tiles[t])] |= c.octants[t];
-  }
+  for_layers([](Layer& l, const Candidate& c) {
+    for (std::size_t t = 0; t < c.tiles.size(); ++t) l.octants[index_of(l.needed, c.tiles[t])] |= c.octants[t];
+  });
   if (static_cast<double>(total) * sizeof(DensityBlock) > options.memory_limit)
     throw InputError(fmt::format(
         "world: {} density tiles need {:.1f} GB, more than memory_limit = {:.1f} GB; use a larger voxel_size", total,
@@ -204,33 +225,87 @@ void ContactStage::rasterize(std::span<const WorldPart> parts, double ramp, Step
     if (layer.needed.empty()) return;
     const WorldPart& part = parts[layer.part];
     const auto blocks = std::span(blocks_).subspan(layer.first_block, layer.needed.size());
+    const ProfileScope scope("rasterize", *part.body);
+    profile_bytes(static_cast<double>(blocks.size_bytes()));
     for (std::size_t t = 0; t < blocks.size(); ++t) blocks[t].octants = layer.octants[t];
     part.body->rasterize(part.index, layer.h, ramp * layer.h, layer.needed, blocks);
   });
   for (std::size_t l = 0; l < layer_count_; ++l) report.tiles += static_cast<std::int64_t>(layers_[l].needed.size());
-  report.voxels = report.tiles * kTileSize * kTileSize * kTileSize;
+  for (std::size_t l = 0; l < layer_count_; ++l)
+    report.voxels += static_cast<std::int64_t>(layers_[l].needed.size()) * kTileSize * kTileSize * kTileSize;
 }
 
-void ContactStage::collect() {
-  pair_tiles_.clear();
-  active_.clear();
-  contacts_.pairs.clear();
+void ContactStage::plan_work() {
+  work_count_ = 0;
   for (std::size_t i = 0; i < candidate_count_; ++i) {
     const Candidate& c = candidates_[i];
-    if (c.tiles.empty()) continue;
-    const Layer &a = layers_[c.pair_layer_a], &b = layers_[c.pair_layer_b];
-    const auto pair = static_cast<std::int32_t>(contacts_.pairs.size());
-    contacts_.pairs.push_back(c.pair);
-    for (const TileKey& t : c.tiles) {
-      pair_tiles_.push_back(
-          {pair, t, &blocks_[a.first_block + index_of(a.needed, t)], &blocks_[b.first_block + index_of(b.needed, t)]});
-      active_.emplace_back(t, c.pair.h);
+    const bool solids = c.layer_a < 0 && c.layer_b < 0;
+    for (std::size_t t = 0; t < (solids ? 1 : c.tiles.size()); t += kTilesOfWork) {
+      if (work_count_ == work_.size()) work_.emplace_back();
+      Work& w = work_[work_count_++];
+      w.candidate = i, w.begin = t, w.end = std::min(c.tiles.size(), t + kTilesOfWork);
+      w.finds.clear();
     }
   }
+}
+
+void ContactStage::search(Work& work) const {
+  const Candidate& c = candidates_[work.candidate];
+  const double h = c.pair.h;
+  if (c.layer_a < 0 && c.layer_b < 0) {
+    const Vec3i lo = (c.region.lo / h).array().ceil().cast<int>(), hi = (c.region.hi / h).array().floor().cast<int>();
+    if ((lo.array() <= hi.array()).all())
+      find_between_solids(access_[c.pair.part_a].solid, access_[c.pair.part_b].solid, c.pair, {lo, hi}, work.finds);
+    return;
+  }
+  CubeSide a = access_[c.pair.part_a].solid, b = access_[c.pair.part_b].solid;
+  const auto take_block = [&](std::int32_t l, const TileKey& tile, CubeSide& side) {
+    if (l < 0) return;
+    side.tile = tile;
+    side.block = &blocks_[layers_[l].first_block + index_of(layers_[l].needed, tile)];
+  };
+  for (std::size_t t = work.begin; t < work.end; ++t) {
+    take_block(c.layer_a, c.tiles[t], a), take_block(c.layer_b, c.tiles[t], b);
+    find_in_tile(a, b, c.pair, c.tiles[t], c.octants[t], work.finds);
+  }
+}
+
+void ContactStage::collect(StepReport& report) {
+  contacts_.pairs.clear();
+  pieces_.clear();
+  active_known_ = false;
+  std::size_t last = candidate_count_;
+  for (std::size_t i = 0; i < work_count_; ++i) {
+    const Work& w = work_[i];
+    const Candidate& c = candidates_[w.candidate];
+    report.voxels += w.finds.nodes;
+    report.tiles += static_cast<std::int64_t>(w.finds.boxes.size()) * ((c.layer_a < 0) + (c.layer_b < 0));
+    if (w.finds.contacts.empty() && w.finds.engulfed == 0) continue;
+    if (w.candidate != last) contacts_.pairs.push_back(c.pair);
+    last = w.candidate;
+    pieces_.push_back({contacts_.pairs.size() - 1, &w.finds});
+  }
+  gather(pieces_, contacts_);
+}
+
+std::span<const std::pair<TileKey, double>> ContactStage::active_tiles() const {
+  if (active_known_) return active_;
+  active_known_ = true;
+  active_.clear();
+  for (std::size_t i = 0; i < work_count_; ++i)
+    for (const NodeBox& box : work_[i].finds.boxes)
+      for (int corner = 0; corner < 8; ++corner) {
+        const auto tile = [&](int axis) {
+          const int node = corner >> axis & 1 ? box.hi[axis] : box.lo[axis];
+          return node >= 0 ? node / kTileSize : -((kTileSize - 1 - node) / kTileSize);
+        };
+        active_.emplace_back(TileKey{tile(0), tile(1), tile(2)}, candidates_[work_[i].candidate].pair.h);
+      }
   std::sort(active_.begin(), active_.end(), [](const auto& s, const auto& t) {
     return s.second != t.second ? s.second < t.second : s.first < t.first;
   });
   active_.erase(std::unique(active_.begin(), active_.end()), active_.end());
+  return active_;
 }
 
 }  // namespace brim

@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "brim/body/body.h"
-#include "brim/contact/contact_set.h"
+#include "brim/contact/cube_contacts.h"
 #include "brim/world/step_report.h"
+#include "brim/world/tile_room.h"
 #include "brim/world/world.h"
 
 namespace brim {
@@ -27,8 +28,9 @@ inline bool may_touch(const WorldPart& a, const WorldPart& b) {
   return !(a.body->immobile() && b.body->immobile());
 }
 
-/// Presence, refinement, rasterization and detection for all parts of a world (paper, section 6).
-/// Memory is kept from step to step.
+/// Finds the contacts of all parts of a world (paper, section 6). Solids are sampled pair by pair, only at the nodes
+/// that a contact needs. Other parts are rasterized tile by tile, once for all their pairs: presence, refinement,
+/// rasterization. Memory is kept from step to step.
 class ContactStage {
  public:
   /// @throws InputError when the density blocks would need more memory than the limit
@@ -36,10 +38,17 @@ class ContactStage {
             double dt, const WorldOptions& options, StepReport& report);
 
   const ContactSet& contacts() const { return contacts_; }
-  std::span<const std::pair<TileKey, double>> active_tiles() const { return active_; }
+  /// Tiles in which both parts of some pair were sampled, and their steps.
+  std::span<const std::pair<TileKey, double>> active_tiles() const;
 
  private:
-  /// One part at one grid step: the unit of rasterization.
+  /// What a part offers besides rasterization.
+  struct PartAccess {
+    BoundedPart bounded;
+    CubeSide solid;  ///< of solids
+    bool is_solid() const { return solid.solid != nullptr; }
+  };
+  /// One part that is rasterized, at one grid step.
   struct Layer {
     std::int32_t part = 0;
     double h = 0.0;
@@ -50,28 +59,39 @@ class ContactStage {
     std::size_t first_block = 0;
   };
   struct Candidate {
-    std::int32_t pair_layer_a = 0, pair_layer_b = 0;
+    std::int32_t layer_a = -1, layer_b = -1;  ///< of the sides that are no solids
     ContactPair pair;
     Aabb region;
-    std::vector<TileKey> tiles;
+    std::vector<TileKey> tiles;    ///< of pairs with a layer
     std::vector<Octants> octants;  ///< of each tile
   };
+  /// A piece of a candidate's search: all of it between solids, else some of its tiles.
+  struct Work {
+    std::size_t candidate = 0, begin = 0, end = 0;
+    CubeFinds finds;
+  };
 
+  void access(std::span<const WorldPart> parts);
   void find_candidates(std::span<const WorldPart> parts, std::span<const double> v,
                        std::span<const std::size_t> first_v, double dt, const WorldOptions& options);
   std::int32_t layer_of(std::int32_t part, double h, const Aabb& region);
   void find_presence(std::span<const WorldPart> parts, double ramp, StepReport& report);
-  void refine(std::span<const WorldPart> parts, const WorldOptions& options);
+  void refine(const WorldOptions& options);
   void rasterize(std::span<const WorldPart> parts, double ramp, StepReport& report);
-  void collect();
+  void plan_work();
+  void search(Work& work) const;
+  void collect(StepReport& report);
 
+  std::vector<PartAccess> access_;  ///< per part
   std::vector<Layer> layers_;
   std::vector<Candidate> candidates_;
-  std::size_t layer_count_ = 0, candidate_count_ = 0;
+  std::vector<Work> work_;
+  std::size_t layer_count_ = 0, candidate_count_ = 0, work_count_ = 0;
   std::vector<DensityBlock> blocks_;
-  std::vector<PairTile> pair_tiles_;
-  std::vector<std::pair<TileKey, double>> active_;
+  std::vector<PairFinds> pieces_;
   ContactSet contacts_;
+  mutable std::vector<std::pair<TileKey, double>> active_;  ///< made when asked for
+  mutable bool active_known_ = false;
 };
 
 }  // namespace brim

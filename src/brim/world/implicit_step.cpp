@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "brim/core/parallel.h"
+#include "brim/core/profile.h"
 #include "brim/core/stopwatch.h"
 
 namespace brim {
@@ -15,6 +18,10 @@ constexpr double kNegligible = 1e-11;
 constexpr double kDraft = 10.0;
 /// Change of the contact forces, over the one that ends the passes, below which the next solve may be the last.
 constexpr double kNear = 20.0;
+/// Velocities up to which a body's system is one block of its diagonal.
+constexpr std::size_t kSmall = 6;
+/// Tolerance where the preconditioner is the inverse.
+constexpr double kExact = 1e-10;
 
 }  // namespace
 
@@ -24,7 +31,11 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
                          const Settings& settings, std::span<double> delta, StepReport& report,
                          std::span<const double> impulse, const Correct& correct) {
   const double dt = settings.dt;
-  const std::size_t n = v.size(), contacts = contact_set.size();
+  const std::size_t n = v.size();
+  // Where constraint rows answer all contacts of small bodies, the system is that of their own blocks.
+  bool alone = response.idle();
+  for (std::size_t b = 0; b < bodies.size() && alone; ++b) alone = first_v[b + 1] - first_v[b] <= kSmall;
+  const std::size_t contacts = alone ? 0 : contact_set.size();
   const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Solve)]);
   double& contact_seconds = report.seconds[static_cast<std::size_t>(Phase::SolveContact)];
 
@@ -34,6 +45,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     return std::span(x).subspan(first_v[b], first_v[b + 1] - first_v[b]);
   };
   parallel_for(bodies.size(), [&](std::size_t b) {
+    const ProfileScope scope("elements", *bodies[b]);
     bodies[b]->begin_solve(dt);
     bodies[b]->add_forces(env, slice(internal_, b));
     bodies[b]->apply_stiffness(slice(v, b), slice(scratch_, b));
@@ -60,6 +72,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   };
   system.apply = [&](std::span<const double> x, std::span<double> y) {
     parallel_for(bodies.size(), [&](std::size_t b) {
+      const ProfileScope scope("product", *bodies[b]);
       const auto yb = slice(y, b);
       std::fill(yb.begin(), yb.end(), 0.0);
       bodies[b]->apply_system(slice(x, b), yb);
@@ -69,25 +82,44 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     acting_.add_response(
         x, [&](std::size_t c, const Vec3& d) { return response.apply(c, d); }, y);
   };
-  bool coarse = contacts > 0;
-  if (coarse) modes_.begin(bodies, first_v, parts, maps, contact_set);
+  if (contacts > 0) {
+    const ScopedSeconds contact_timer(contact_seconds);
+    sparse_.resize(bodies.size());
+    for (std::size_t b = 0; b < bodies.size(); ++b) sparse_[b] = maps.sparse_rows(b);
+    factor_.begin(bodies, first_v, bodies_diagonal_, first_block_, sparse_);
+  }
+  // Where every velocity belongs to a rigid body the factor is the whole system, but for rounding in single precision:
+  // one iteration more makes the solution exact.
+  const bool whole = contacts > 0 && factor_.knows_all_rigid();
+  bool coarse = contacts > 0 && !whole;
+  if (coarse) {
+    const ScopedSeconds contact_timer(contact_seconds);
+    modes_.begin(bodies, first_v, parts, maps, contact_set, factor_.rigid());
+  }
   system.precondition = [&](std::span<const double> r, std::span<double> z) {
     parallel_for(bodies.size(), [&](std::size_t b) {
+      const ProfileScope scope("precondition", *bodies[b]);
       const auto zb = slice(z, b);
       if (coarse && modes_.complete(b))
         std::fill(zb.begin(), zb.end(), 0.0);
       else
         bodies[b]->precondition(first_block_[b], diagonal_, slice(r, b), zb);
     });
+    if (contacts == 0) return;
+    const ScopedSeconds contact_timer(contact_seconds);
+    factor_.apply(r, z);
     if (coarse) modes_.add(r, z);
   };
 
   if (contacts > room_) {
     // Memory follows the number of contacts, not which of them act.
+    const ScopedSeconds contact_timer(contact_seconds);
     acting_.build(parts, contact_set, first_v);
+    acting_.gather_rows(contact_rows_);
+    factor_.reserve(contact_rows_);
     room_ = contacts;
   }
-  contact_delta_.resize(contacts), contact_force_.resize(contacts);
+  contact_delta_.assign(contact_set.size(), Vec3::Zero()), contact_force_.resize(contacts);
   std::fill(delta.begin(), delta.end(), 0.0);
   const int passes = contacts > 0 ? settings.passes : 1;
   bool settled = false, near = false;
@@ -105,10 +137,17 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     }
     parallel_for(bodies.size(), [&](std::size_t b) { bodies[b]->prepare_preconditioner(first_block_[b], diagonal_); });
     diagonal_.factor();
-    coarse = contacts > 0 && modes_.factor(contact_set, response);
+    if (contacts > 0) {
+      const ScopedSeconds contact_timer(contact_seconds);
+      acting_.gather_rows(contact_rows_);
+      for (std::size_t i = 0; i < contact_rows_.size(); ++i)
+        contact_rows_.stiffness[i] = response.block(contact_rows_.contact[i]).cast<float>();
+      factor_.factor(contact_rows_);
+      coarse = !whole && modes_.factor(contact_set, response);
+    }
     // What only tells which contacts let go and how friction is loaded is solved less sharply than what is kept.
     const bool kept = settled || pass + 1 == passes;
-    const double tolerance = (kept || near ? 1.0 : kDraft) * settings.tolerance;
+    const double tolerance = std::min((kept || near ? 1.0 : kDraft) * settings.tolerance, whole ? kExact : 1.0);
     const SolveReport s = cg_.solve(system, rhs_, tolerance, settings.max_iterations, delta);
     report.cg_iterations += s.iterations;
     ++report.solves;
@@ -117,6 +156,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
       report.warnings.push_back(
           {report.time, "no_convergence",
            fmt::format("the solve stopped after {} iterations at relative residual {:.1e}", s.iterations, s.residual)});
+    const ScopedSeconds contact_timer(contact_seconds);
     if (contacts > 0) maps.relative(delta, contact_delta_);
     if (!kept) {
       const double change = response.update_loads(contact_set, contact_delta_);
@@ -129,11 +169,17 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     }
   }
   if (!correct) return true;
+  // Rows, their sweeps and the solves that they ask for are there because of contact: all of it counts, once.
+  double within = 0.0;
+  const double before = contact_seconds;
+  auto rows_timer = std::make_optional<ScopedSeconds>(within);
   const bool finite =
       correct([&](std::span<const double> b,
                   std::span<double> x) { return cg_.solve(system, b, settings.tolerance, settings.max_iterations, x); },
               delta);
   if (contacts > 0) maps.relative(delta, contact_delta_);
+  rows_timer.reset();
+  contact_seconds = before + within;
   return finite;
 }
 

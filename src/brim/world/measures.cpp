@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "brim/body/changing_surface.h"
+#include "brim/body/posed_display.h"
 #include "brim/core/error.h"
 #include "brim/world/report_fields.h"
 
@@ -67,6 +68,9 @@ bool about_bodies(const std::string& metric) {
   return std::find(kBodyMetrics.begin(), kBodyMetrics.end(), metric) != kBodyMetrics.end();
 }
 
+/// @param up  cosine, R_zz of a rotation
+double angle_to_vertical(double up) { return std::acos(std::clamp(up, -1.0, 1.0)) * 180.0 / std::numbers::pi; }
+
 double total_energy(const StepReport& r) { return r.kinetic_energy + r.potential_energy + r.contact_energy; }
 
 }  // namespace
@@ -90,15 +94,19 @@ std::vector<std::string> Measures::metrics() {
 Measures::Measures(const World& world, std::vector<Expectation> expectations, double end)
     : expectations_(std::move(expectations)), end_(end) {
   const auto count = static_cast<std::size_t>(world.body_count());
+  posed_.resize(count);
+  VertexRanges ranges;
   start_.resize(count);
   samples_.resize(count);
   for (std::size_t b = 0; b < count; ++b) {
     const Body& body = world.body(static_cast<int>(b));
     const bool movable = std::isfinite(body.mass());
+    if (const PosedDisplay* pieces = posed_display(body); pieces != nullptr && pieces->piece_count() == 1)
+      posed_[b] = {ranges.of(pieces->piece(0).surface().vertices), pieces->piece(0).pose().rotation};
     if (movable) {
       if (body.v_size() > 6) particles_ += static_cast<double>(body.v_size()) / 3.0;
       // A surface that changes keeps no vertices by which a turn could be told.
-      if (!changing_surface(body)) display_now(body, start_[b]);
+      if (posed_[b].vertices == nullptr && !changing_surface(body)) display_now(body, start_[b]);
     }
     const auto asks = [&](const Expectation& e) {
       return about_bodies(e.metric) && (e.body.empty() ? movable : concerns(e.body, body.name()));
@@ -107,27 +115,38 @@ Measures::Measures(const World& world, std::vector<Expectation> expectations, do
   }
 }
 
+void Measures::sample_posed(const Body& body, const Posed& posed, BodySample& s) const {
+  const Pose& pose = posed_display(body)->piece(0).pose();
+  if (posed.vertices->empty()) return;
+  s.center = pose.rotation * posed.vertices->mean() + pose.translation;
+  const auto [least, largest] = posed.vertices->along(pose.rotation.row(2).transpose());
+  s.lowest = least + pose.translation.z();
+  s.highest = largest + pose.translation.z();
+  if (std::isfinite(body.mass())) s.tilt_degrees = angle_to_vertical((pose.rotation * posed.start.transpose())(2, 2));
+}
+
+void Measures::sample_vertices(const Body& body, std::span<const Vec3f> start, BodySample& s) {
+  display_now(body, scratch_);
+  if (scratch_.empty()) return;
+  s.lowest = s.highest = scratch_.front().z();
+  for (const Vec3f& x : scratch_) {
+    s.center += x.cast<double>();
+    s.lowest = std::min(s.lowest, static_cast<double>(x.z()));
+    s.highest = std::max(s.highest, static_cast<double>(x.z()));
+  }
+  s.center /= static_cast<double>(scratch_.size());
+  if (!start.empty()) s.tilt_degrees = angle_to_vertical(best_rotation(start, scratch_)(2, 2));
+}
+
 void Measures::sample(const World& world, const StepReport& frame) {
   for (std::size_t b = 0; b < samples_.size(); ++b) {
     const Body& body = world.body(static_cast<int>(b));
     BodySample s;
-    display_now(body, scratch_);
-    if (!scratch_.empty()) {
-      s.lowest = s.highest = scratch_.front().z();
-      for (const Vec3f& x : scratch_) {
-        s.center += x.cast<double>();
-        s.lowest = std::min(s.lowest, static_cast<double>(x.z()));
-        s.highest = std::max(s.highest, static_cast<double>(x.z()));
-      }
-      s.center /= static_cast<double>(scratch_.size());
-    }
-    if (std::isfinite(body.mass())) {
-      s.velocity = body.linear_momentum(world.v(static_cast<int>(b))) / body.mass();
-      if (!start_[b].empty()) {
-        const double up = best_rotation(start_[b], scratch_)(2, 2);
-        s.tilt_degrees = std::acos(std::clamp(up, -1.0, 1.0)) * 180.0 / std::numbers::pi;
-      }
-    }
+    if (posed_[b].vertices != nullptr)
+      sample_posed(body, posed_[b], s);
+    else
+      sample_vertices(body, start_[b], s);
+    if (std::isfinite(body.mass())) s.velocity = body.linear_momentum(world.v(static_cast<int>(b))) / body.mass();
     samples_[b] = s;
   }
   for (const PairReport& pair : frame.pairs) {

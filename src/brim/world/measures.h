@@ -1,12 +1,14 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "brim/math/types.h"
 #include "brim/world/expectation.h"
+#include "brim/world/vertex_range.h"
 #include "brim/world/world.h"
 
 namespace brim {
@@ -73,7 +75,14 @@ class Measures {
     std::size_t body;
     bool movable;
   };
+  /// A body whose display is one rigid piece: what is needed of it follows from its pose.
+  struct Posed {
+    std::shared_ptr<const VertexRange> vertices;  ///< nothing for other bodies
+    Mat3 start = Mat3::Identity();                ///< rotation at the start
+  };
   void sample(const World& world, const StepReport& frame);
+  void sample_posed(const Body& body, const Posed& posed, BodySample& s) const;
+  void sample_vertices(const Body& body, std::span<const Vec3f> start, BodySample& s);
   void keep(const StepReport& frame, int steps, std::size_t warnings, std::span<const BodySample> bodies);
   Window window(const Expectation& e) const;
   double world_metric(const std::string& metric, const Window& w) const;
@@ -83,7 +92,8 @@ class Measures {
   std::vector<Expectation> expectations_;
   double end_;
   std::vector<Watched> watched_;
-  std::vector<std::vector<Vec3f>> start_;  ///< display positions at the start, of movable bodies, shape (bodies)
+  std::vector<Posed> posed_;               ///< shape (bodies)
+  std::vector<std::vector<Vec3f>> start_;  ///< display positions at the start, of other movable bodies, shape (bodies)
   std::vector<Vec3f> scratch_;
   std::vector<BodySample> samples_;
   std::vector<Frame> frames_;

@@ -21,6 +21,14 @@ void check_momentum(std::span<const std::unique_ptr<Body>> bodies, std::span<con
                     std::span<const WorldPart> parts, const ContactSet& contacts, const ContactMaps& maps,
                     std::span<const Vec3> force_on_a, StepReport& report) {
   if (contacts.size() == 0) return;
+  std::vector<double> mapped(first_v.back(), 0.0);
+  maps.add_forces(force_on_a, mapped);
+  check_momentum(bodies, first_v, parts, contacts, mapped, force_on_a, report);
+}
+
+void check_momentum(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+                    std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const double> mapped,
+                    std::span<const Vec3> force_on_a, StepReport& report) {
   std::vector<Resultant> sum(bodies.size());
   // Points without a force say nothing of how far forces reach.
   const auto add = [&](std::int32_t part, const Vec3& x, const Vec3& f, double h) {
@@ -38,16 +46,14 @@ void check_momentum(std::span<const std::unique_ptr<Body>> bodies, std::span<con
       add(pair.part_a, contacts.point[c], force_on_a[c], pair.h);
       add(pair.part_b, contacts.point[c], -force_on_a[c], pair.h);
     }
-  std::vector<double> mapped(first_v.back(), 0.0), motion(first_v.back(), 0.0);
-  maps.add_forces(force_on_a, mapped);
-
+  std::vector<double> motion(first_v.back(), 0.0);
   std::vector<double> linear(bodies.size(), 0.0), angular(bodies.size(), 0.0);
   parallel_for(bodies.size(), [&](std::size_t b) {
     const Resultant& r = sum[b];
     if (bodies[b]->immobile() || !(r.magnitude > 0.0)) return;
     const std::size_t n = first_v[b + 1] - first_v[b];
     const auto v = std::span(motion).subspan(first_v[b], n);
-    const auto q = std::span<const double>(mapped).subspan(first_v[b], n);
+    const auto q = mapped.subspan(first_v[b], n);
     const auto power = [&](const Vec3& t, const Vec3& w, double& out) {
       if (!bodies[b]->rigid_motion(t - w.cross(r.center), w, v)) return false;
       out = 0.0;

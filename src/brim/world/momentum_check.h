@@ -16,5 +16,9 @@ namespace brim {
 void check_momentum(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
                     std::span<const WorldPart> parts, const ContactSet& contacts, const ContactMaps& maps,
                     std::span<const Vec3> force_on_a, StepReport& report);
+/// The same for forces that are mapped already. @param mapped  Jᵀ f of all contacts, shape (nv)
+void check_momentum(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+                    std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const double> mapped,
+                    std::span<const Vec3> force_on_a, StepReport& report);
 
 }  // namespace brim

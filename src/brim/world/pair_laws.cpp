@@ -25,6 +25,18 @@ std::span<const double> velocities_of(const WorldPart& p, std::span<const double
 
 }  // namespace
 
+bool meet_by_rigid_rows(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
+  if (!is_stiff(a) || !is_stiff(b)) return false;
+  Response own = Response::Inherit;
+  if (!options.pair_materials.empty()) {
+    const auto key = std::minmax(a.info.material.name, b.info.material.name);
+    const auto it = options.pair_materials.find({key.first, key.second});
+    if (it != options.pair_materials.end()) own = it->second.response;
+  }
+  return choose_response(own, a.info.material.response, b.info.material.response, options.response) ==
+         Response::Constraint;
+}
+
 void PairLaws::start(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
                      const WorldOptions& options, double h0) {
   stiffness_ = options.stiffness;

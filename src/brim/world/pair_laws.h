@@ -12,6 +12,10 @@
 
 namespace brim {
 
+/// True when constraint rows act between the parts, and neither can deform: such contacts are found before they touch,
+/// wherever the nodes of the grid lie.
+bool meet_by_rigid_rows(const WorldPart& a, const WorldPart& b, const WorldOptions& options);
+
 /// The law of contact between two parts: what the scene, their materials and the loads say together.
 /// Tests: tests/world/world_test.cpp
 class PairLaws {

@@ -23,7 +23,7 @@ void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, 
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const double depth = contacts.depth[c] / pair.h;
       r.worst_overlap = std::max(r.worst_overlap, depth);
-      r.worst_pressure = std::max(r.worst_pressure, contacts.overlap[c]);
+      r.worst_pressure = std::max(r.worst_pressure, double{contacts.overlap[c]});
       r.force_on_a += normal[c] + friction[c];
       r.friction_on_a += friction[c];
       const double weight = normal[c].norm();

@@ -2,28 +2,39 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
+#include <type_traits>
 #include <vector>
 
 namespace brim {
 
 namespace {
 
-template <auto Member>
+/// A recorded number as that of a report. Whole numbers are kept within what their type holds, whatever a file says.
+template <class T>
+T as(double x) {
+  if constexpr (std::is_same_v<T, bool>) return x != 0.0;
+  if constexpr (!std::is_integral_v<T>) return static_cast<T>(x);
+  constexpr double kMost = std::min(static_cast<double>(std::numeric_limits<T>::max()), 9e15);
+  return x >= -kMost && x <= kMost ? static_cast<T>(x) : T{};
+}
+
+template <auto Member, Joining J = Joining::Sum>
 constexpr ReportField field(const char* name, const char* unit) {
   return {name, unit, [](const StepReport& r) { return static_cast<double>(r.*Member); },
-          [](StepReport& r, double x) { r.*Member = static_cast<std::remove_reference_t<decltype(r.*Member)>>(x); }};
+          [](StepReport& r, double x) { r.*Member = as<std::remove_reference_t<decltype(r.*Member)>>(x); }, J};
 }
 
 template <Phase P>
 constexpr ReportField seconds(const char* name) {
   return {name, "s", [](const StepReport& r) { return r.seconds[static_cast<std::size_t>(P)]; },
-          [](StepReport& r, double x) { r.seconds[static_cast<std::size_t>(P)] = x; }};
+          [](StepReport& r, double x) { r.seconds[static_cast<std::size_t>(P)] = x; }, Joining::Sum};
 }
 
 constexpr ReportField kFields[] = {
     field<&StepReport::dt>("dt", "s"),
     field<&StepReport::substeps>("substeps", ""),
-    field<&StepReport::ok>("ok", ""),
+    field<&StepReport::ok, Joining::Least>("ok", ""),
     seconds<Phase::Presence>("seconds_presence"),
     seconds<Phase::Refine>("seconds_refine"),
     seconds<Phase::Rasterize>("seconds_rasterize"),
@@ -37,20 +48,20 @@ constexpr ReportField kFields[] = {
     field<&StepReport::tiles_present>("tiles_present", ""),
     field<&StepReport::tiles>("tiles", ""),
     field<&StepReport::voxels>("voxels", ""),
-    field<&StepReport::contacts>("contacts", ""),
+    field<&StepReport::contacts, Joining::Last>("contacts", ""),
     field<&StepReport::cg_iterations>("cg_iterations", ""),
     field<&StepReport::solves>("solves", ""),
-    field<&StepReport::cg_residual>("cg_residual", ""),
+    field<&StepReport::cg_residual, Joining::Largest>("cg_residual", ""),
     field<&StepReport::sweeps>("sweeps", ""),
-    field<&StepReport::row_residual>("row_residual", ""),
-    field<&StepReport::worst_overlap>("worst_overlap", "voxels"),
-    field<&StepReport::kinetic_energy>("kinetic_energy", "J"),
-    field<&StepReport::potential_energy>("potential_energy", "J"),
-    field<&StepReport::contact_energy>("contact_energy", "J"),
-    field<&StepReport::momentum_error>("momentum_error", ""),
-    field<&StepReport::angular_error>("angular_error", ""),
-    field<&StepReport::max_speed>("max_speed", "m/s"),
-    field<&StepReport::stiffness>("stiffness", "Pa"),
+    field<&StepReport::row_residual, Joining::Largest>("row_residual", ""),
+    field<&StepReport::worst_overlap, Joining::Largest>("worst_overlap", "voxels"),
+    field<&StepReport::kinetic_energy, Joining::Last>("kinetic_energy", "J"),
+    field<&StepReport::potential_energy, Joining::Last>("potential_energy", "J"),
+    field<&StepReport::contact_energy, Joining::Last>("contact_energy", "J"),
+    field<&StepReport::momentum_error, Joining::Largest>("momentum_error", ""),
+    field<&StepReport::angular_error, Joining::Largest>("angular_error", ""),
+    field<&StepReport::max_speed, Joining::Last>("max_speed", "m/s"),
+    field<&StepReport::stiffness, Joining::Last>("stiffness", "Pa"),
 };
 
 }  // namespace
@@ -59,28 +70,23 @@ std::span<const ReportField> report_fields() { return kFields; }
 
 void join(StepReport& frame, StepReport&& next) {
   frame.time = next.time;
-  frame.dt += next.dt;
-  frame.substeps += next.substeps;
-  frame.ok = frame.ok && next.ok;
-  for (std::size_t i = 0; i < frame.seconds.size(); ++i) frame.seconds[i] += next.seconds[i];
-  frame.wall += next.wall;
-  frame.tiles_present += next.tiles_present;
-  frame.tiles += next.tiles;
-  frame.voxels += next.voxels;
-  frame.contacts = next.contacts;
-  frame.cg_iterations += next.cg_iterations;
-  frame.solves += next.solves;
-  frame.sweeps += next.sweeps;
-  frame.row_residual = std::max(frame.row_residual, next.row_residual);
-  frame.cg_residual = std::max(frame.cg_residual, next.cg_residual);
-  frame.worst_overlap = std::max(frame.worst_overlap, next.worst_overlap);
-  frame.kinetic_energy = next.kinetic_energy;
-  frame.potential_energy = next.potential_energy;
-  frame.contact_energy = next.contact_energy;
-  frame.momentum_error = std::max(frame.momentum_error, next.momentum_error);
-  frame.angular_error = std::max(frame.angular_error, next.angular_error);
-  frame.max_speed = next.max_speed;
-  frame.stiffness = next.stiffness;
+  for (const ReportField& f : kFields) {
+    const double x = f.get(frame), y = f.get(next);
+    switch (f.joining) {
+      case Joining::Sum:
+        f.set(frame, x + y);
+        break;
+      case Joining::Largest:
+        f.set(frame, std::max(x, y));
+        break;
+      case Joining::Least:
+        f.set(frame, std::min(x, y));
+        break;
+      case Joining::Last:
+        f.set(frame, y);
+        break;
+    }
+  }
   frame.pairs = std::move(next.pairs);
   std::move(next.warnings.begin(), next.warnings.end(), std::back_inserter(frame.warnings));
 }

@@ -6,12 +6,22 @@
 
 namespace brim {
 
-/// One scalar of a step report, for files and tables that treat all alike.
+/// What becomes of a scalar when the reports of several steps are joined.
+enum class Joining {
+  Sum,      ///< counts and times
+  Largest,  ///< worst values
+  Least,    ///< what must hold in all
+  Last      ///< states
+};
+
+/// One scalar of a step report, for files and tables that treat all alike. Adding one to StepReport takes a line in the
+/// table of report_fields.cpp; files, tables and profiles then have it.
 struct ReportField {
   const char* name;  ///< "worst_overlap", "seconds_solve", ...
   const char* unit;  ///< "voxels", "s", ...; "" for counts and ratios
   double (*get)(const StepReport&);
   void (*set)(StepReport&, double);
+  Joining joining;
 };
 
 /// Every scalar of StepReport, in a fixed order; each phase's seconds are fields of their own.

@@ -8,7 +8,7 @@ namespace brim {
 namespace {
 
 /// Share of a mode that must be left beside the others for it to count.
-constexpr double kIndependent = 1e-6;
+constexpr double kIndependentMode = 1e-6;
 
 }  // namespace
 
@@ -34,7 +34,7 @@ void RigidModes::take_modes(const Body& body, std::size_t n, Modes& m) const {
       x -= y.dot(x) * y;
     }
     const double left = x.norm();
-    if (!(left > kIndependent * length)) continue;
+    if (!(left > kIndependentMode * length)) continue;
     x /= left;
     ++m.count;
   }
@@ -50,18 +50,24 @@ void RigidModes::take_modes(const Body& body, std::size_t n, Modes& m) const {
 }
 
 void RigidModes::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
-                       std::span<const WorldPart> parts, const ContactMaps& maps, const ContactSet& contacts) {
+                       std::span<const WorldPart> parts, const ContactMaps& maps, const ContactSet& contacts,
+                       std::span<const std::uint8_t> without) {
   modes_.resize(bodies.size());
   complete_.resize(bodies.size());
   first_v_.assign(first_v.begin(), first_v.end());
   body_of_part_.resize(parts.size());
   for (std::size_t p = 0; p < parts.size(); ++p) body_of_part_[p] = parts[p].body_index;
-  parallel_for(bodies.size(), [&](std::size_t b) { take_modes(*bodies[b], first_v[b + 1] - first_v[b], modes_[b]); });
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    if (without[b])
+      modes_[b].count = 0;
+    else
+      take_modes(*bodies[b], first_v[b + 1] - first_v[b], modes_[b]);
+  });
   std::size_t rows = 0;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     modes_[b].row = rows;
     rows += modes_[b].count;
-    complete_[b] = static_cast<std::size_t>(modes_[b].count) == first_v[b + 1] - first_v[b];
+    complete_[b] = !without[b] && static_cast<std::size_t>(modes_[b].count) == first_v[b + 1] - first_v[b];
   }
   coarse_.resize(static_cast<Eigen::Index>(rows));
 

@@ -22,8 +22,10 @@ namespace brim {
 class RigidModes {
  public:
   /// Takes the motions of the bodies and what the contacts see of them. Bodies must have begun their solve.
+  /// @param without  nonzero for bodies that are left out, shape (bodies)
   void begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
-             std::span<const WorldPart> parts, const ContactMaps& maps, const ContactSet& contacts);
+             std::span<const WorldPart> parts, const ContactMaps& maps, const ContactSet& contacts,
+             std::span<const std::uint8_t> without);
   /// Assembles and factors Rᵀ A R with the contact stiffness in force. @return false when it is not definite
   bool factor(const ContactSet& contacts, const Penalty& response);
 

@@ -51,10 +51,10 @@ struct StepReport {
   std::array<double, static_cast<std::size_t>(Phase::Count)> seconds{};  ///< wall time per phase
   double wall = 0.0;                                                     ///< [s] whole step
   std::int64_t tiles_present = 0;  ///< coarse: tiles marked by some part, summed over sub-steps as are all counts
-  std::int64_t tiles = 0;          ///< tiles rasterized, counted per part
-  std::int64_t voxels = 0;         ///< nodes rasterized (own nodes of those tiles)
-  std::int64_t contacts = 0;       ///< of the last sub-step
-  int cg_iterations = 0;           ///< summed over the solves
+  std::int64_t tiles = 0;   ///< tiles rasterized, and cubes of up to 6x6x6 nodes in which solids were sampled, per part
+  std::int64_t voxels = 0;  ///< nodes sampled: all own nodes of those tiles, of solids those that were needed
+  std::int64_t contacts = 0;  ///< of the last sub-step
+  int cg_iterations = 0;      ///< summed over the solves
   int solves = 0;
   int sweeps = 0;              ///< of projected Gauss-Seidel over the constraint rows, summed
   double row_residual = 0.0;   ///< relative, worst: what the last correction of the rows still changed

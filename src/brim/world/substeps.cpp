@@ -5,41 +5,49 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brim/body/motion_clusters.h"
+#include "brim/core/parallel.h"
+
 namespace brim {
 
 double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
                      const WorldOptions& options, double time, double change) {
   struct Entry {
-    Aabb box;  ///< swept over the time
-    Vec3 carrier;
-    double relative;  ///< [m/s] bound
-    double h;
+    Aabb swept;  ///< [m] over the time
+    MotionCluster motion;
     std::int32_t part;
   };
-  std::vector<Entry> entries(parts.size());
-  for (std::size_t p = 0; p < parts.size(); ++p) {
+  std::vector<std::vector<MotionCluster>> clusters(parts.size());
+  parallel_for(parts.size(), [&](std::size_t p) {
     const WorldPart& part = parts[p];
     const auto vb = v.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
-    Entry& e = entries[p];
-    e.carrier = part.body->carrier_velocity(part.index, vb);
-    e.relative = part.body->relative_speed_bound(part.index, vb);
-    if (!part.body->immobile()) e.relative += change;
-    e.h = part.h;
-    e.part = static_cast<std::int32_t>(p);
-    e.box = part.body->bounds(part.index).inflated(0.5 * options.ramp_voxels * part.h + e.relative * time);
-    e.box.extend(Aabb{e.box.lo + time * e.carrier, e.box.hi + time * e.carrier});
-  }
+    if (const auto* moving = dynamic_cast<const MotionClusters*>(part.body))
+      moving->motion_clusters(part.index, vb, clusters[p]);
+    if (!clusters[p].empty()) return;
+    const Vec3 mean = part.body->carrier_velocity(part.index, vb);
+    clusters[p].push_back(
+        {part.body->bounds(part.index), {mean, mean}, part.body->relative_speed_bound(part.index, vb)});
+  });
+  std::vector<Entry> entries;
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    for (MotionCluster& c : clusters[p]) {
+      if (!parts[p].body->immobile()) c.deviation += change;
+      const Aabb now = c.box.inflated(0.5 * options.ramp_voxels * parts[p].h + c.deviation * time);
+      Aabb swept = now;
+      swept.extend(Aabb{now.lo + time * c.velocity.lo, now.hi + time * c.velocity.hi});
+      entries.push_back({swept, c, static_cast<std::int32_t>(p)});
+    }
   std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-    return a.box.lo.x() != b.box.lo.x() ? a.box.lo.x() < b.box.lo.x() : a.part < b.part;
+    return a.swept.lo.x() != b.swept.lo.x() ? a.swept.lo.x() < b.swept.lo.x() : a.part < b.part;
   });
   double pieces = 1.0;
   for (std::size_t i = 0; i < entries.size(); ++i)
-    for (std::size_t j = i + 1; j < entries.size() && entries[j].box.lo.x() <= entries[i].box.hi.x(); ++j) {
+    for (std::size_t j = i + 1; j < entries.size() && entries[j].swept.lo.x() <= entries[i].swept.hi.x(); ++j) {
       const Entry &a = entries[i], &b = entries[j];
-      if (!a.box.overlaps(b.box)) continue;
+      if (a.part == b.part || !a.swept.overlaps(b.swept)) continue;
       if (!may_touch(parts[a.part], parts[b.part])) continue;
-      const double speed = (a.carrier - b.carrier).norm() + a.relative + b.relative;
-      pieces = std::max(pieces, speed * time / (options.max_motion_voxels * std::min(a.h, b.h)));
+      const double h = std::min(parts[a.part].h, parts[b.part].h);
+      pieces = std::max(pieces, relative_speed(a.motion, b.motion) * time / (options.max_motion_voxels * h));
     }
   return pieces;
 }

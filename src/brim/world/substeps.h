@@ -10,6 +10,7 @@ namespace brim {
 
 /// Pieces, at least 1, that `time` [s] must be cut into so that no two parts that can meet in it move by more than
 /// max_motion_voxels of their common step relative to each other in one piece (a CFL rule).
+/// Parts that deform are looked at cluster by cluster (MotionClusters).
 /// @param v       velocities of all bodies, that of body b from first_v[b] on
 /// @param change  [m/s] what the velocities may gain in that time
 double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,

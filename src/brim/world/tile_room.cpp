@@ -1,16 +1,10 @@
 #include "brim/world/tile_room.h"
 
-#include <algorithm>
 #include <cmath>
 
+#include "brim/contact/cube_contacts.h"
+
 namespace brim {
-
-namespace {
-
-/// Largest t with 3 t² − 2 t³ <= margin, from above: t² = margin/(3 − 2 t), and t <= 1/2 as long as margin <= 1/2.
-double widest_gap(double margin) { return margin <= 0.5 ? std::sqrt(0.5 * std::max(0.0, margin)) : 1.0; }
-
-}  // namespace
 
 Octants octants_with_room(const BoundedPart& a, const BoundedPart& b, const ContactPair& pair, const TileKey& tile) {
   const double h = pair.h, gap = widest_gap(pair.margin) * pair.w;

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "brim/core/profile.h"
 #include "brim/core/stopwatch.h"
 #include "brim/response/penalty.h"
 #include "brim/world/constraint_step.h"
@@ -155,7 +157,10 @@ void World::Impl::start() {
 }
 
 void World::Impl::update_bodies() {
-  parallel_for(bodies.size(), [&](std::size_t b) { bodies[b]->update(state.time, q(b), v(b)); });
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    const ProfileScope scope("update", *bodies[b]);
+    bodies[b]->update(state.time, q(b), v(b));
+  });
 }
 
 StepReport World::step() {
@@ -181,7 +186,10 @@ StepReport World::step() {
 bool World::Impl::solve_substep(double dt, StepReport& report) {
   const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
   for (std::size_t b = 0; b < bodies.size(); ++b) bodies[b]->prescribe(state.time, dt, q(b), v(b));
-  update_bodies();
+  {
+    const ScopedSeconds timer(seconds(Phase::Advance));
+    update_bodies();
+  }
 
   stage.find(parts, state.v, first_v, dt, options, report);
   const ContactSet& contacts = stage.contacts();
@@ -229,7 +237,9 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
 
 double World::Impl::substep(double left, StepReport& report) {
   const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
+  auto presence = std::make_optional<ScopedSeconds>(seconds(Phase::Presence));
   double dt = choose_substep(parts, state.v, first_v, options, left, report);
+  presence.reset();
   before_q = state.q;
   before_v = state.v;
   const std::size_t warnings = report.warnings.size();
@@ -238,7 +248,9 @@ double World::Impl::substep(double left, StepReport& report) {
   if (finite && report.substeps + 1 < options.max_substeps) {
     travel = state.v;
     for (std::size_t i = 0; i < travel.size(); ++i) travel[i] += delta[i];
+    presence.emplace(seconds(Phase::Presence));
     const double pieces = motion_pieces(parts, travel, first_v, options, dt, 0.0);
+    presence.reset();
     if (pieces > kOutrun) {
       state.q = before_q;
       state.v = before_v;
@@ -277,6 +289,7 @@ double World::Impl::substep(double left, StepReport& report) {
   travel = state.v;
   for (std::size_t i = 0; i < constraints.travel().size(); ++i) travel[i] += constraints.travel()[i];
   parallel_for(bodies.size(), [&](std::size_t b) {
+    const ProfileScope scope("advance", *bodies[b]);
     bodies[b]->advance(dt, q(b), std::span<const double>(travel).subspan(first_v[b], first_v[b + 1] - first_v[b]));
     bodies[b]->finish_step(state.time, dt, q(b), v(b));
   });

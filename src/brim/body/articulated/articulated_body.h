@@ -4,6 +4,7 @@
 #include "brim/body/articulated/tree_flow.h"
 #include "brim/body/articulated/tree_map.h"
 #include "brim/body/distance_bound.h"
+#include "brim/body/posed_display.h"
 #include "brim/body/posed_shape.h"
 #include "brim/core/workspace_pool.h"
 
@@ -14,7 +15,7 @@ namespace brim {
 ///
 /// The forces of the common solve are weight, drives, limits, damping and friction; what turning links do to each other
 /// (Coriolis and centrifugal terms) acts in finish_step, where the tree moves freely for the step (TreeFlow).
-class ArticulatedBody final : public Body, public DistanceBound {
+class ArticulatedBody final : public Body, public DistanceBound, public PosedDisplay {
  public:
   /// @throws InputError for what Tree refuses, and for a joint that moves nothing with mass
   explicit ArticulatedBody(ArticulatedModel model);
@@ -52,6 +53,7 @@ class ArticulatedBody final : public Body, public DistanceBound {
     parts_[p].solid.presence(h, w, region, out);
   }
   double distance_bound(int p, const Vec3& x) const override { return parts_[p].solid.distance_bound(x); }
+  const PosedShape* solid(int p) const override { return &parts_[p].solid; }
   void rasterize(int p, double h, double w, std::span<const TileKey> tiles,
                  std::span<DensityBlock> out) const override {
     parts_[p].solid.rasterize(h, w, tiles, out);
@@ -67,6 +69,8 @@ class ArticulatedBody final : public Body, public DistanceBound {
 
   const Display& display() const override { return display_; }
   void display_positions(std::span<Vec3f> x) const override;
+  std::size_t piece_count() const override { return parts_.size(); }
+  const PosedShape& piece(std::size_t i) const override { return parts_[i].solid; }
 
   const Tree& tree() const { return tree_; }
   /// Of the last update.

@@ -52,11 +52,11 @@ BendingElements::BendingElements(const TriMesh& rest, double B) {
     element_[k].stiffness *= (rest.vertices[node_[4 * k]] - rest.vertices[node_[4 * k + 1]]).squaredNorm();
 }
 
-void BendingElements::find_slots(const BlockMatrix& matrix) {
-  slot_.resize(size());
+void BendingElements::find_pairs(const BlockMatrix& matrix) {
+  pair_.resize(size());
   for (std::size_t k = 0; k < size(); ++k)
-    for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < 4; ++j) slot_[k][4 * i + j] = matrix.slot(node_[4 * k + i], node_[4 * k + j]);
+    for (int i = 0, p = 0; i < 4; ++i)
+      for (int j = i + 1; j < 4; ++j, ++p) pair_[k][p] = matrix.pair(node_[4 * k + i], node_[4 * k + j]);
 }
 
 bool BendingElements::angle(std::span<const Vec3> x, const std::int32_t* n, double size2, double& theta,
@@ -83,10 +83,10 @@ void BendingElements::add(std::span<const Vec3> x, std::span<Vec3> force, BlockM
     if (flat_) {
       Vec3 sum = Vec3::Zero();
       for (int i = 0; i < 4; ++i) sum += e.weight[i] * x[n[i]];
-      for (int i = 0; i < 4; ++i) {
+      for (int i = 0, p = 0; i < 4; ++i) {
         force[n[i]] -= e.stiffness * e.weight[i] * sum;
-        for (int j = 0; j < 4; ++j)
-          stiffness.add(slot_[k][4 * i + j], e.stiffness * e.weight[i] * e.weight[j] * Mat3::Identity());
+        for (int j = i + 1; j < 4; ++j, ++p)
+          stiffness.add(pair_[k][p], e.stiffness * e.weight[i] * e.weight[j] * Mat3::Identity());
       }
       return;
     }
@@ -94,9 +94,9 @@ void BendingElements::add(std::span<const Vec3> x, std::span<Vec3> force, BlockM
     Vec3 g[4];
     if (!angle(x, n, e.size2, theta, g)) return;
     const double moment = e.stiffness * difference(theta, e.angle);
-    for (int i = 0; i < 4; ++i) {
+    for (int i = 0, p = 0; i < 4; ++i) {
       force[n[i]] -= moment * g[i];
-      for (int j = 0; j < 4; ++j) stiffness.add(slot_[k][4 * i + j], e.stiffness * g[i] * g[j].transpose());
+      for (int j = i + 1; j < 4; ++j, ++p) stiffness.add(pair_[k][p], e.stiffness * g[i] * g[j].transpose());
     }
   });
 }

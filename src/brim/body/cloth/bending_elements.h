@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "brim/body/particles/block_matrix.h"
 #include "brim/body/particles/element_schedule.h"
+#include "brim/math/block_matrix.h"
 #include "brim/mesh/tri_mesh.h"
 
 namespace brim {
@@ -27,7 +27,7 @@ class BendingElements {
   BendingElements(const TriMesh& rest, double B);
 
   bool flat() const { return flat_; }
-  void find_slots(const BlockMatrix& matrix);
+  void find_pairs(const BlockMatrix& matrix);
   void add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness) const;
   double energy(std::span<const Vec3> x) const;
   std::size_t size() const { return element_.size(); }
@@ -48,7 +48,7 @@ class BendingElements {
   ElementSchedule schedule_;
   std::vector<Element> element_;
   std::vector<std::int32_t> node_;
-  std::vector<std::array<std::int32_t, 16>> slot_;
+  std::vector<std::array<std::int32_t, 6>> pair_;  // 01, 02, 03, 12, 13, 23
 };
 
 }  // namespace brim

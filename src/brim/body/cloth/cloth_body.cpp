@@ -35,8 +35,8 @@ ClothBody::ClothBody(TriMesh mesh, ClothOptions options, MembraneElements membra
   stiffness_.add_elements(membrane_.nodes(), 3);
   stiffness_.add_elements(bending_.nodes(), 4);
   stiffness_.finish();
-  membrane_.find_slots(stiffness_);
-  bending_.find_slots(stiffness_);
+  membrane_.find_pairs(stiffness_);
+  bending_.find_pairs(stiffness_);
   force_.assign(particle_count(), Vec3::Zero());
 
   PartInfo part;

@@ -73,11 +73,12 @@ MembraneElements::MembraneElements(const TriMesh& rest, const MembraneMaterial& 
   }
 }
 
-void MembraneElements::find_slots(const BlockMatrix& matrix) {
-  slot_.resize(size());
-  for (std::size_t k = 0; k < size(); ++k)
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) slot_[k][3 * i + j] = matrix.slot(node_[3 * k + i], node_[3 * k + j]);
+void MembraneElements::find_pairs(const BlockMatrix& matrix) {
+  pair_.clear();
+  for (std::size_t k = 0; k < size(); ++k) {
+    const std::int32_t* n = node_.data() + 3 * k;
+    pair_.push_back({matrix.pair(n[0], n[1]), matrix.pair(n[0], n[2]), matrix.pair(n[1], n[2])});
+  }
 }
 
 MembraneElements::Mat32 MembraneElements::deformation(std::span<const Vec3> x, std::size_t k) const {
@@ -105,8 +106,8 @@ void MembraneElements::add(std::span<const Vec3> x, std::span<Vec3> force, Block
     const Mat32 P = -e.area * (F * S);
     for (int i = 0; i < 3; ++i) force[n[i]] += P * e.gradient[i];
     const Mat2 T = tension(S);
-    for (int i = 0; i < 3; ++i)
-      for (int j = i; j < 3; ++j) {
+    for (int i = 0, p = 0; i < 3; ++i)
+      for (int j = i + 1; j < 3; ++j, ++p) {
         const Vec2 &a = e.gradient[i], &b = e.gradient[j];
         Mat2 D;
         D(0, 0) = c_.c11 * a[0] * b[0] + c_.g * a[1] * b[1];
@@ -115,8 +116,7 @@ void MembraneElements::add(std::span<const Vec3> x, std::span<Vec3> force, Block
         D(1, 1) = c_.c22 * a[1] * b[1] + c_.g * a[0] * b[0];
         Mat3 K = e.area * (F * D * F.transpose());
         K.diagonal().array() += e.area * a.dot(T * b);
-        stiffness.add(slot_[k][3 * i + j], K);
-        if (j > i) stiffness.add(slot_[k][3 * j + i], K.transpose());
+        stiffness.add(pair_[k][p], K);
       }
   });
 }

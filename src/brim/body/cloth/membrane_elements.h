@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "brim/body/particles/block_matrix.h"
 #include "brim/body/particles/element_schedule.h"
+#include "brim/math/block_matrix.h"
 #include "brim/mesh/tri_mesh.h"
 
 namespace brim {
@@ -37,7 +37,7 @@ class MembraneElements {
   /// @throws InputError  when a triangle has no area or names a missing vertex
   MembraneElements(const TriMesh& rest, const MembraneMaterial& material);
 
-  void find_slots(const BlockMatrix& matrix);
+  void find_pairs(const BlockMatrix& matrix);
   /// force += −∂E/∂x, stiffness += ∂²E/∂x² with S⁺. Same bits for any number of threads.
   void add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness) const;
   double energy(std::span<const Vec3> x) const;
@@ -63,7 +63,7 @@ class MembraneElements {
   ElementSchedule schedule_;
   std::vector<Element> element_;
   std::vector<std::int32_t> node_;
-  std::vector<std::array<std::int32_t, 9>> slot_;
+  std::vector<std::array<std::int32_t, 3>> pair_;  // 01, 02, 12
 };
 
 }  // namespace brim

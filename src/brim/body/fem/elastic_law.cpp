@@ -6,14 +6,6 @@ namespace brim {
 
 namespace {
 
-/// Constants of the stable neo-Hookean energy that agree with Hooke's law at rest.
-struct NeoHookean {
-  double mu, lambda, alpha;
-  explicit NeoHookean(const Lame& l) : mu(4.0 * l.mu / 3.0), lambda(l.lambda + 5.0 * l.mu / 6.0) {
-    alpha = 1.0 + 0.75 * mu / lambda;
-  }
-};
-
 Vec3 cofactors(const Vec3& s) { return {s[1] * s[2], s[2] * s[0], s[0] * s[1]}; }
 
 void corotational(const Lame& l, const Vec3& s, PrincipalResponse& r) {
@@ -29,7 +21,7 @@ void corotational(const Lame& l, const Vec3& s, PrincipalResponse& r) {
   }
 }
 
-void neo_hookean(const NeoHookean& n, const Vec3& s, PrincipalResponse& r) {
+void neo_hookean(const StableNeoHookean& n, const Vec3& s, PrincipalResponse& r) {
   const double ic = s.squaredNorm(), volume = s.prod() - n.alpha;
   const double shear = n.mu * (1.0 - 1.0 / (ic + 1.0)), bulk = n.lambda * volume;
   const Vec3 c = cofactors(s);
@@ -52,7 +44,7 @@ double elastic_energy_density(ElasticLaw law, const Lame& lame, const Vec3& s) {
     const double trace = s.sum() - 3.0;
     return lame.mu * (s - Vec3::Ones()).squaredNorm() + 0.5 * lame.lambda * trace * trace;
   }
-  const NeoHookean n(lame);
+  const StableNeoHookean n(lame);
   const double ic = s.squaredNorm(), volume = s.prod() - n.alpha, rest = 1.0 - n.alpha;
   return 0.5 * n.mu * (ic - 3.0) + 0.5 * n.lambda * (volume * volume - rest * rest) -
          0.5 * n.mu * std::log((ic + 1.0) / 4.0);
@@ -63,7 +55,7 @@ PrincipalResponse principal_response(ElasticLaw law, const Lame& lame, const Vec
   if (law == ElasticLaw::CorotationalLinear) {
     corotational(lame, s, r);
   } else {
-    neo_hookean(NeoHookean(lame), s, r);
+    neo_hookean(StableNeoHookean(lame), s, r);
     r.energy = elastic_energy_density(law, lame, s);
     if (project) r.stretch = clamp_to_positive(r.stretch);
   }

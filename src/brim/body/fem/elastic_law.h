@@ -24,6 +24,14 @@ struct Lame {
   }
 };
 
+/// Constants of the stable neo-Hookean energy that agree with Hooke's law at rest.
+struct StableNeoHookean {
+  double mu, lambda, alpha;  ///< µ' [Pa], λ' [Pa], α [-]
+  explicit StableNeoHookean(const Lame& l) : mu(4.0 * l.mu / 3.0), lambda(l.lambda + 5.0 * l.mu / 6.0) {
+    alpha = 1.0 + 0.75 * mu / lambda;
+  }
+};
+
 /// Derivatives of an isotropic energy density in the frame of its principal stretches s. With P = ∂Ψ/∂F,
 ///   Uᵀ P V = diag(first),
 ///   ∂P/∂F in that frame: `stretch` couples the diagonal; the pair (i, j) has two more eigenvectors, antisymmetric

@@ -34,7 +34,7 @@ FemBody::FemBody(TetMesh mesh, FemOptions options, TetElements elements)
   stiffness_.begin(particle_count());
   stiffness_.add_elements(elements_.nodes(), 4);
   stiffness_.finish();
-  elements_.find_slots(stiffness_);
+  elements_.find_pairs(stiffness_);
   force_.assign(particle_count(), Vec3::Zero());
 
   auto contact = std::make_unique<TetContact>(mesh_);

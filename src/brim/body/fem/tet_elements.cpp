@@ -1,12 +1,17 @@
 #include "brim/body/fem/tet_elements.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 
-#include "brim/body/fem/principal_block.h"
 #include "brim/core/error.h"
 #include "brim/math/svd3.h"
 
 namespace brim {
+
+namespace {
+constexpr int kLaneCount = TetLanes::kCount;
+static_assert(ElementSchedule::kChunk % kLaneCount == 0);
+}  // namespace
 
 TetElements::TetElements(const TetMesh& rest, ElasticLaw law, const Lame& lame) : law_(law), lame_(lame) {
   const auto vertices = static_cast<std::int32_t>(rest.vertices.size());
@@ -19,66 +24,80 @@ TetElements::TetElements(const TetMesh& rest, ElasticLaw law, const Lame& lame) 
       corners.push_back(n);
     }
   schedule_.build(corners, 4, rest.vertices);
-  element_.reserve(schedule_.size());
-  for (const std::int32_t e : schedule_.order()) {
-    const auto& t = rest.tets[e];
-    const Vec3 x0 = rest.vertices[t[0]];
+  lanes_.resize(first_lanes(schedule_.size()));
+  const auto edges_of = [&](const Tetrahedron& t) {
     Mat3 edges;
-    edges << rest.vertices[t[1]] - x0, rest.vertices[t[2]] - x0, rest.vertices[t[3]] - x0;
-    const double volume = edges.determinant() / 6.0, size = edges.cwiseAbs().maxCoeff();
+    for (int i = 0; i < 3; ++i) edges.col(i) = rest.vertices[t[i + 1]] - rest.vertices[t[0]];
+    return edges;
+  };
+  for (const std::int32_t e : schedule_.order()) {
+    Tetrahedron t = rest.tets[e];
+    const Mat3 given = edges_of(t);
+    const double volume = given.determinant() / 6.0, size = given.cwiseAbs().maxCoeff();
     if (!(volume > 1e-12 * size * size * size))
       throw InputError(
           fmt::format("finite elements: tetrahedron {} has volume {} m³; it must be positive and not flat", e, volume));
-    element_.push_back({edges.inverse().transpose(), volume});
+    // In ascending order all blocks K_ij, i < j, lie above the diagonal of the matrix.
+    std::sort(t.begin(), t.end());
     node_.insert(node_.end(), t.begin(), t.end());
+    volume_.push_back(volume);
+  }
+  lane_.resize(size());
+  schedule_.for_chunks([&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < begin + (end - begin + kLaneCount - 1) / kLaneCount * kLaneCount; ++k) {
+      const std::size_t place = std::min(k, end - 1), lane = (k - begin) % kLaneCount;
+      TetLanes& lanes = lanes_[first_lanes(begin) + (k - begin) / kLaneCount];
+      const std::int32_t* n = node_.data() + 4 * place;
+      const Mat3 g = edges_of({n[0], n[1], n[2], n[3]}).inverse().transpose();
+      for (int i = 0; i < 3; ++i)
+        for (int c = 0; c < 3; ++c) lanes.gradient[i][c][lane] = g(c, i);
+      lanes.volume[lane] = volume_[place];
+      if (k < end) lane_[k] = static_cast<std::int32_t>(kLaneCount * first_lanes(begin) + k - begin);
+    }
+  });
+}
+
+Mat3 TetElements::gradient(std::size_t place) const {
+  const std::size_t at = static_cast<std::size_t>(lane_[place]);
+  Mat3 g;
+  for (int i = 0; i < 3; ++i)
+    for (int c = 0; c < 3; ++c) g(c, i) = lanes_[at / kLaneCount].gradient[i][c][at % kLaneCount];
+  return g;
+}
+
+void TetElements::find_pairs(const BlockMatrix& matrix) {
+  pair_.resize(size());
+  for (std::size_t k = 0; k < size(); ++k)
+    for (int i = 0, p = 0; i < 4; ++i)
+      for (int j = i + 1; j < 4; ++j, ++p) pair_[k][p] = matrix.pair(node_[4 * k + i], node_[4 * k + j]);
+}
+
+void TetElements::add_chunk(std::size_t begin, std::size_t end, std::span<const Vec3> x, std::span<Vec3> force,
+                            BlockMatrix& stiffness, bool project) const {
+  TetResponse r;
+  double edge[3][3][kLaneCount];
+  for (std::size_t at = begin; at < end; at += kLaneCount) {
+    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+      const std::int32_t* n = node_.data() + 4 * std::min(at + lane, end - 1);
+      for (int i = 0; i < 3; ++i)
+        for (int c = 0; c < 3; ++c) edge[i][c][lane] = x[n[i + 1]][c] - x[n[0]][c];
+    }
+    respond(law_, lame_, project, lanes_[first_lanes(begin) + (at - begin) / kLaneCount], edge, r);
+    for (std::size_t lane = 0; lane < std::min<std::size_t>(kLaneCount, end - at); ++lane) {
+      const std::int32_t* n = node_.data() + 4 * (at + lane);
+      for (int i = 0; i < 4; ++i)
+        for (int c = 0; c < 3; ++c) force[n[i]][c] += r.force[i][c][lane];
+      for (int p = 0; p < 6; ++p) {
+        float* to = stiffness.values(pair_[at + lane][p]);
+        for (int k = 0; k < 9; ++k) to[k] += r.block[p][k][lane];
+      }
+    }
   }
 }
 
-void TetElements::find_slots(const BlockMatrix& matrix) {
-  slot_.resize(size());
-  for (std::size_t k = 0; k < size(); ++k)
-    for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < 4; ++j) slot_[k][4 * i + j] = matrix.slot(node_[4 * k + i], node_[4 * k + j]);
-}
-
 void TetElements::add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness, bool project) const {
-  schedule_.for_each([&](std::size_t k) {
-    const std::int32_t* n = node_.data() + 4 * k;
-    const Element& e = element_[k];
-    Mat3 edges;
-    edges << x[n[1]] - x[n[0]], x[n[2]] - x[n[0]], x[n[3]] - x[n[0]];
-    const Mat3 F = edges * e.gradient.transpose();
-    const Svd3 d = svd3(F);
-    const PrincipalResponse r = principal_response(law_, lame_, d.s, project);
-
-    const Mat3 g = d.V.transpose() * e.gradient;  // columns g_i in the principal frame
-    const Mat3 pull = -e.volume * (d.U * (r.first.asDiagonal() * g));
-    force[n[0]] -= pull.rowwise().sum();
-    for (int i = 0; i < 3; ++i) force[n[i + 1]] += pull.col(i);
-
-    const Vec3 plus = 0.5 * (r.twist + r.flip), minus = 0.5 * (r.flip - r.twist);
-    const auto& slot = slot_[k];
-    Mat3 row_sum[3] = {Mat3::Zero(), Mat3::Zero(), Mat3::Zero()};  // Σ_j K_ij, j = 1..3
-    for (int i = 0; i < 3; ++i)
-      for (int j = i; j < 3; ++j) {
-        const Mat3 K = e.volume * (d.U * principal_block(r, plus, minus, g.col(i), g.col(j)) * d.U.transpose());
-        stiffness.add(slot[4 * (i + 1) + j + 1], K);
-        row_sum[i] += K;
-        if (j > i) {
-          const Mat3 transposed = K.transpose();
-          stiffness.add(slot[4 * (j + 1) + i + 1], transposed);
-          row_sum[j] += transposed;
-        }
-      }
-    // Translations cost nothing: blocks with corner 0 are minus the sums.
-    Mat3 corner = Mat3::Zero();
-    for (int i = 0; i < 3; ++i) {
-      stiffness.add(slot[4 * (i + 1)], -row_sum[i]);
-      stiffness.add(slot[i + 1], -row_sum[i].transpose());
-      corner += row_sum[i];
-    }
-    stiffness.add(slot[0], corner);
-  });
+  schedule_.for_chunks(
+      [&](std::size_t begin, std::size_t end) { add_chunk(begin, end, x, force, stiffness, project); });
 }
 
 double TetElements::energy(std::span<const Vec3> x) const {
@@ -88,8 +107,8 @@ double TetElements::energy(std::span<const Vec3> x) const {
       const std::int32_t* n = node_.data() + 4 * k;
       Mat3 edges;
       edges << x[n[1]] - x[n[0]], x[n[2]] - x[n[0]], x[n[3]] - x[n[0]];
-      const Svd3 d = svd3(edges * element_[k].gradient.transpose());
-      sum += element_[k].volume * elastic_energy_density(law_, lame_, d.s);
+      const Svd3 d = svd3(edges * gradient(k).transpose());
+      sum += volume_[k] * elastic_energy_density(law_, lame_, d.s);
     }
     return sum;
   });
@@ -97,14 +116,14 @@ double TetElements::energy(std::span<const Vec3> x) const {
 
 double TetElements::volume() const {
   double sum = 0.0;
-  for (const Element& e : element_) sum += e.volume;
+  for (const double v : volume_) sum += v;
   return sum;
 }
 
 std::vector<double> TetElements::lumped_mass(std::size_t vertices, double density) const {
   std::vector<double> mass(vertices, 0.0);
   for (std::size_t k = 0; k < size(); ++k)
-    for (int i = 0; i < 4; ++i) mass[node_[4 * k + i]] += 0.25 * density * element_[k].volume;
+    for (int i = 0; i < 4; ++i) mass[node_[4 * k + i]] += 0.25 * density * volume_[k];
   return mass;
 }
 

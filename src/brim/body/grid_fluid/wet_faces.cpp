@@ -4,7 +4,7 @@ namespace brim {
 
 namespace {
 /// Least share of a face at the surface: lighter faces would only spoil the condition of the pressure solve.
-constexpr double kLeastShare = 0.05;
+constexpr double kLeastWet = 0.05;
 }  // namespace
 
 void WetFaces::find(const MacGrid& g, std::span<const double> phi, const std::array<bool, 6>& open) {
@@ -35,7 +35,7 @@ void WetFaces::find(const MacGrid& g, std::span<const double> phi, const std::ar
       share[f] = 1.0;
       if (cell[cl] && cell[ch]) continue;
       const double in = cell[cl] ? phi[cl] : phi[ch], out = cell[cl] ? phi[ch] : phi[cl];
-      share[f] = std::max(in / (in - out), kLeastShare);
+      share[f] = std::max(in / (in - out), kLeastWet);
     }
   });
   touches_walls = std::find(kind.begin(), kind.end(), Kind::Wall) != kind.end();

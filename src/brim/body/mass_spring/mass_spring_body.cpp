@@ -28,7 +28,7 @@ MassSpringBody::MassSpringBody(std::vector<Vec3> rest, SpringMesh mesh, const Ma
   pattern.add_elements(springs_.nodes(), 2);
   pattern.finish();
   share_pattern(std::move(pattern));
-  springs_.find_slots(stiffness_);
+  springs_.find_pairs(stiffness_);
   force_.assign(particle_count(), Vec3::Zero());
 }
 

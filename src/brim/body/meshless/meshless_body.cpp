@@ -10,7 +10,7 @@ namespace brim {
 namespace {
 
 /// Reach of shape functions on a cubic lattice, in spacings: 14 to 27 frames see a point.
-constexpr double kReach = 1.75;
+constexpr double kFrameReach = 1.75;
 
 /// Calls f(center) for the cells of a cubic lattice that covers the box.
 template <class F>
@@ -42,7 +42,7 @@ MeshlessModel fill_with_frames(const std::function<double(const Vec3&)>& distanc
   if (!(spacing > 0.0) || !(cell > 0.0) || !std::isfinite(spacing))
     throw InputError(fmt::format("meshless: a spacing of {} m is not allowed; must be positive and finite", spacing));
   MeshlessModel m;
-  m.reach = kReach * spacing;
+  m.reach = kFrameReach * spacing;
   for_cells(box, spacing, [&](const Vec3& x) {
     if (distance(x) < 0.5 * spacing) m.frames.push_back(x);
   });
@@ -114,7 +114,7 @@ MeshlessBody::MeshlessBody(Parts parts, const ElasticOptions& options)
   stiffness_.begin(particle_count());
   elements_.add_pattern(stiffness_);
   stiffness_.finish();
-  elements_.find_slots(stiffness_);
+  elements_.find_pairs(stiffness_);
   force_.assign(particle_count(), Vec3::Zero());
 }
 

@@ -35,15 +35,15 @@ void SampleElements::add_pattern(BlockMatrix& matrix) const {
   }
 }
 
-void SampleElements::find_slots(const BlockMatrix& matrix) {
-  slot_.clear();
-  first_slot_.assign(1, 0);
+void SampleElements::find_pairs(const BlockMatrix& matrix) {
+  pair_.clear();
+  first_pair_.assign(1, 0);
   for (std::size_t s = 0; s < size(); ++s) {
     for (std::int32_t i = shape_.rows.first[s]; i < shape_.rows.first[s + 1]; ++i)
-      for (std::int32_t j = shape_.rows.first[s]; j < shape_.rows.first[s + 1]; ++j)
-        slot_.push_back(matrix.slot(shape_.rows.source[static_cast<std::size_t>(i)],
+      for (std::int32_t j = i + 1; j < shape_.rows.first[s + 1]; ++j)
+        pair_.push_back(matrix.pair(shape_.rows.source[static_cast<std::size_t>(i)],
                                     shape_.rows.source[static_cast<std::size_t>(j)]));
-    first_slot_.push_back(slot_.size());
+    first_pair_.push_back(pair_.size());
   }
 }
 
@@ -72,13 +72,10 @@ void SampleElements::add(std::span<const Vec3> x, std::span<Vec3> force, BlockMa
           volume_[s] * (stress * shape_.gradient[first + k]);
       g[k] = d.V.transpose() * shape_.gradient[first + k];
     }
-    const std::int32_t* slot = slot_.data() + first_slot_[s];
+    const std::int32_t* pair = pair_.data() + first_pair_[s];
     for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i; j < n; ++j) {
-        const Mat3 K = volume_[s] * (d.U * principal_block(r, plus, minus, g[i], g[j]) * d.U.transpose());
-        stiffness.add(slot[i * n + j], K);
-        if (j > i) stiffness.add(slot[j * n + i], K.transpose());
-      }
+      for (std::size_t j = i + 1; j < n; ++j)
+        stiffness.add(*pair++, volume_[s] * (d.U * principal_block(r, plus, minus, g[i], g[j]) * d.U.transpose()));
   });
 }
 

@@ -2,8 +2,8 @@
 
 #include "brim/body/fem/elastic_law.h"
 #include "brim/body/meshless/moving_least_squares.h"
-#include "brim/body/particles/block_matrix.h"
 #include "brim/body/particles/element_schedule.h"
+#include "brim/math/block_matrix.h"
 
 namespace brim {
 
@@ -20,7 +20,7 @@ class SampleElements {
 
   /// The pattern of the stiffness: begin and finish stay with the caller.
   void add_pattern(BlockMatrix& matrix) const;
-  void find_slots(const BlockMatrix& matrix);
+  void find_pairs(const BlockMatrix& matrix);
   /// Parallel, same bits for any number of threads. About 0.05 µs a pair of frames and sample.
   void add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness) const;
   double energy(std::span<const Vec3> x) const;
@@ -34,8 +34,8 @@ class SampleElements {
   ElasticLaw law_;
   Lame lame_;
   ElementSchedule schedule_;
-  std::vector<std::int32_t> slot_;       // of all ordered pairs of a sample's frames
-  std::vector<std::size_t> first_slot_;  // shape (samples + 1)
+  std::vector<std::int32_t> pair_;       // in the matrix, of all pairs (i, j), i < j, of a sample's frames
+  std::vector<std::size_t> first_pair_;  // shape (samples + 1)
 };
 
 }  // namespace brim

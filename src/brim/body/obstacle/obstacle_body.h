@@ -2,7 +2,9 @@
 
 #include "brim/body/body.h"
 #include "brim/body/distance_bound.h"
+#include "brim/body/posed_display.h"
 #include "brim/body/posed_shape.h"
+#include "brim/body/rigid_frame.h"
 
 namespace brim {
 
@@ -23,7 +25,7 @@ struct ObstacleModel {
 
 /// Static or animated rigid solid of infinite mass. q and v are those of a rigid body (origin of the shape); every
 /// direction of v is imposed, so the solver has nothing to decide.
-class ObstacleBody final : public Body, public DistanceBound {
+class ObstacleBody final : public Body, public DistanceBound, public RigidFrame, public PosedDisplay {
  public:
   /// @throws InputError when keys are missing or their times do not increase
   explicit ObstacleBody(ObstacleModel model);
@@ -52,6 +54,7 @@ class ObstacleBody final : public Body, public DistanceBound {
     solid_.presence(h, w, region, out);
   }
   double distance_bound(int, const Vec3& x) const override { return solid_.distance_bound(x); }
+  const PosedShape* solid(int) const override { return &solid_; }
   void rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override {
     solid_.rasterize(h, w, tiles, out);
   }
@@ -64,8 +67,12 @@ class ObstacleBody final : public Body, public DistanceBound {
   Vec3 linear_momentum(std::span<const double>) const override { return Vec3::Zero(); }
   Vec3 angular_momentum(std::span<const double>) const override { return Vec3::Zero(); }
 
+  Frame rigid_frame() const override { return {solid_.pose().translation, 0.0, Mat3::Zero()}; }
+
   const Display& display() const override { return display_; }
   void display_positions(std::span<Vec3f> x) const override { solid_.display_positions(x); }
+  std::size_t piece_count() const override { return 1; }
+  const PosedShape& piece(std::size_t) const override { return solid_; }
   /// True when more than one key moves it.
   bool animated() const { return model_.keys.size() > 1; }
 

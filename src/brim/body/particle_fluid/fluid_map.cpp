@@ -8,7 +8,7 @@
 namespace brim {
 
 namespace {
-constexpr std::size_t kGrain = 512;
+constexpr std::size_t kRowGrain = 512;
 }
 
 void FluidMap::assign(std::shared_ptr<const std::vector<Vec3>> x, std::vector<Row> rows,
@@ -39,7 +39,7 @@ bool FluidMap::select(std::span<const std::uint32_t> rows, std::unique_ptr<Map>&
     map->row_start_.push_back(map->row_start_.back() + row_start_[rows[i] + 1] - row_start_[rows[i]]);
   }
   map->entry_.resize(static_cast<std::size_t>(map->row_start_.back()));
-  parallel_blocks(rows.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(rows.size(), kRowGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       std::copy(entry_.begin() + row_start_[rows[i]], entry_.begin() + row_start_[rows[i] + 1],
                 map->entry_.begin() + map->row_start_[i]);
@@ -71,7 +71,7 @@ void FluidMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
   if (u.empty()) return;
   BRIM_CHECK(v.size(), ==, 3 * x_->size());
   const Vec3* x = x_->data();
-  parallel_blocks(points(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(points(), kRowGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
       const Row& row = row_[p];
       Vec3 sum = Vec3::Zero();
@@ -96,14 +96,14 @@ void FluidMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
   const Vec3* x = x_->data();
   auto push = pushes_.borrow();
   push->resize(points());
-  parallel_blocks(points(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(points(), kRowGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
       const Row& row = row_[p];
       const double normal = row.direction.dot(f[p]);
       (*push)[p] = {row.share * (f[p] + ((row.rest - 1.0) * normal) * row.direction), row.node, row.steep * normal};
     }
   });
-  parallel_blocks(by.transpose.columns.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(by.transpose.columns.size(), kRowGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       const std::int32_t particle = by.transpose.columns[c];
       const Vec3 at = x[particle];
@@ -123,7 +123,7 @@ void FluidMap::add_block_diagonal(std::span<const Mat3> K, std::size_t first, Bl
   if (K.empty()) return;
   const ByParticle& by = by_particle();
   const Vec3* x = x_->data();
-  parallel_blocks(by.transpose.columns.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(by.transpose.columns.size(), kRowGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       const std::int32_t particle = by.transpose.columns[c];
       Mat3 sum = Mat3::Zero();

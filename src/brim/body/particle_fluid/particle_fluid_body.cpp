@@ -12,15 +12,17 @@ namespace {
 
 constexpr double kSupport = 2.0;  ///< H over the spacing
 constexpr double kSurfaceFill = 0.90, kInsideFill = 0.98;
-constexpr std::size_t kGrain = 1024;
+constexpr std::size_t kParticleGrain = 1024;
 
 void require(const char* name, double value, bool good, const char* allowed) {
   if (!good || !std::isfinite(value))
     throw InputError(fmt::format("particle fluid: {} is {}; it must be {}", name, value, allowed));
 }
 
-Eigen::Map<const Vec3> at(std::span<const double> a, std::size_t i) { return Eigen::Map<const Vec3>(a.data() + 3 * i); }
-Eigen::Map<Vec3> at(std::span<double> a, std::size_t i) { return Eigen::Map<Vec3>(a.data() + 3 * i); }
+Eigen::Map<const Vec3> particle_at(std::span<const double> a, std::size_t i) {
+  return Eigen::Map<const Vec3>(a.data() + 3 * i);
+}
+Eigen::Map<Vec3> particle_at(std::span<double> a, std::size_t i) { return Eigen::Map<Vec3>(a.data() + 3 * i); }
 
 /// Σ W over a cubic lattice of unit spacing: V is chosen so that the lattice fills space.
 double lattice_sum(const FluidKernel& kernel, double spacing) {
@@ -90,8 +92,8 @@ void ParticleFluidBody::initial_state(std::span<double> q, std::span<double> v) 
   Vec3 center = Vec3::Zero();
   for (const Vec3& x : start_) center += x / static_cast<double>(start_.size());
   for (std::size_t i = 0; i < start_.size(); ++i) {
-    at(q, i) = start_[i];
-    at(v, i) = options_.initial_velocity + options_.initial_spin.cross(start_[i] - center);
+    particle_at(q, i) = start_[i];
+    particle_at(v, i) = options_.initial_velocity + options_.initial_spin.cross(start_[i] - center);
   }
 }
 
@@ -118,7 +120,7 @@ void ParticleFluidBody::update(double, std::span<const double> q, std::span<cons
 }
 
 void ParticleFluidBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
-  parallel_blocks(q.size(), 4 * kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(q.size(), 4 * kParticleGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) q[i] += dt * v[i];
   });
 }
@@ -127,7 +129,7 @@ void ParticleFluidBody::gather(std::span<const double> x, Product& p) const {
   const auto order = cells_.order();
   p.v.resize(order.size()), p.rate.resize(order.size()), p.pressure.resize(order.size());
   p.y.assign(order.size(), Vec3::Zero());
-  parallel_blocks(order.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(order.size(), kParticleGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const double* s = x.data() + 3 * order[k];
       p.v[k] = Vec4(static_cast<float>(s[0]), static_cast<float>(s[1]), static_cast<float>(s[2]), 0.0f);
@@ -137,8 +139,8 @@ void ParticleFluidBody::gather(std::span<const double> x, Product& p) const {
 
 void ParticleFluidBody::scatter(const Product& p, double scale, std::span<double> y) const {
   const auto order = cells_.order();
-  parallel_blocks(order.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) at(y, order[k]) += scale * p.y[k];
+  parallel_blocks(order.size(), kParticleGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) particle_at(y, order[k]) += scale * p.y[k];
   });
 }
 
@@ -192,7 +194,7 @@ void ParticleFluidBody::apply_system(std::span<const double> x, std::span<double
 void ParticleFluidBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) const {
   const auto order = cells_.order();
   const float kappa = static_cast<float>(dt_ * dt_ * bulk_modulus_ * particle_mass_ / options_.density);
-  parallel_blocks(order.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(order.size(), kParticleGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Eigen::Vector3f own = Eigen::Vector3f::Zero();
       Eigen::Matrix3f others = Eigen::Matrix3f::Zero();
@@ -218,7 +220,8 @@ Vec3 ParticleFluidBody::carrier_velocity(int, std::span<const double> v) const {
 double ParticleFluidBody::relative_speed_bound(int, std::span<const double> v) const {
   const Vec3 carrier = carrier_velocity(0, v);
   double largest = 0.0;
-  for (std::size_t i = 0; i < start_.size(); ++i) largest = std::max(largest, (at(v, i) - carrier).squaredNorm());
+  for (std::size_t i = 0; i < start_.size(); ++i)
+    largest = std::max(largest, (particle_at(v, i) - carrier).squaredNorm());
   return std::sqrt(largest);
 }
 
@@ -254,18 +257,18 @@ double ParticleFluidBody::potential_energy(const Environment& env) const {
 
 Vec3 ParticleFluidBody::linear_momentum(std::span<const double> v) const {
   Vec3 p = Vec3::Zero();
-  for (std::size_t i = 0; i < start_.size(); ++i) p += at(v, i);
+  for (std::size_t i = 0; i < start_.size(); ++i) p += particle_at(v, i);
   return particle_mass_ * p;
 }
 
 Vec3 ParticleFluidBody::angular_momentum(std::span<const double> v) const {
   Vec3 l = Vec3::Zero();
-  for (std::size_t i = 0; i < start_.size(); ++i) l += x_[i].cross(at(v, i));
+  for (std::size_t i = 0; i < start_.size(); ++i) l += x_[i].cross(particle_at(v, i));
   return particle_mass_ * l;
 }
 
 bool ParticleFluidBody::rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const {
-  for (std::size_t i = 0; i < x_.size(); ++i) at(v, i) = t + w.cross(x_[i]);
+  for (std::size_t i = 0; i < x_.size(); ++i) particle_at(v, i) = t + w.cross(x_[i]);
   return true;
 }
 

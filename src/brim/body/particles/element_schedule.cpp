@@ -8,7 +8,6 @@ namespace brim {
 
 namespace {
 
-constexpr std::size_t kChunk = 64;
 constexpr int kMaskColors = 64;
 
 /// Spreads the low 10 bits of v to every third bit.

@@ -27,16 +27,24 @@ class ElementSchedule {
   std::size_t size() const { return order_.size(); }
   int colors() const { return static_cast<int>(color_first_.size()) - 1; }
 
-  /// Calls f(k) for every place k.
+  /// Calls f(begin, end) for every chunk of places. All chunks but one have kChunk elements.
+  static constexpr std::size_t kChunk = 64;
   template <class F>
-  void for_each(const F& f) const {
+  void for_chunks(const F& f) const {
     for (std::size_t c = 0; c + 1 < color_first_.size(); ++c) {
       const std::size_t first = color_first_[c];
       parallel_for(color_first_[c + 1] - first, [&](std::size_t i) {
-        const std::size_t begin = chunk_first_[first + i], end = chunk_first_[first + i + 1];
-        for (std::size_t k = begin; k < end; ++k) f(k);
+        f(static_cast<std::size_t>(chunk_first_[first + i]), static_cast<std::size_t>(chunk_first_[first + i + 1]));
       });
     }
+  }
+
+  /// Calls f(k) for every place k.
+  template <class F>
+  void for_each(const F& f) const {
+    for_chunks([&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) f(k);
+    });
   }
 
  private:

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "brim/body/particles/mean_motion.h"
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 
@@ -12,7 +13,12 @@ namespace {
 Eigen::Map<const Vec3> at(std::span<const double> a, std::size_t i) { return Eigen::Map<const Vec3>(a.data() + 3 * i); }
 Eigen::Map<Vec3> at(std::span<double> a, std::size_t i) { return Eigen::Map<Vec3>(a.data() + 3 * i); }
 
-constexpr std::size_t kBlock = 4096;
+std::span<const double> flat(const std::vector<Vec3>& x) { return {x.data()->data(), 3 * x.size()}; }
+
+/// True where inner forces join the particles, so that they turn as one.
+bool hold_together(const BlockMatrix& stiffness) { return stiffness.block_count() > stiffness.rows(); }
+
+constexpr std::size_t kNodeBlock = 4096;
 
 }  // namespace
 
@@ -40,6 +46,8 @@ ParticleBody::ParticleBody(std::vector<Vec3> rest, std::vector<double> mass, Par
   require_not_negative("body", "mass damping", options_.mass_damping);
   require_not_negative("body", "stiffness damping", options_.stiffness_damping);
   require_not_negative("body", "voxel size", options_.voxel_size);
+  for (const double m : mass_) total_mass_ += m;
+  for (const Vec3& x : x_) box_.extend(x);
   for (std::size_t i = 0; i < rest_.size(); ++i)
     if (!rest_[i].allFinite()) throw InputError(fmt::format("body: vertex {} has a position that is not finite", i));
   imposed_ = options_.fixed;
@@ -59,9 +67,8 @@ ParticleBody::ParticleBody(std::vector<Vec3> rest, std::vector<double> mass, Par
 
 void ParticleBody::initial_state(std::span<double> q, std::span<double> v) const {
   Vec3 center = Vec3::Zero();
-  double total = 0.0;
-  for (std::size_t i = 0; i < rest_.size(); ++i) center += mass_[i] * rest_[i], total += mass_[i];
-  center /= total;
+  for (std::size_t i = 0; i < rest_.size(); ++i) center += mass_[i] * rest_[i];
+  center /= total_mass_;
   for (std::size_t i = 0; i < rest_.size(); ++i) {
     at(q, i) = rest_[i];
     at(v, i) = options_.initial_velocity + options_.initial_spin.cross(rest_[i] - center);
@@ -78,23 +85,53 @@ void ParticleBody::prescribe(double time, double dt, std::span<const double> q, 
 void ParticleBody::update(double, std::span<const double> q, std::span<const double> v) {
   BRIM_CHECK(q.size(), ==, q_size());
   BRIM_CHECK(v.size(), ==, v_size());
-  for (std::size_t i = 0; i < rest_.size(); ++i) x_[i] = at(q, i), v_[i] = at(v, i);
+  box_ = Aabb{};
+  for (std::size_t i = 0; i < rest_.size(); ++i) {
+    x_[i] = at(q, i), v_[i] = at(v, i);
+    box_.extend(x_[i]);
+  }
   force_.assign(rest_.size(), Vec3::Zero());
   stiffness_.set_zero();
   add_inner();
+  stiffness_.close();
 }
 
 void ParticleBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
-  for (std::size_t i = 0; i < q.size(); ++i) q[i] += dt * v[i];
+  if (hold_together(stiffness_))
+    advance_turning({mass_, imposed_}, dt, q, v);
+  else
+    for (std::size_t i = 0; i < q.size(); ++i) q[i] += dt * v[i];
+}
+
+void ParticleBody::finish_step(double, double dt, std::span<double> q, std::span<double> v) {
+  if (!hold_together(stiffness_)) return;
+  // The forces of the state have neither resultant nor torque; their linear change over the step, -K v, may have both.
+  impulse_.assign(v.size(), 0.0);
+  const BlockSystem system = *block_system();
+  if (system.stiffness == &stiffness_) {
+    stiffness_.multiply_add(system.stiffness_share, 0.0, mass_, v, impulse_);
+  } else {
+    // The system's own rounding acted on what the velocities changed by, that of K and D on what they were.
+    std::vector<double> x(v.begin(), v.end());
+    for (std::size_t i = 0; i < v_.size(); ++i) at(std::span(x), i) -= v_[i];
+    system.stiffness->multiply_add(system.stiffness_share, 0.0, mass_, x, impulse_);
+    std::fill(x.begin(), x.end(), 0.0);
+    apply_stiffness(flat(v_), x);
+    for (double& e : x) e *= dt;
+    apply_damping(flat(v_), x);
+    for (std::size_t i = 0; i < v_.size(); ++i)
+      at(std::span(impulse_), i) -= dt * (at(std::span(x), i) + options_.mass_damping * mass_[i] * v_[i]);
+  }
+  turn_velocities({mass_, imposed_}, dt, flat(x_), q, v, impulse_);
 }
 
 void ParticleBody::add_forces(const Environment& env, std::span<double> Q) const {
   const double a = options_.mass_damping;
   for (std::size_t i = 0; i < rest_.size(); ++i) at(Q, i) += mass_[i] * env.gravity + force_[i] - a * mass_[i] * v_[i];
   if (options_.stiffness_damping > 0.0) {
-    const std::span<const double> v(v_.data()->data(), 3 * v_.size());
-    stiffness_.multiply_add(-options_.stiffness_damping, 0.0, mass_, v, Q);
+    stiffness_.multiply_add(-options_.stiffness_damping, 0.0, mass_, flat(v_), Q);
   }
+  if (hold_together(stiffness_)) add_turning_forces({mass_, imposed_}, dt_, flat(x_), flat(v_), Q);
 }
 
 void ParticleBody::apply_mass(std::span<const double> x, std::span<double> y) const {
@@ -113,11 +150,16 @@ void ParticleBody::apply_system(std::span<const double> x, std::span<double> y) 
   stiffness_.multiply_add(dt_ * (options_.stiffness_damping + dt_), 1.0 + dt_ * options_.mass_damping, mass_, x, y);
 }
 
+std::optional<BlockSystem> ParticleBody::block_system() const {
+  return BlockSystem{&stiffness_, dt_ * (options_.stiffness_damping + dt_), 1.0 + dt_ * options_.mass_damping, mass_,
+                     imposed_};
+}
+
 void ParticleBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) const {
   const double a = dt_ * (options_.stiffness_damping + dt_), b = 1.0 + dt_ * options_.mass_damping;
-  parallel_blocks(rest_.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(rest_.size(), kNodeBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      D.block(first + i) += a * stiffness_.block(stiffness_.diagonal_slot(i)) + b * mass_[i] * Mat3::Identity();
+      D.block(first + i) += a * stiffness_.diagonal(i) + b * mass_[i] * Mat3::Identity();
   });
 }
 
@@ -132,13 +174,10 @@ void ParticleBody::set_contact(std::unique_ptr<const ParticleContact> contact, P
   if (immobile()) part_.areal_mass = 0.0;
   part_.material = options_.material;
   display_.vertices = rest_.size();
+  clusters_.build(rest_, stiffness_);
 }
 
-Aabb ParticleBody::bounds(int) const {
-  Aabb box;
-  for (const Vec3& x : x_) box.extend(x);
-  return contact_ ? box.inflated(contact_->reach()) : box;
-}
+Aabb ParticleBody::bounds(int) const { return contact_ ? box_.inflated(contact_->reach()) : box_; }
 
 void ParticleBody::presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const {
   contact_->presence(x_, h, w, region, out);
@@ -159,11 +198,7 @@ void ParticleBody::display_positions(std::span<Vec3f> x) const {
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = x_[i].cast<float>();
 }
 
-Vec3 ParticleBody::carrier_velocity(int, std::span<const double> v) const {
-  double total = 0.0;
-  for (const double m : mass_) total += m;
-  return linear_momentum(v) / total;
-}
+Vec3 ParticleBody::carrier_velocity(int, std::span<const double> v) const { return linear_momentum(v) / total_mass_; }
 
 double ParticleBody::relative_speed_bound(int, std::span<const double> v) const {
   const Vec3 carrier = carrier_velocity(0, v);
@@ -172,11 +207,18 @@ double ParticleBody::relative_speed_bound(int, std::span<const double> v) const 
   return std::sqrt(largest);
 }
 
+void ParticleBody::motion_clusters(int, std::span<const double> v, std::vector<MotionCluster>& out) const {
+  if (contact_) clusters_.measure(x_, v, contact_->reach(), out);
+}
+
 double ParticleBody::mass() const {
-  if (imposed_.size() == rest_.size()) return std::numeric_limits<double>::infinity();
-  double total = 0.0;
-  for (const double m : mass_) total += m;
-  return total;
+  return imposed_.size() == rest_.size() ? std::numeric_limits<double>::infinity() : total_mass_;
+}
+
+double ParticleBody::kinetic_energy(std::span<const double> v) const {
+  double e = 0.0;
+  for (std::size_t i = 0; i < rest_.size(); ++i) e += 0.5 * mass_[i] * at(v, i).squaredNorm();
+  return e;
 }
 
 double ParticleBody::potential_energy(const Environment& env) const {

@@ -6,8 +6,9 @@
 #include <vector>
 
 #include "brim/body/body.h"
-#include "brim/body/particles/block_matrix.h"
+#include "brim/body/particles/node_clusters.h"
 #include "brim/body/particles/particle_contact.h"
+#include "brim/math/block_matrix.h"
 
 namespace brim {
 
@@ -39,7 +40,7 @@ struct ParticleOptions {
 ///   A = (1 + dt a) M + (dt b + dt²) K
 /// K in the damping is that of the current state; its own change with q is left out of ∂Q/∂q.
 /// Contact is left to a ParticleContact, which the kind of body gives to set_contact.
-class ParticleBody : public Body {
+class ParticleBody : public Body, public MotionClusters {
  public:
   std::size_t q_size() const override { return 3 * rest_.size(); }
   std::size_t v_size() const override { return 3 * rest_.size(); }
@@ -48,11 +49,15 @@ class ParticleBody : public Body {
   void update(double time, std::span<const double> q, std::span<const double> v) override;
   void advance(double dt, std::span<double> q, std::span<const double> v) const override;
 
+  /// Gives back what the step took from the momentum of free motion (docs/numerics.md, Momentum of deformable bodies).
+  void finish_step(double time, double dt, std::span<double> q, std::span<double> v) override;
+
   void add_forces(const Environment& env, std::span<double> Q) const override;
   void apply_mass(std::span<const double> x, std::span<double> y) const override;
   void apply_stiffness(std::span<const double> x, std::span<double> y) const override;
   void apply_damping(std::span<const double> x, std::span<double> y) const override;
   void apply_system(std::span<const double> x, std::span<double> y) const override;
+  std::optional<BlockSystem> block_system() const override;
   std::vector<int> block_sizes() const override { return std::vector<int>(rest_.size(), 3); }
   void add_system_diagonal(std::size_t first, BlockDiagonal& D) const override;
   void filter(std::span<double> x) const override;
@@ -66,8 +71,10 @@ class ParticleBody : public Body {
                 std::unique_ptr<Map>& map) const override;
   Vec3 carrier_velocity(int p, std::span<const double> v) const override;
   double relative_speed_bound(int p, std::span<const double> v) const override;
+  void motion_clusters(int p, std::span<const double> v, std::vector<MotionCluster>& out) const override;
 
   double mass() const override;
+  double kinetic_energy(std::span<const double> v) const override;
   double potential_energy(const Environment& env) const override;
   Vec3 linear_momentum(std::span<const double> v) const override;
   Vec3 angular_momentum(std::span<const double> v) const override;
@@ -107,7 +114,11 @@ class ParticleBody : public Body {
   Display display_;
 
  private:
+  double total_mass_ = 0.0;      // [kg]
+  Aabb box_;                     // of x_
+  std::vector<double> impulse_;  // [N s] scratch of finish_step
   std::unique_ptr<const ParticleContact> contact_;
+  NodeClusters clusters_;
   PartInfo part_;
 };
 

@@ -18,11 +18,9 @@ SpringElements::SpringElements(std::span<const Spring> springs, std::span<const 
   }
 }
 
-void SpringElements::find_slots(const BlockMatrix& matrix) {
-  slot_.resize(size());
-  for (std::size_t k = 0; k < size(); ++k)
-    for (int i = 0; i < 2; ++i)
-      for (int j = 0; j < 2; ++j) slot_[k][2 * i + j] = matrix.slot(spring_[k].node[i], spring_[k].node[j]);
+void SpringElements::find_pairs(const BlockMatrix& matrix) {
+  pair_.clear();
+  for (const Spring& s : spring_) pair_.push_back(matrix.pair(s.node[0], s.node[1]));
 }
 
 void SpringElements::add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness,
@@ -39,11 +37,8 @@ void SpringElements::add(std::span<const Vec3> x, std::span<Vec3> force, BlockMa
     const Mat3 along = s.stiffness * n * n.transpose();
     const double across = std::max(0.0, 1.0 - s.length / l);
     const Mat3 K = (1.0 - across) * along + across * s.stiffness * Mat3::Identity();
-    for (int i = 0; i < 4; ++i) {
-      const double sign = i == 0 || i == 3 ? 1.0 : -1.0;
-      stiffness.add(slot_[k][i], sign * K);
-      damper.add(slot_[k][i], sign * along);
-    }
+    stiffness.add(pair_[k], -K);
+    damper.add(pair_[k], -along);
   });
 }
 

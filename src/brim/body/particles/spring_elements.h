@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "brim/body/particles/block_matrix.h"
 #include "brim/body/particles/element_schedule.h"
+#include "brim/math/block_matrix.h"
 
 namespace brim {
 
@@ -31,7 +31,7 @@ class SpringElements {
   /// @param slack  true: resist stretch only
   SpringElements(std::span<const Spring> springs, std::span<const Vec3> x, bool slack = false);
 
-  void find_slots(const BlockMatrix& matrix);
+  void find_pairs(const BlockMatrix& matrix);
   /// force += −∂E/∂x, stiffness += K, damper += k n nᵀ; the last two have the same pattern. Parallel, same bits for any
   /// number of threads.
   void add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness, BlockMatrix& damper) const;
@@ -49,7 +49,7 @@ class SpringElements {
   ElementSchedule schedule_;
   std::vector<Spring> spring_;
   std::vector<std::int32_t> node_;
-  std::vector<std::array<std::int32_t, 4>> slot_;  // 00, 01, 10, 11
+  std::vector<std::int32_t> pair_;  // of the ends, in the matrix
 };
 
 }  // namespace brim

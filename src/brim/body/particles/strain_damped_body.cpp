@@ -1,5 +1,6 @@
 #include "brim/body/particles/strain_damped_body.h"
 
+#include "brim/body/particles/mean_motion.h"
 #include "brim/core/parallel.h"
 
 namespace brim {
@@ -13,14 +14,16 @@ void StrainDampedBody::share_pattern(BlockMatrix pattern) {
 void StrainDampedBody::update(double time, std::span<const double> q, std::span<const double> v) {
   damper_.set_zero();
   ParticleBody::update(time, q, v);
+  damper_.close();
 }
 
 void StrainDampedBody::add_forces(const Environment& env, std::span<double> Q) const {
   const double a = options_.mass_damping;
+  const std::span<const double> v(v_.data()->data(), 3 * v_.size());
   for (std::size_t i = 0; i < rest_.size(); ++i)
     Eigen::Map<Vec3>(Q.data() + 3 * i) += mass_[i] * env.gravity + force_[i] - a * mass_[i] * v_[i];
-  if (options_.stiffness_damping > 0.0)
-    damper_.multiply_add(-options_.stiffness_damping, 0.0, mass_, {v_.data()->data(), 3 * v_.size()}, Q);
+  if (options_.stiffness_damping > 0.0) damper_.multiply_add(-options_.stiffness_damping, 0.0, mass_, v, Q);
+  add_turning_forces({mass_, imposed_}, dt_, {x_.data()->data(), 3 * x_.size()}, v, Q);
 }
 
 void StrainDampedBody::apply_damping(std::span<const double> x, std::span<double> y) const {
@@ -29,25 +32,22 @@ void StrainDampedBody::apply_damping(std::span<const double> x, std::span<double
 
 void StrainDampedBody::begin_solve(double dt) {
   ParticleBody::begin_solve(dt);
-  const double b = dt * options_.stiffness_damping;
-  system_.set_zero();
-  parallel_blocks(system_.block_count(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      const auto slot = static_cast<std::int32_t>(s);
-      system_.add(slot, dt * dt * stiffness_.block(slot) + b * damper_.block(slot));
-    }
-  });
+  system_.combine(dt * dt, stiffness_, dt * options_.stiffness_damping, damper_);
 }
 
 void StrainDampedBody::apply_system(std::span<const double> x, std::span<double> y) const {
   system_.multiply_add(1.0, 1.0 + dt_ * options_.mass_damping, mass_, x, y);
 }
 
+std::optional<BlockSystem> StrainDampedBody::block_system() const {
+  return BlockSystem{&system_, 1.0, 1.0 + dt_ * options_.mass_damping, mass_, imposed_};
+}
+
 void StrainDampedBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) const {
   const double b = 1.0 + dt_ * options_.mass_damping;
   parallel_blocks(rest_.size(), 4096, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      D.block(first + i) += system_.block(system_.diagonal_slot(i)) + b * mass_[i] * Mat3::Identity();
+      D.block(first + i) += system_.diagonal(i) + b * mass_[i] * Mat3::Identity();
   });
 }
 

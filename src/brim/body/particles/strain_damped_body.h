@@ -15,6 +15,7 @@ class StrainDampedBody : public ParticleBody {
   void apply_damping(std::span<const double> x, std::span<double> y) const override;
   void begin_solve(double dt) override;
   void apply_system(std::span<const double> x, std::span<double> y) const override;
+  std::optional<BlockSystem> block_system() const override;
   void add_system_diagonal(std::size_t first, BlockDiagonal& D) const override;
 
  protected:

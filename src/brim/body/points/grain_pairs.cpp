@@ -8,7 +8,7 @@
 namespace brim {
 
 namespace {
-constexpr std::size_t kBlock = 512;
+constexpr std::size_t kPairBlock = 512;
 }
 
 Mat3 GrainPairs::Contact::matrix(double a, double b) const {
@@ -73,7 +73,7 @@ GrainPairs::Contact GrainPairs::contact(const NeighbourSearch::Pair& p, std::spa
 void GrainPairs::evaluate(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const double> radius,
                           std::span<const double> mass, const GrainMaterial& material, double dt) {
   contact_.resize(pair_.size());
-  parallel_blocks(pair_.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(pair_.size(), kPairBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) contact_[p] = contact(pair_[p], x, v, radius, mass, material, dt);
   });
   worst_overlap_ = 0.0;
@@ -84,7 +84,7 @@ void GrainPairs::evaluate(std::span<const Vec3> x, std::span<const Vec3> v, std:
 }
 
 void GrainPairs::add_forces(std::span<Vec3> f) const {
-  parallel_blocks(f.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(f.size(), kPairBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       for (const Side& s : sides_of(i)) {
         const Vec3& force = contact_[s.pair].force;
@@ -94,7 +94,7 @@ void GrainPairs::add_forces(std::span<Vec3> f) const {
 }
 
 void GrainPairs::multiply_add(double a, double b, std::span<const double> x, std::span<double> y) const {
-  parallel_blocks(x.size() / 3, kBlock, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(x.size() / 3, kPairBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Eigen::Map<const Vec3> xi(x.data() + 3 * i);
       Vec3 sum = Vec3::Zero();

@@ -12,7 +12,7 @@ namespace {
 constexpr int kBits = 21;
 constexpr double kMaxCells = (1 << kBits) - 4.0;
 constexpr std::uint64_t kNowhere = ~std::uint64_t{0};
-constexpr std::size_t kBlock = 1024;
+constexpr std::size_t kSearchBlock = 1024;
 
 }  // namespace
 
@@ -61,12 +61,12 @@ std::span<const NeighbourSearch::Pair> NeighbourSearch::find(std::span<const Vec
   };
   // Count, then fill: every ball owns its place in the list.
   first_.assign(x.size() + 1, 0);
-  parallel_blocks(x.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(x.size(), kSearchBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) for_neighbours(i, [&](std::int32_t j) { first_[i + 1] += near(i, j); });
   });
   for (std::size_t i = 0; i < x.size(); ++i) first_[i + 1] += first_[i];
   pairs_.resize(first_.back());
-  parallel_blocks(x.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+  parallel_blocks(x.size(), kSearchBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       std::size_t at = first_[i];
       for_neighbours(i, [&](std::int32_t j) {

@@ -35,6 +35,7 @@ class PointsBody final : public ParticleBody {
   void apply_damping(std::span<const double> x, std::span<double> y) const override;
   void begin_solve(double dt) override;
   void apply_system(std::span<const double> x, std::span<double> y) const override;
+  std::optional<BlockSystem> block_system() const override { return std::nullopt; }  // pairs come and go
   void add_system_diagonal(std::size_t first, BlockDiagonal& D) const override;
 
   std::span<const double> radii() const { return radius_; }

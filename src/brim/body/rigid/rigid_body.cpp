@@ -15,6 +15,7 @@ RigidBody::RigidBody(RigidModel model)
   const Eigen::SelfAdjointEigenSolver<Mat3> eig(model_.inertia);
   if (!(eig.eigenvalues().minCoeff() > 0.0))
     throw InputError("rigid body: the inertia tensor is not positive definite; is the solid closed and not empty?");
+  model_inverse_ = model_.inertia.llt().solve(Mat3::Identity());
   reach_ = solid_.reach(model_.center_of_mass);
   display_.vertices = solid_.surface().vertices.size();
   display_.triangles = solid_.surface().triangles;
@@ -33,6 +34,7 @@ void RigidBody::update(double, std::span<const double> q, std::span<const double
   const Mat3 R = Quat(q[3], q[4], q[5], q[6]).toRotationMatrix();
   solid_.place({R, center_ - R * model_.center_of_mass});
   inertia_ = R * model_.inertia * R.transpose();
+  inverse_inertia_ = R * model_inverse_ * R.transpose();
   momentum_rate_ = -model_.linear_damping * model_.mass * Vec3(v[0], v[1], v[2]);
   spin_rate_ = -model_.angular_damping * (inertia_ * Vec3(v[3], v[4], v[5]));
 }
@@ -104,6 +106,11 @@ Vec3 RigidBody::linear_momentum(std::span<const double> v) const { return model_
 
 Vec3 RigidBody::angular_momentum(std::span<const double> v) const {
   return center_.cross(linear_momentum(v)) + inertia_ * Vec3(v[3], v[4], v[5]);
+}
+
+RigidFrame::Frame RigidBody::rigid_frame() const {
+  return {center_, 1.0 / ((1.0 + dt_ * model_.linear_damping) * model_.mass),
+          inverse_inertia_ / (1.0 + dt_ * model_.angular_damping)};
 }
 
 bool RigidBody::rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const {

@@ -2,7 +2,9 @@
 
 #include "brim/body/body.h"
 #include "brim/body/distance_bound.h"
+#include "brim/body/posed_display.h"
 #include "brim/body/posed_shape.h"
+#include "brim/body/rigid_frame.h"
 
 namespace brim {
 
@@ -25,7 +27,7 @@ struct RigidModel {
 
 /// Rigid body: q = (position of the centre of mass, quaternion w x y z), v = (o', ω), world frame.
 /// Free rotation conserves angular momentum exactly: after each step ω follows from L at the new orientation.
-class RigidBody final : public Body, public DistanceBound {
+class RigidBody final : public Body, public DistanceBound, public RigidFrame, public PosedDisplay {
  public:
   /// @throws InputError when mass or inertia is not positive
   explicit RigidBody(RigidModel model);
@@ -53,6 +55,7 @@ class RigidBody final : public Body, public DistanceBound {
     solid_.presence(h, w, region, out);
   }
   double distance_bound(int, const Vec3& x) const override { return solid_.distance_bound(x); }
+  const PosedShape* solid(int) const override { return &solid_; }
   void rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override {
     solid_.rasterize(h, w, tiles, out);
   }
@@ -64,19 +67,24 @@ class RigidBody final : public Body, public DistanceBound {
   Vec3 linear_momentum(std::span<const double> v) const override;
   Vec3 angular_momentum(std::span<const double> v) const override;
 
+  Frame rigid_frame() const override;
   bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
 
   const Display& display() const override { return display_; }
   void display_positions(std::span<Vec3f> x) const override { solid_.display_positions(x); }
+  std::size_t piece_count() const override { return 1; }
+  const PosedShape& piece(std::size_t) const override { return solid_; }
 
  private:
   RigidModel model_;
   PosedShape solid_;
   Display display_;
   double reach_ = 0.0;  ///< [m] farthest matter from the centre of mass
+  Mat3 model_inverse_;  ///< of the inertia, shape's axes, [1/(kg m²)]
   // Of the last update:
   Vec3 center_ = Vec3::Zero();                                    ///< [m] centre of mass
   Mat3 inertia_ = Mat3::Identity();                               ///< world axes, [kg m²]
+  Mat3 inverse_inertia_ = Mat3::Identity();                       ///< world axes, [1/(kg m²)]
   Vec3 momentum_rate_ = Vec3::Zero(), spin_rate_ = Vec3::Zero();  ///< damping forces
 };
 

@@ -52,11 +52,12 @@ RodBending::RodBending(std::span<const std::array<std::int32_t, 3>> triples, std
   }
 }
 
-void RodBending::find_slots(const BlockMatrix& matrix) {
-  slot_.resize(size());
-  for (std::size_t k = 0; k < size(); ++k)
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) slot_[k][3 * i + j] = matrix.slot(node_[3 * k + i], node_[3 * k + j]);
+void RodBending::find_pairs(const BlockMatrix& matrix) {
+  pair_.clear();
+  for (std::size_t k = 0; k < size(); ++k) {
+    const std::int32_t* n = node_.data() + 3 * k;
+    pair_.push_back({matrix.pair(n[0], n[1]), matrix.pair(n[0], n[2]), matrix.pair(n[1], n[2])});
+  }
 }
 
 void RodBending::add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness,
@@ -74,13 +75,13 @@ void RodBending::add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix
     Mat3 metric = across * Mat3::Identity();
     if (size > 0.0) metric += (1.0 - across) / (size * size) * bend.kappa * bend.kappa.transpose();
     metric *= e.stiffness;
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0, p = 0; i < 3; ++i) {
       force[n[i]] -= e.stiffness * share * (J[i].transpose() * bend.kappa);
       const Mat3 left = J[i].transpose() * metric;
-      for (int j = 0; j < 3; ++j) {
+      for (int j = i + 1; j < 3; ++j, ++p) {
         const Mat3 K = left * J[j];
-        stiffness.add(slot_[k][3 * i + j], K);
-        damper.add(slot_[k][3 * i + j], K);
+        stiffness.add(pair_[k][p], K);
+        damper.add(pair_[k][p], K);
       }
     }
   });

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "brim/body/particles/block_matrix.h"
 #include "brim/body/particles/element_schedule.h"
+#include "brim/math/block_matrix.h"
 
 namespace brim {
 
@@ -29,7 +29,7 @@ class RodBending {
   /// @throws InputError  where a rest shape folds back onto itself
   RodBending(std::span<const std::array<std::int32_t, 3>> triples, std::span<const Vec3> x, double B, bool bent);
 
-  void find_slots(const BlockMatrix& matrix);
+  void find_pairs(const BlockMatrix& matrix);
   /// force += −∂E/∂x; stiffness and damper += K. Parallel, same bits for any number of threads.
   void add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness, BlockMatrix& damper) const;
   /// E, [J].
@@ -46,7 +46,7 @@ class RodBending {
   ElementSchedule schedule_;
   std::vector<Element> element_;
   std::vector<std::int32_t> node_;
-  std::vector<std::array<std::int32_t, 9>> slot_;
+  std::vector<std::array<std::int32_t, 3>> pair_;  // 01, 02, 12
 };
 
 }  // namespace brim

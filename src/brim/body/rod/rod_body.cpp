@@ -42,8 +42,8 @@ RodBody::RodBody(std::vector<Vec3> nodes, Line line, const RodOptions& options)
   pattern.add_elements(bending_.nodes(), 3);
   pattern.finish();
   share_pattern(std::move(pattern));
-  stretch_.find_slots(stiffness_);
-  bending_.find_slots(stiffness_);
+  stretch_.find_pairs(stiffness_);
+  bending_.find_pairs(stiffness_);
   force_.assign(particle_count(), Vec3::Zero());
 
   PartInfo part;

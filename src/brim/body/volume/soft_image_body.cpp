@@ -10,7 +10,7 @@ namespace brim {
 namespace {
 
 /// Cells with less than this share of matter are left out. [1/255]
-constexpr int kLeastShare = 4;
+constexpr int kLeastMatter = 4;
 
 /// Rows of barycentric weights.
 WeightRows rows_of(const TetMesh& mesh, const Embedding& embedding) {
@@ -40,7 +40,7 @@ SoftImageBody::Parts SoftImageBody::build(const OccupancyGrid& matter, const Tri
     for (int j = 0; j < matter.cells.y(); ++j)
       for (int i = 0; i < matter.cells.x(); ++i) {
         const int share = matter.share[matter.index(i, j, k)];
-        if (share < kLeastShare) continue;
+        if (share < kLeastMatter) continue;
         x.push_back(matter.center(i, j, k));
         parts.carriage.volume.push_back(cell * share / 255.0);
         parts.carriage.mass.push_back(options.density * parts.carriage.volume.back());
@@ -78,7 +78,7 @@ SoftImageBody::SoftImageBody(Parts parts, const ElasticOptions& options)
   stiffness_.begin(particle_count());
   stiffness_.add_elements(elements_.nodes(), 4);
   stiffness_.finish();
-  elements_.find_slots(stiffness_);
+  elements_.find_pairs(stiffness_);
   force_.assign(particle_count(), Vec3::Zero());
 }
 

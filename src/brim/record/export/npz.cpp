@@ -32,8 +32,10 @@ Element element_of(Type type) {
   return {"|u1", 1};
 }
 
-/// NumPy: run.npz holds every data set of run.h5 under its path ("frames/q", "contacts/force", ...), with the rows of
-/// the chosen frames, and of bodies and parts, by number, their attributes ("bodies/name", "parts/body", ...).
+/// NumPy: run.npz holds what a run records in each frame under its path in run.h5 ("frames/q", "contacts/force", ...),
+/// with the rows of the chosen frames; of the chosen bodies their positions and cells ("display/<b>/positions",
+/// "bodies/<b>/triangles", ...), also where the run keeps poses instead; and of bodies and parts, by number, their
+/// attributes ("bodies/name", "parts/body", ...). The same for runs of all versions of the format.
 /// Lists of different length keep their "offset": rows of frame k are offset[k] to offset[k + 1] − 1.
 class NpzWriter : public Writer {
  public:
@@ -46,30 +48,64 @@ class NpzWriter : public Writer {
     const std::vector<std::string> sets = file_.datasets();
     for (const std::string& path : sets) {
       const std::string group = path.substr(0, path.rfind('/'));
-      if (!chosen(path)) continue;
-      if (path.starts_with("/bodies/"))
-        whole(path);
-      else if (std::find(sets.begin(), sets.end(), group + "/offset") != sets.end())
+      if (!framed(path)) continue;
+      if (std::find(sets.begin(), sets.end(), group + "/offset") != sets.end())
         ragged(group, path);
       else
         per_frame(path);
     }
+    for (const Item& item : job_.items) body(item);
     std::vector<std::int64_t> index;
-    for (std::int64_t k = 0; k < job_.frames.count(); ++k) index.push_back(job_.frames.first + k * job_.frames.stride);
+    for (std::int64_t k = 0; k < job_.frames.count(); ++k) index.push_back(frame_at(k));
     numbers("frames/index", index);
     attributes();
     zip_.close();
   }
 
  private:
-  /// False for what belongs to bodies that were not asked for.
-  bool chosen(const std::string& path) const {
-    for (const char* group : {"/bodies/", "/display/"}) {
-      if (!path.starts_with(group)) continue;
-      const int body = std::stoi(path.substr(std::string_view(group).size()));
-      return std::any_of(job_.items.begin(), job_.items.end(), [&](const Item& i) { return i.body == body; });
+  std::int64_t frame_at(std::int64_t k) const { return job_.frames.first + k * job_.frames.stride; }
+
+  /// True for what is copied as it is: a row per frame or lists of rows, but not the displays of bodies.
+  static bool framed(const std::string& path) {
+    if (path == "/frames/count") return false;
+    return std::ranges::any_of(kCopied, [&](const char* group) { return path.starts_with(group); });
+  }
+  static constexpr const char* kCopied[] = {"/frames/", "/series/", "/motion/", "/contacts/",
+                                            "/tiles/",  "/pairs/",  "/memory/", "/warnings/"};
+
+  /// Cells and positions of a body.
+  void body(const Item& item) {
+    const Display& d = item.recorded->display;
+    const std::string at = fmt::format("display/{}/", item.body), cells = fmt::format("bodies/{}/", item.body);
+    if (d.kind == Display::Kind::Triangles && !item.recorded->changing)
+      array(cells + "triangles", "<i4", {d.triangles.size(), 3}, d.triangles.data());
+    if (d.kind == Display::Kind::Lines) array(cells + "lines", "<i4", {d.lines.size(), 2}, d.lines.data());
+    if (item.recorded->changing) return surface(item.body, at);
+    const std::int64_t count = item.still ? 1 : job_.frames.count();
+    begin(at + "positions", "<f4", {static_cast<std::uint64_t>(count), d.vertices, 3});
+    for (std::int64_t k = 0; k < count; ++k) {
+      const std::vector<Vec3f> x = job_.run->positions(item.body, frame_at(k));
+      zip_.write(x.data(), x.size() * sizeof(Vec3f));
     }
-    return true;
+    zip_.end();
+  }
+  /// Lists of vertices and of triangles, frame after frame.
+  void surface(int body, const std::string& at) {
+    std::vector<std::int64_t> vertex = {0}, corner = {0};
+    std::vector<Vec3f> x;
+    std::vector<Triangle> triangles;
+    for (std::int64_t k = 0; k < job_.frames.count(); ++k) {
+      const std::vector<Vec3f> now = job_.run->positions(body, frame_at(k));
+      const std::vector<Triangle> cells = job_.run->triangles(body, frame_at(k));
+      x.insert(x.end(), now.begin(), now.end());
+      triangles.insert(triangles.end(), cells.begin(), cells.end());
+      vertex.push_back(static_cast<std::int64_t>(x.size()));
+      corner.push_back(static_cast<std::int64_t>(triangles.size()));
+    }
+    numbers(at + "vertices/offset", vertex);
+    array(at + "vertices/position", "<f4", {x.size(), 3}, x.data());
+    numbers(at + "triangles/offset", corner);
+    array(at + "triangles/corner", "<i4", {triangles.size(), 3}, triangles.data());
   }
 
   static std::string header(const std::string& code, const std::vector<std::uint64_t>& shape) {
@@ -87,6 +123,12 @@ class NpzWriter : public Writer {
     zip_.begin((path.starts_with('/') ? path.substr(1) : path) + ".npy");
     const std::string head = header(code, shape);
     zip_.write(head.data(), head.size());
+  }
+  template <class T>
+  void array(const std::string& path, const std::string& code, const std::vector<std::uint64_t>& shape, const T* data) {
+    begin(path, code, shape);
+    zip_.write(data, shape[0] * sizeof(T));
+    zip_.end();
   }
   template <class T>
   void numbers(const std::string& path, const std::vector<T>& values) {
@@ -128,39 +170,36 @@ class NpzWriter : public Writer {
     std::size_t row = element_of(set.type()).bytes;
     const std::vector<std::uint64_t> shape = set.shape();
     for (std::size_t a = 1; a < shape.size(); ++a) row *= shape[a];
+    set.need_rows(first, rows, std::span(shape).subspan(1));
     const std::uint64_t at_once = std::max<std::uint64_t>(1, (std::size_t{16} << 20) / std::max<std::size_t>(row, 1));
     for (std::uint64_t done = 0; done < rows; done += at_once) {
       const std::uint64_t n = std::min(at_once, rows - done);
       bytes_.resize(n * row);
-      set.read(bytes_.data(), first + done, n, set.type());
+      set.read(bytes_.data(), bytes_.size() / element_of(set.type()).bytes, first + done, n, set.type());
       zip_.write(bytes_.data(), bytes_.size());
     }
   }
-  void whole(const std::string& path) {
-    const h5::Dataset set = file_.open(path);
-    begin(path, element_of(set.type()).code, set.shape());
-    copy(set, 0, set.shape()[0]);
-    zip_.end();
-  }
+  /// A row for each chosen frame.
   void per_frame(const std::string& path) {
     const h5::Dataset set = file_.open(path);
     std::vector<std::uint64_t> shape = set.shape();
-    if (path.starts_with("/display/") && shape[0] <= 1) return whole(path);  // it never moved
     shape[0] = static_cast<std::uint64_t>(job_.frames.count());
     begin(path, element_of(set.type()).code, shape);
-    for (std::int64_t k = 0; k < job_.frames.count(); ++k)
-      copy(set, static_cast<std::uint64_t>(job_.frames.first + k * job_.frames.stride), 1);
+    for (std::int64_t k = 0; k < job_.frames.count(); ++k) copy(set, static_cast<std::uint64_t>(frame_at(k)), 1);
     zip_.end();
   }
   void ragged(const std::string& group, const std::string& path) {
     const h5::Dataset offsets = file_.open(group + "/offset");
+    offsets.need_rows(0, offsets.shape()[0], {});
     std::vector<std::int64_t> offset(offsets.shape()[0]), own = {0};
-    offsets.read(offset.data(), 0, offset.size(), Type::Int64);
-    const auto frame = [&](std::int64_t k) {
-      return static_cast<std::size_t>(job_.frames.first + k * job_.frames.stride);
-    };
-    for (std::int64_t k = 0; k < job_.frames.count(); ++k)
-      own.push_back(own.back() + offset[frame(k) + 1] - offset[frame(k)]);
+    offsets.read(offset.data(), offset.size(), 0, offset.size(), Type::Int64);
+    const auto frame = [&](std::int64_t k) { return static_cast<std::size_t>(frame_at(k)); };
+    for (std::int64_t k = 0; k < job_.frames.count(); ++k) {
+      const std::size_t f = frame(k);
+      if (f + 1 >= offset.size() || offset[f] < 0 || offset[f + 1] < offset[f])
+        throw InputError(fmt::format("{}/offset: does not rise at frame {}; the file is damaged", group, f));
+      own.push_back(own.back() + offset[f + 1] - offset[f]);
+    }
     if (path == group + "/offset") return numbers(path, own);
     const h5::Dataset set = file_.open(path);
     std::vector<std::uint64_t> shape = set.shape();

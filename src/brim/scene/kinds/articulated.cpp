@@ -8,7 +8,7 @@ BodyKind articulated_kind();
 
 namespace {
 
-void check(const Node& n) {
+void check_articulated(const Node& n) {
   const int sources = n.has("links") + n.has("chain") + n.has("urdf");
   if (sources != 1)
     throw n.error(fmt::format("{} of \"links\", \"chain\" and \"urdf\" are given; exactly one is needed", sources));
@@ -57,7 +57,7 @@ class ArticulatedMaker final : public BodyMaker {
 }  // namespace
 
 BodyKind articulated_kind() {
-  return {"articulated", check, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
+  return {"articulated", check_articulated, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
             return std::make_unique<ArticulatedMaker>(n, c);
           }};
 }

@@ -17,9 +17,9 @@ BodyKind cloth_kind();
 namespace {
 
 /// [bytes] that a cell with its node, matrix blocks and state takes.
-constexpr double kBytesPerCell = 2000.0;
+constexpr double kBytesPerClothCell = 2000.0;
 
-void check(const Node& n) {
+void check_cloth(const Node& n) {
   if (n.has("grid") && n.has("mesh")) throw n.at("mesh").error("both \"grid\" and \"mesh\" are given; give one");
   if (!n.has("grid") && !n.has("mesh")) throw n.error("the sheet is missing; give \"grid\" or \"mesh\"");
   check_constraints(n.at("constraints"), n.has("grid"));
@@ -41,7 +41,7 @@ class ClothMaker final : public BodyMaker {
       const Node grid = n.at("grid");
       const Json& size = grid.json().at("size");
       const std::vector<int> cells = grid.at("cells").integers();
-      check_count(grid.at("cells"), 1.0 * cells[0] * cells[1], kBytesPerCell, limit, "cells");
+      check_count(grid.at("cells"), 1.0 * cells[0] * cells[1], kBytesPerClothCell, limit, "cells");
       mesh_ = shapes::grid(cells[0], cells[1], scale * size[0].get<double>(), scale * size[1].get<double>());
       const int row = cells[0] + 1;
       corners_ = {0, cells[0], cells[1] * row, cells[1] * row + cells[0]};
@@ -89,7 +89,7 @@ class ClothMaker final : public BodyMaker {
 }  // namespace
 
 BodyKind cloth_kind() {
-  return {"cloth", check, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
+  return {"cloth", check_cloth, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
             return std::make_unique<ClothMaker>(n, c);
           }};
 }

@@ -12,7 +12,7 @@ BodyKind finite_elements_kind();
 
 namespace {
 
-void check(const Node& n) {
+void check_finite_elements(const Node& n) {
   if (!n.has("shape") && !n.has("tet_mesh"))
     throw n.error("the key \"shape\" is missing; give \"shape\" or \"tet_mesh\"");
   check_fill(n);
@@ -59,7 +59,8 @@ class FiniteElementsMaker final : public BodyMaker {
 }  // namespace
 
 BodyKind finite_elements_kind() {
-  return {"finite_elements", check, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
+  return {"finite_elements", check_finite_elements,
+          [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
             return std::make_unique<FiniteElementsMaker>(n, c);
           }};
 }

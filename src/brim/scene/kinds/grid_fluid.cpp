@@ -11,7 +11,7 @@ BodyKind grid_fluid_kind();
 namespace {
 
 /// [bytes] that a cell with its faces, matrices and state takes.
-constexpr double kBytesPerCell = 1000.0;
+constexpr double kBytesPerFluidCell = 1000.0;
 /// [cells] by which a side of the box may miss a whole number of cells.
 constexpr double kOddCells = 1e-3;
 constexpr double kFar = 1e9;  // [m]
@@ -54,7 +54,7 @@ void check_regions(const Node& list) {
   }
 }
 
-void check(const Node& n) {
+void check_grid_fluid(const Node& n) {
   const Node box = n.at("box");
   const Vec3 extent = box.vec3("hi") - box.vec3("lo");
   const double dx = n.number("cell_size");
@@ -84,7 +84,7 @@ class GridFluidMaker final : public BodyMaker {
     model_.grid.origin = lo;
     model_.grid.dx = n.number("cell_size");
     const Vec3 cells = (extent / model_.grid.dx).array().round();
-    check_count(n.at("cell_size"), cells.prod(), kBytesPerCell, context.world.memory_limit, "cells");
+    check_count(n.at("cell_size"), cells.prod(), kBytesPerFluidCell, context.world.memory_limit, "cells");
     model_.grid.n = cells.cast<int>();
     for (std::size_t i = 0; i < n.at("open").size(); ++i)
       for (std::size_t s = 0; s < kSides.size(); ++s)
@@ -123,7 +123,7 @@ class GridFluidMaker final : public BodyMaker {
 }  // namespace
 
 BodyKind grid_fluid_kind() {
-  return {"grid_fluid", check, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
+  return {"grid_fluid", check_grid_fluid, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
             return std::make_unique<GridFluidMaker>(n, c);
           }};
 }

@@ -20,9 +20,9 @@ constexpr double kRigidCells = 2.0;
 /// Of a deformable image, for the display; each particle takes as many along each axis, and so is as wide as a voxel.
 constexpr int kSoftCells = 2;
 /// [bytes] that a tetrahedron, and a particle with its weights, take.
-constexpr double kBytesPerTet = 1000.0, kBytesPerParticle = 400.0;
+constexpr double kBytesPerCarrierTet = 1000.0, kBytesPerParticle = 400.0;
 
-void check(const Node& n) {
+void check_image_volume(const Node& n) {
   check_image_source(n);
   if (n.string("motion") == "rigid") {
     if (n.has("lattice_spacing"))
@@ -97,7 +97,7 @@ class SoftImageMaker final : public BodyMaker {
     const double volume = mass_properties(solid_.grid, 1.0).volume;
     surface_ = display_surface(solid_.grid);
     solid_.grid = joined_cells(solid_.grid, kSoftCells);
-    check_count(at, 12.0 * volume / (spacing_ * spacing_ * spacing_), kBytesPerTet, limit, "tetrahedra");
+    check_count(at, 12.0 * volume / (spacing_ * spacing_ * spacing_), kBytesPerCarrierTet, limit, "tetrahedra");
     check_count(n, volume / std::pow(solid_.grid.spacing, 3), kBytesPerParticle, limit, "particles");
   }
 
@@ -124,7 +124,7 @@ class SoftImageMaker final : public BodyMaker {
 }  // namespace
 
 BodyKind image_volume_kind() {
-  return {"image_volume", check, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
+  return {"image_volume", check_image_volume, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
             if (n.string("motion") == "deformable") return std::make_unique<SoftImageMaker>(n, c);
             return std::make_unique<RigidImageMaker>(n, c);
           }};

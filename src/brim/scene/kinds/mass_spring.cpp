@@ -20,9 +20,9 @@ BodyKind mass_spring_kind();
 namespace {
 
 /// [bytes] that a cell with its springs, matrix blocks and state takes.
-constexpr double kBytesPerCell = 2000.0;
+constexpr double kBytesPerSpringCell = 2000.0;
 
-void check(const Node& n) {
+void check_mass_spring(const Node& n) {
   const char* const sources[] = {"shape", "tet_mesh", "grid", "mesh"};
   const char* given = nullptr;
   for (const char* s : sources) {
@@ -109,7 +109,7 @@ class MassSpringMaker final : public BodyMaker {
       const Node grid = n.at("grid");
       const Json& size = grid.json().at("size");
       const std::vector<int> cells = grid.at("cells").integers();
-      check_count(grid.at("cells"), 1.0 * cells[0] * cells[1], kBytesPerCell, limit, "cells");
+      check_count(grid.at("cells"), 1.0 * cells[0] * cells[1], kBytesPerSpringCell, limit, "cells");
       const double lx = scale * size[0].get<double>(), ly = scale * size[1].get<double>();
       if (net)
         mesh_ = square_net(cells[0], cells[1], lx, ly);
@@ -139,7 +139,7 @@ class MassSpringMaker final : public BodyMaker {
 }  // namespace
 
 BodyKind mass_spring_kind() {
-  return {"mass_spring", check, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
+  return {"mass_spring", check_mass_spring, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
             return std::make_unique<MassSpringMaker>(n, c);
           }};
 }

@@ -11,9 +11,9 @@ BodyKind meshless_kind();
 namespace {
 
 /// [bytes] of a frame with its samples and matrix blocks, and of a particle with its weights.
-constexpr double kBytesPerFrame = 60e3, kBytesPerParticle = 1200.0;
+constexpr double kBytesPerFrame = 60e3, kBytesPerSample = 1200.0;
 
-void check(const Node& n) {
+void check_meshless(const Node& n) {
   if (n.at("shape").string("kind") == "plane")
     throw n.at("shape").at("kind").error("\"plane\" has no finite volume; only an obstacle can be one");
   check_shape(n.at("shape"));
@@ -34,7 +34,7 @@ class MeshlessMaker final : public BodyMaker {
     voxel_size_ = n.number("voxel_size") > 0.0 ? n.number("voxel_size") : 0.5 * spacing;
     check_count(at, 2.0 * solid.unit.volume / (spacing * spacing * spacing), kBytesPerFrame, limit, "frames");
     check_count(n.number("voxel_size") > 0.0 ? n.at("voxel_size") : n,
-                solid.unit.volume / (voxel_size_ * voxel_size_ * voxel_size_), kBytesPerParticle, limit, "particles");
+                solid.unit.volume / (voxel_size_ * voxel_size_ * voxel_size_), kBytesPerSample, limit, "particles");
     model_ = at.placed([&] {
       return fill_with_frames([&](const Vec3& x) { return solid.shape->distance(x); }, box, spacing, voxel_size_);
     });
@@ -61,7 +61,7 @@ class MeshlessMaker final : public BodyMaker {
 }  // namespace
 
 BodyKind meshless_kind() {
-  return {"meshless", check, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
+  return {"meshless", check_meshless, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
             return std::make_unique<MeshlessMaker>(n, c);
           }};
 }

@@ -11,7 +11,7 @@ BodyKind obstacle_kind();
 
 namespace {
 
-void check(const Node& n) {
+void check_obstacle(const Node& n) {
   check_shape(n.at("shape"));
   if (!n.has("keyframes")) return;
   for (const char* key : {"velocity", "angular_velocity"})
@@ -68,7 +68,7 @@ class ObstacleMaker final : public BodyMaker {
 }  // namespace
 
 BodyKind obstacle_kind() {
-  return {"obstacle", check, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
+  return {"obstacle", check_obstacle, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
             return std::make_unique<ObstacleMaker>(n, c);
           }};
 }

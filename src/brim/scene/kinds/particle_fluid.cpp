@@ -11,9 +11,9 @@ BodyKind particle_fluid_kind();
 namespace {
 
 /// [bytes] that a particle with its neighbours, solver blocks and state takes.
-constexpr double kBytesPerParticle = 2000.0;
+constexpr double kBytesPerFluidParticle = 2000.0;
 
-void check(const Node& n) {
+void check_particle_fluid(const Node& n) {
   if (n.at("shape").string("kind") == "plane")
     throw n.at("shape").at("kind").error("\"plane\" has no finite volume; only an obstacle can be one");
   check_shape(n.at("shape"));
@@ -40,7 +40,7 @@ class ParticleFluidMaker final : public BodyMaker {
     if (spacing_ > box.extent().minCoeff())
       throw at.error(fmt::format("{:.6g} m is not allowed; must be at most the shape's smallest extent, {:.6g} m",
                                  spacing_, box.extent().minCoeff()));
-    check_count(at, box.extent().prod() / (spacing_ * spacing_ * spacing_), kBytesPerParticle, limit, "particles");
+    check_count(at, box.extent().prod() / (spacing_ * spacing_ * spacing_), kBytesPerFluidParticle, limit, "particles");
     const Vec3 room = spacing_ * (box.extent() / spacing_).array().round().matrix();
     for (const Vec3& x : lattice_in_box(box.center() - 0.5 * room, box.center() + 0.5 * room, spacing_))
       if (solid.shape->distance(x) < 0.0) particles_.push_back(x);
@@ -76,7 +76,8 @@ class ParticleFluidMaker final : public BodyMaker {
 }  // namespace
 
 BodyKind particle_fluid_kind() {
-  return {"particle_fluid", check, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
+  return {"particle_fluid", check_particle_fluid,
+          [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
             return std::make_unique<ParticleFluidMaker>(n, c);
           }};
 }

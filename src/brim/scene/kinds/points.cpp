@@ -13,7 +13,7 @@ namespace {
 /// [bytes] that a grain with its pairs and state takes.
 constexpr double kBytesPerGrain = 2000.0;
 
-void check(const Node& n) {
+void check_points(const Node& n) {
   if (n.has("grid") && n.has("positions"))
     throw n.at("positions").error("both \"grid\" and \"positions\" are given; give one");
   if (!n.has("grid") && !n.has("positions")) throw n.error("the grains are missing; give \"grid\" or \"positions\"");
@@ -90,7 +90,7 @@ class PointsMaker final : public BodyMaker {
 }  // namespace
 
 BodyKind points_kind() {
-  return {"points", check, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
+  return {"points", check_points, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
             return std::make_unique<PointsMaker>(n, c);
           }};
 }

@@ -8,7 +8,7 @@ BodyKind rigid_kind();
 
 namespace {
 
-void check(const Node& n) {
+void check_rigid(const Node& n) {
   if (n.has("density") && n.has("mass")) throw n.at("mass").error("both \"mass\" and \"density\" are given; give one");
   if (n.at("shape").string("kind") == "plane")
     throw n.at("shape").at("kind").error("\"plane\" has no finite mass; only an obstacle can be one");
@@ -51,7 +51,7 @@ class RigidMaker final : public BodyMaker {
 }  // namespace
 
 BodyKind rigid_kind() {
-  return {"rigid", check, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
+  return {"rigid", check_rigid, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
             return std::make_unique<RigidMaker>(n, c);
           }};
 }

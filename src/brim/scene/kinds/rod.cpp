@@ -14,7 +14,7 @@ namespace {
 /// [bytes] that a node with its matrix blocks and state takes.
 constexpr double kBytesPerNode = 1500.0;
 
-void check(const Node& n) {
+void check_rod(const Node& n) {
   if (n.has("points") && n.has("helix")) throw n.at("helix").error("both \"points\" and \"helix\" are given; give one");
   if (!n.has("points") && !n.has("helix"))
     throw n.error("the line of the rod is missing; give \"points\" or \"helix\"");
@@ -116,7 +116,7 @@ class RodMaker final : public BodyMaker {
 }  // namespace
 
 BodyKind rod_kind() {
-  return {"rod", check, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
+  return {"rod", check_rod, [](const Node& n, const BuildContext& c) -> std::unique_ptr<BodyMaker> {
             return std::make_unique<RodMaker>(n, c);
           }};
 }

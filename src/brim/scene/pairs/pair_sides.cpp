@@ -11,17 +11,17 @@ namespace brim {
 
 namespace {
 
-using Column = std::pair<int, int>;
+using PairColumn = std::pair<int, int>;
 struct Extent {
   float lowest = std::numeric_limits<float>::infinity(), highest = -lowest;
 };
 
-Column column_of(const Vec3f& x, double width) {
+PairColumn column_of(const Vec3f& x, double width) {
   return {static_cast<int>(std::floor(x.x() / width)), static_cast<int>(std::floor(x.y() / width))};
 }
 
-std::map<Column, Extent> extents(std::span<const Vec3f> points, double width) {
-  std::map<Column, Extent> columns;
+std::map<PairColumn, Extent> extents(std::span<const Vec3f> points, double width) {
+  std::map<PairColumn, Extent> columns;
   for (const Vec3f& x : points) {
     Extent& e = columns[column_of(x, width)];
     e.lowest = std::min(e.lowest, x.z());

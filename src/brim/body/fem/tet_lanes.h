@@ -1,0 +1,28 @@
+#pragma once
+
+#include "brim/body/fem/elastic_law.h"
+
+namespace brim {
+
+/// Tetrahedra that are worked on together, each number for all of them: what does not change.
+struct TetLanes {
+  static constexpr int kCount = 8;
+  double gradient[3][3][kCount];  ///< [1/m] g_1, g_2, g_3 by coordinate; g_0 = −Σ
+  double volume[kCount];          ///< [m³] at rest
+};
+
+/// Their elastic forces and the six blocks of their stiffness above the diagonal.
+struct TetResponse {
+  double force[4][3][TetLanes::kCount];  ///< [N] on each corner
+  float block[6][9][TetLanes::kCount];   ///< [N/m] K_01, K_02, K_03, K_12, K_13, K_23, column by column
+};
+
+/// Forces in double and stiffness in single precision (TetElements has the formulas). F = R S is taken apart by
+/// Newton's iteration X ← (X + X⁻ᵀ)/2 for R (Higham 1986) and Jacobi's for the principal frame of F Rᵀ; a tetrahedron
+/// that is nearly flat or turned inside out by svd3. Each has the same bits whatever the others are and with any
+/// instructions.
+/// @param edge  x_i − x_0 of corners 1 to 3 by coordinate, [m]
+void respond(ElasticLaw law, const Lame& lame, bool project, const TetLanes& tets,
+             const double edge[3][3][TetLanes::kCount], TetResponse& out);
+
+}  // namespace brim

@@ -1,0 +1,172 @@
+#include "brim/body/particles/mean_motion.h"
+
+#include <Eigen/Eigenvalues>
+
+#include "brim/math/rotation.h"
+
+namespace brim {
+
+namespace {
+
+/// Prescribed particles within this share of their extent from a line count as on it.
+constexpr double kOnLine = 1e-9;
+/// Turns that meet less than this share of the largest moment of inertia are none: a straight line about itself.
+constexpr double kNoInertia = 1e-12;
+
+Eigen::Map<const Vec3> triple(std::span<const double> a, std::size_t i) {
+  return Eigen::Map<const Vec3>(a.data() + 3 * i);
+}
+Eigen::Map<Vec3> triple(std::span<double> a, std::size_t i) { return Eigen::Map<Vec3>(a.data() + 3 * i); }
+
+/// Calls f(i) for the particles that are not prescribed.
+template <class F>
+void for_others(const ParticleSet& p, const F& f) {
+  auto given = p.prescribed.begin();
+  for (std::size_t i = 0; i < p.mass.size(); ++i) {
+    if (given != p.prescribed.end() && static_cast<std::size_t>(*given) == i)
+      ++given;
+    else
+      f(i);
+  }
+}
+
+/// c, ċ and the axis.
+MeanMotion frame_of(const ParticleSet& p, std::span<const double> x, std::span<const double> v) {
+  MeanMotion m;
+  if (p.prescribed.empty()) {
+    double total = 0.0;
+    for (std::size_t i = 0; i < p.mass.size(); ++i) {
+      total += p.mass[i];
+      m.center += p.mass[i] * triple(x, i);
+      m.velocity += p.mass[i] * triple(v, i);
+    }
+    m.center /= total, m.velocity /= total;
+    return m;
+  }
+  const auto first = static_cast<std::size_t>(p.prescribed[0]);
+  m.center = triple(x, first), m.velocity = triple(v, first);
+  Vec3 along = Vec3::Zero();
+  for (const std::int32_t i : p.prescribed) {
+    const Vec3 d = triple(x, static_cast<std::size_t>(i)) - m.center;
+    if (d.squaredNorm() > along.squaredNorm()) along = d;
+    m.free = m.free && triple(v, static_cast<std::size_t>(i)) == m.velocity;
+  }
+  if (!m.free || along.squaredNorm() == 0.0) return m;
+  const double length = along.norm();
+  m.axis = along / length;
+  for (const std::int32_t i : p.prescribed)
+    m.free = m.free && m.axis->cross(triple(x, static_cast<std::size_t>(i)) - m.center).norm() <= kOnLine * length;
+  return m;
+}
+
+void take_inertia(const ParticleSet& p, std::span<const double> x, MeanMotion& m) {
+  Mat3 second = Mat3::Zero();
+  for (std::size_t i = 0; i < p.mass.size(); ++i) {
+    const Vec3 d = triple(x, i) - m.center;
+    second += p.mass[i] * d * d.transpose();
+  }
+  m.inertia = second.trace() * Mat3::Identity() - second;
+}
+
+}  // namespace
+
+Vec3 MeanMotion::spin_of(const Vec3& L) const {
+  if (axis) {
+    const double about = axis->dot(inertia * *axis);
+    return about > 0.0 ? Vec3(*axis * (axis->dot(L) / about)) : Vec3::Zero();
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> e(inertia);
+  Vec3 w = Vec3::Zero();
+  for (int k = 0; k < 3; ++k)
+    if (e.eigenvalues()[k] > kNoInertia * e.eigenvalues()[2])
+      w += e.eigenvectors().col(k) * (e.eigenvectors().col(k).dot(L) / e.eigenvalues()[k]);
+  return w;
+}
+
+Mat3 MeanMotion::turn(double dt) const {
+  Vec3 middle = spin;
+  if (!axis) {
+    const Mat3 half = rotation_from_vector(0.5 * dt * spin).toRotationMatrix();
+    middle = half * spin_of(half.transpose() * (inertia * spin));
+  }
+  return rotation_from_vector(dt * middle).toRotationMatrix();
+}
+
+MeanMotion mean_motion(const ParticleSet& p, std::span<const double> x, std::span<const double> v) {
+  MeanMotion m = frame_of(p, x, v);
+  if (!m.free) return m;
+  take_inertia(p, x, m);
+  Vec3 L = Vec3::Zero();
+  for (std::size_t i = 0; i < p.mass.size(); ++i)
+    L += p.mass[i] * (triple(x, i) - m.center).cross(triple(v, i) - m.velocity);
+  m.spin = m.spin_of(L);
+  return m;
+}
+
+void advance_turning(const ParticleSet& p, double dt, std::span<double> x, std::span<const double> v) {
+  const MeanMotion m = mean_motion(p, x, v);
+  const Mat3 turned = m.turn(dt) - Mat3::Identity();
+  const auto extra = [&](std::size_t i) -> Vec3 {
+    const Vec3 d = triple(x, i) - m.center, round = m.spin.cross(d), u = triple(v, i) - m.velocity - round;
+    return turned * (d + dt * u) - dt * round;
+  };
+  if (m.spin != Vec3::Zero())
+    for_others(p, [&](std::size_t i) { triple(x, i) += dt * triple(v, i) + extra(i); });
+  else
+    for_others(p, [&](std::size_t i) { triple(x, i) += dt * triple(v, i); });
+  for (const std::int32_t i : p.prescribed) {
+    const auto k = static_cast<std::size_t>(i);
+    triple(x, k) += dt * triple(v, k);
+  }
+}
+
+void add_turning_forces(const ParticleSet& p, double dt, std::span<const double> x, std::span<const double> v,
+                        std::span<double> Q) {
+  const MeanMotion m = mean_motion(p, x, v);
+  if (!(dt > 0.0) || m.spin == Vec3::Zero()) return;
+  const Mat3 back = m.turn(-dt), round_part = back - Mat3::Identity(), own_part = back * back - Mat3::Identity();
+  const auto change = [&](std::size_t i, const Vec3& d) -> Vec3 {
+    const Vec3 round = m.spin.cross(d);
+    return round_part * round + own_part * (triple(v, i) - m.velocity - round);
+  };
+  Vec3 mean = Vec3::Zero(), L = Vec3::Zero();
+  double total = 0.0;
+  for (std::size_t i = 0; i < p.mass.size(); ++i) {
+    const Vec3 d = triple(x, i) - m.center, c = p.mass[i] * change(i, d);
+    mean += c, L += d.cross(c), total += p.mass[i];
+  }
+  mean = p.prescribed.empty() ? Vec3(mean / total) : Vec3::Zero();
+  const Vec3 w = m.spin_of(L);
+  for_others(p, [&](std::size_t i) {
+    const Vec3 d = triple(x, i) - m.center;
+    triple(Q, i) += p.mass[i] / dt * (change(i, d) - mean - w.cross(d));
+  });
+}
+
+void turn_velocities(const ParticleSet& p, double dt, std::span<const double> before, std::span<double> after,
+                     std::span<double> v, std::span<const double> j) {
+  const MeanMotion m = mean_motion(p, before, v);
+  if (!m.free) return;
+  Vec3 t = Vec3::Zero(), L = m.inertia * m.spin;
+  double total = 0.0;
+  for (std::size_t i = 0; i < p.mass.size(); ++i) {
+    t += triple(j, i), total += p.mass[i];
+    L += (triple(before, i) - m.center).cross(triple(j, i));
+  }
+  t = p.prescribed.empty() ? Vec3(t / total) : Vec3::Zero();
+  if (p.prescribed.empty())
+    for (std::size_t i = 0; i < p.mass.size(); ++i) triple(after, i) += dt * t;
+
+  MeanMotion next = frame_of(p, after, v);
+  take_inertia(p, after, next);
+  const Mat3 R = m.turn(dt);
+  const auto own = [&](std::size_t i) -> Vec3 {
+    return R * (triple(v, i) - m.velocity - m.spin.cross(triple(before, i) - m.center));
+  };
+  for (std::size_t i = 0; i < p.mass.size(); ++i) L -= p.mass[i] * (triple(after, i) - next.center).cross(own(i));
+  const Vec3 w = next.spin_of(L);
+  for_others(p,
+             [&](std::size_t i) { triple(v, i) = m.velocity + t + w.cross(triple(after, i) - next.center) + own(i); });
+}
+
+}  // namespace brim

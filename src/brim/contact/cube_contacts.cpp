@@ -1,0 +1,289 @@
+#include "brim/contact/cube_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "brim/contact/stencil.h"
+#include "brim/core/parallel.h"
+#include "brim/core/wide.h"
+#include "brim/math/ramp.h"
+#include "brim/raster/cube_distances.h"
+
+namespace brim {
+
+namespace {
+
+/// One part's samples on a cube: what has been sampled, its densities, and of solids its distances.
+class Samples {
+ public:
+  Samples(const CubeSide& side, const NodeCube& cube, double w) : side_(side), cube_(cube), w_(w) {
+    if (side.solid != nullptr) return;
+    const Vec3i at = cube.first - kTileSize * Vec3i(side.tile.x, side.tile.y, side.tile.z) + Vec3i::Constant(kHalo);
+    offset_ = block_index(at.x(), at.y(), at.z());
+    shift_ = at;
+  }
+
+  /// Sees to it that the nodes are sampled. @return how many had to be, of a solid
+  std::int64_t need(const NodeMask& wanted) {
+    NodeMask missing = wanted.without(have_);
+    if (!missing.any()) return 0;
+    if (side_.solid == nullptr) {
+      copy_rows(missing);
+      return 0;
+    }
+    if (side_.solid->by_rows()) missing = missing.whole_rows();
+    side_.solid->cube_distances(side_.pose, cube_, missing, 0.5 * w_, d_);
+    cube_ramp(d_, w_, missing, rho_);
+    have_ |= missing;
+    return missing.count();
+  }
+
+  const float* rho() const { return rho_; }
+  /// Distance to the surface, within its ramp, [m].
+  double distance(int node) const {
+    if (side_.solid == nullptr) return ramp_inverse(rho_[node], w_);
+    return std::clamp(double{d_[node]}, -0.5 * w_, 0.5 * w_);
+  }
+  std::int32_t source(int i, int j, int k) const {
+    return side_.solid != nullptr ? 0 : side_.block->source[offset_ + block_index(i, j, k)];
+  }
+
+ private:
+  void copy_rows(const NodeMask& missing) {
+    // Rows at the end of a block are shorter than a cube's.
+    const int n = std::min(kCubeSize, kBlockSize - shift_.x());
+    missing.whole_rows().for_rows([&](int j, int k, std::uint8_t) {
+      if (j + shift_.y() >= kBlockSize || k + shift_.z() >= kBlockSize) return;
+      const double* from = side_.block->rho + offset_ + block_index(0, j, k);
+      float* to = rho_ + cube_index(0, j, k);
+      for (int i = 0; i < n; ++i) to[i] = static_cast<float>(from[i]);
+    });
+    have_ |= missing.whole_rows();
+  }
+
+  const CubeSide& side_;
+  const NodeCube& cube_;
+  double w_;
+  int offset_ = 0;  ///< of the cube's first node in the block
+  Vec3i shift_ = Vec3i::Zero();
+  NodeMask have_;
+  alignas(32) float rho_[kCubeNodes];
+  alignas(32) float d_[kCubeNodes];
+};
+
+BRIM_INLINE CubeRow load_eight(const float* x) {
+  CubeRow r;
+  std::memcpy(&r, x, sizeof r);
+  return r;
+}
+BRIM_INLINE std::uint8_t bits_of(const CubeRowFlags& f) {
+  typedef std::int8_t Bytes __attribute__((vector_size(kCubeSize)));
+  // One bit of each byte, then all of them summed into the highest byte.
+  const auto bytes = std::bit_cast<std::uint64_t>(__builtin_convertvector(f, Bytes)) & 0x8040201008040201u;
+  return static_cast<std::uint8_t>(bytes * 0x0101010101010101u >> 56);
+}
+
+/// Those of the nodes with any density, and those that are full.
+BRIM_WIDE void classify(const float* rho, const NodeMask& nodes, NodeMask& some, NodeMask& full) {
+  for (int k = 0; k < kCubeSize; ++k) {
+    some.plane[k] = full.plane[k] = 0;
+    for (int j = 0; j < kCubeSize; ++j) {
+      const std::uint8_t row = nodes.row(j, k);
+      if (row == 0) continue;
+      const CubeRow r = load_eight(rho + cube_index(0, j, k));
+      some.set_row(j, k, bits_of(r > 0.0f) & row);
+      full.set_row(j, k, bits_of(r >= 1.0f) & row);
+    }
+  }
+}
+
+/// Those of the nodes where the parts overlap, or nearly do on both their slopes.
+BRIM_WIDE void overlapping(const float* a, const float* b, float margin, const NodeMask& nodes, NodeMask& out) {
+  for (int k = 0; k < kCubeSize; ++k) {
+    out.plane[k] = 0;
+    for (int j = 0; j < kCubeSize; ++j) {
+      const std::uint8_t row = nodes.row(j, k);
+      if (row == 0) continue;
+      const CubeRow ra = load_eight(a + cube_index(0, j, k)), rb = load_eight(b + cube_index(0, j, k)), sum = ra + rb;
+      const CubeRowFlags slopes = (ra > 0.0f) & (ra < 1.0f) & (rb > 0.0f) & (rb < 1.0f);
+      out.set_row(j, k, bits_of((sum > 1.0f) | ((sum > 1.0f - margin) & slopes)) & row);
+    }
+  }
+}
+
+/// Nodes of a set whose six neighbours are in it too.
+NodeMask inner(const NodeMask& m) {
+  NodeMask in;
+  for (int k = 1; k + 1 < kCubeSize; ++k) {
+    const std::uint64_t p = m.plane[k];
+    in.plane[k] = p & p << 1 & p >> 1 & p << 8 & p >> 8 & m.plane[k - 1] & m.plane[k + 1];
+  }
+  return in;
+}
+
+/// What one row says of a contact's side.
+struct SideAtNode {
+  Vec3f g;
+  std::array<float, 3> bend;
+};
+
+SideAtNode side_of(const RowDerivatives& r, int i, float inverse_h, bool bent) {
+  SideAtNode s;
+  s.g = inverse_h * Vec3f(r.gradient[0][i], r.gradient[1][i], r.gradient[2][i]);
+  s.bend = {};
+  if (bent)
+    s.bend = tangent_tensor(
+        s.g, {r.hessian[0][i], r.hessian[1][i], r.hessian[2][i], r.hessian[3][i], r.hessian[4][i], r.hessian[5][i]},
+        inverse_h * inverse_h);
+  return s;
+}
+
+/// Appends the contacts at the nodes.
+void append(const Samples& a, const Samples& b, const ContactPair& pair, const NodeCube& cube, const NodeMask& nodes,
+            std::vector<Contact>& out) {
+  const float inverse_h = static_cast<float>(1.0 / pair.h);
+  nodes.for_rows([&](int j, int k, std::uint8_t row) {
+    RowDerivatives da, db;
+    row_derivatives(a.rho(), j, k, true, da);
+    row_derivatives(b.rho(), j, k, true, db);
+    for (int left = row; left != 0; left &= left - 1) {
+      const int i = std::countr_zero(static_cast<unsigned>(left)), node = cube_index(i, j, k);
+      const SideAtNode sa = side_of(da, i, inverse_h, true), sb = side_of(db, i, inverse_h, true);
+      Contact& c = out.emplace_back();
+      c.node = cube.first + Vec3i(i, j, k);
+      const Vec3 g = (sa.g - sb.g).cast<double>();
+      const double length = g.norm();
+      // Along the common normal the distances to both surfaces are known; meet half-way.
+      const double to_a = a.distance(node), to_b = b.distance(node), shift = 0.5 * (to_a - to_b);
+      c.point = pair.h * c.node.cast<double>();
+      if (length > 0.0) c.point += (shift / length) * g;
+      c.overlap = a.rho()[node] + b.rho()[node] - 1.0f;
+      c.depth = static_cast<float>(-(to_a + to_b));
+      c.gradient_a = sa.g, c.gradient_b = sb.g, c.bend_a = sa.bend, c.bend_b = sb.bend;
+      c.source_a = a.source(i, j, k), c.source_b = b.source(i, j, k);
+    }
+  });
+}
+
+/// Cheaper ones are sampled first.
+int cost(const CubeSide& s) { return s.solid == nullptr ? 0 : s.solid->by_rows() ? 1 : 2; }
+
+/// Distances at the centre of a box against what contact allows there.
+bool has_room(const CubeSide& a, const CubeSide& b, const ContactPair& pair, const NodeBox& box) {
+  const Vec3 center = 0.5 * pair.h * (box.lo + box.hi).cast<double>();
+  const double radius = 0.5 * pair.h * (box.hi - box.lo).cast<double>().norm() + 1e-6 * pair.h;
+  const double gap = widest_gap(pair.margin) * pair.w;
+  const double to_a = a.solid->rough_distance(a.pose.to_local(center)) - a.solid->slack();
+  if (to_a > 0.5 * pair.w + radius) return false;
+  const double to_b = b.solid->rough_distance(b.pose.to_local(center)) - b.solid->slack();
+  return to_b <= 0.5 * pair.w + radius && to_a + to_b <= gap + 2.0 * radius;
+}
+
+/// Leaves out cells of 2x2x2 nodes in which distances at their centres leave no room.
+void cull_cells(const CubeSide& a, const CubeSide& b, const ContactPair& pair, const NodeCube& cube, NodeMask& own) {
+  for (int k = 1; k < kCubeOwn; k += 2)
+    for (int j = 1; j < kCubeOwn; j += 2)
+      for (int i = 1; i < kCubeOwn; i += 2) {
+        const Vec3i lo(i, j, k), hi = lo + Vec3i::Ones();
+        const NodeMask cell = NodeMask::box(lo, hi);
+        if ((own.plane[k] & cell.plane[k]) == 0 && (own.plane[k + 1] & cell.plane[k]) == 0) continue;
+        if (!has_room(a, b, pair, {cube.first + lo, cube.first + hi})) own = own.without(cell);
+      }
+}
+
+}  // namespace
+
+double widest_gap(double margin) {
+  // The largest t with 3 t² − 2 t³ <= margin, from above: t² = margin/(3 − 2 t), and t <= 1/2 while margin <= 1/2.
+  return margin <= 0.5 ? std::sqrt(0.5 * std::max(0.0, margin)) : 1.0;
+}
+
+void find_in_cube(const CubeSide& side_a, const CubeSide& side_b, const ContactPair& pair, const NodeBox& box,
+                  CubeFinds& finds) {
+  const NodeCube cube{box.lo - Vec3i::Ones(), pair.h};
+  NodeMask room = NodeMask::box(Vec3i::Ones(), box.hi - cube.first);
+  if (cost(side_a) == 2 && cost(side_b) == 2) cull_cells(side_a, side_b, pair, cube, room);
+  Samples a(side_a, cube, pair.w), b(side_b, cube, pair.w);
+  const bool swap = cost(side_b) < cost(side_a);
+  Samples &first = swap ? b : a, &second = swap ? a : b;
+  NodeMask some, full_a, full_b, touching;
+  finds.nodes += first.need(room);
+  classify(first.rho(), room, some, full_a);
+  if (!some.any()) return;
+  finds.nodes += second.need(some);
+  finds.boxes.push_back(box);
+  overlapping(a.rho(), b.rho(), static_cast<float>(pair.margin), some, touching);
+  if (!touching.any()) return;
+  const NodeMask around = touching.grown();
+  finds.nodes += a.need(around) + b.need(around);
+  classify(a.rho(), around, some, full_a);
+  classify(b.rho(), around, some, full_b);
+  // Neither part has a slope where it and its neighbours are full.
+  NodeMask engulfed = inner(full_a);
+  engulfed &= inner(full_b);
+  engulfed &= touching;
+  finds.engulfed += engulfed.count();
+  append(a, b, pair, cube, touching.without(engulfed), finds.contacts);
+}
+
+void find_in_tile(const CubeSide& a, const CubeSide& b, const ContactPair& pair, const TileKey& tile, Octants octants,
+                  CubeFinds& finds) {
+  constexpr int kOctant = kTileSize / 2;
+  for (int o = 0; o < 8; ++o) {
+    if (!(octants >> o & 1)) continue;
+    const Vec3i first = kTileSize * Vec3i(tile.x, tile.y, tile.z) + kOctant * Vec3i(o & 1, o >> 1 & 1, o >> 2);
+    find_in_cube(a, b, pair, {first, first + Vec3i::Constant(kOctant - 1)}, finds);
+  }
+}
+
+void find_between_solids(const CubeSide& a, const CubeSide& b, const ContactPair& pair, const NodeBox& box,
+                         CubeFinds& finds) {
+  if (!has_room(a, b, pair, box)) return;
+  const Vec3i n = box.hi - box.lo + Vec3i::Ones();
+  int axis = 0;
+  if (n.maxCoeff(&axis) <= kCubeOwn) return find_in_cube(a, b, pair, box, finds);
+  // Whole cubes on the lower side.
+  NodeBox lower = box, upper = box;
+  upper.lo[axis] = box.lo[axis] + kCubeOwn * std::max(1, n[axis] / (2 * kCubeOwn));
+  lower.hi[axis] = upper.lo[axis] - 1;
+  find_between_solids(a, b, pair, lower, finds);
+  find_between_solids(a, b, pair, upper, finds);
+}
+
+void gather(std::span<const PairFinds> pieces, ContactSet& set) {
+  std::vector<std::size_t> first(pieces.size() + 1, 0);
+  set.engulfed = 0;
+  for (ContactPair& p : set.pairs) p.begin = p.end = 0;
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    const CubeFinds& f = *pieces[i].finds;
+    first[i + 1] = first[i] + f.contacts.size();
+    set.engulfed += f.engulfed;
+    ContactPair& p = set.pairs[pieces[i].pair];
+    if (p.end == 0) p.begin = first[i];
+    p.end = first[i + 1];
+  }
+  set.resize(first.back());
+  parallel_for(
+      pieces.size(),
+      [&](std::size_t i) {
+        std::size_t c = first[i];
+        for (const Contact& contact : pieces[i].finds->contacts) set.set(c++, contact);
+      },
+      16);
+}
+
+void detect(std::span<const PairTile> tiles, ContactSet& set) {
+  std::vector<CubeFinds> finds(tiles.size());
+  std::vector<PairFinds> pieces(tiles.size());
+  parallel_for(tiles.size(), [&](std::size_t t) {
+    const PairTile& tile = tiles[t];
+    CubeSide a, b;
+    a.block = tile.a, b.block = tile.b, a.tile = b.tile = tile.tile;
+    find_in_tile(a, b, set.pairs[tile.pair], tile.tile, tile.octants, finds[t]);
+    pieces[t] = {static_cast<std::size_t>(tile.pair), &finds[t]};
+  });
+  gather(pieces, set);
+}
+
+}  // namespace brim

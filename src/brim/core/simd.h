@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+
+// Functions marked BRIM_WIDE are compiled once for machines with AVX2 and once for any, and the machine decides at
+// start-up which one runs; without contraction to fused operations both give the same bits. Sanitizers do not follow
+// that choice. What they call must be inlined.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
+#define BRIM_WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define BRIM_WIDE
+#endif
+#define BRIM_INLINE __attribute__((always_inline)) inline
+// Vectors of doubles do not leave a file, so it does not matter how a machine without them would pass them on.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpsabi"
+#endif
+
+namespace brim {
+
+inline constexpr int kLanes = 4;
+/// Numbers that are worked on together; the compiler maps them to what the machine has, with the same bits.
+typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double))));
+typedef float FloatLanes __attribute__((vector_size(kLanes * sizeof(float))));
+typedef std::int64_t LaneFlags __attribute__((vector_size(kLanes * sizeof(double))));
+typedef std::int32_t LaneIds __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
+
+/// Twice as many in single precision: as wide as Lanes.
+inline constexpr int kWideLanes = 8;
+typedef float WideFloats __attribute__((vector_size(kWideLanes * sizeof(float))));
+typedef std::int32_t WideIds __attribute__((vector_size(kWideLanes * sizeof(std::int32_t))));
+
+/// Four numbers from memory at any address, and back.
+BRIM_INLINE Lanes load_lanes(const double* at) {
+  Lanes r;
+  std::memcpy(&r, at, sizeof r);
+  return r;
+}
+BRIM_INLINE FloatLanes load_lanes(const float* at) {
+  FloatLanes r;
+  std::memcpy(&r, at, sizeof r);
+  return r;
+}
+template <class T, class L>
+BRIM_INLINE void store_lanes(T* at, const L& lanes) {
+  std::memcpy(at, &lanes, sizeof lanes);
+}
+BRIM_INLINE Lanes to_double(const FloatLanes& f) { return __builtin_convertvector(f, Lanes); }
+
+}  // namespace brim

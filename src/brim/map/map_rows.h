@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+namespace brim {
+
+/// A map as sparse rows of 3x3 blocks: u_p = Σ_e J_e v[3 c_e .. 3 c_e + 3), e from first[p] to first[p + 1], c_e the
+/// block column of the body's velocities. In single precision, for preconditioners; forces go through Map itself.
+struct MapRows {
+  std::vector<std::int32_t> first{0};  ///< shape (points + 1)
+  std::vector<std::int32_t> column;    ///< shape (entries)
+  std::vector<Eigen::Matrix3f> block;  ///< shape (entries)
+
+  void clear() {
+    first.assign(1, 0);
+    column.clear(), block.clear();
+  }
+  void add(std::int32_t c, const Eigen::Matrix3f& b) { column.push_back(c), block.push_back(b); }
+  void end_row() { first.push_back(static_cast<std::int32_t>(column.size())); }
+};
+
+/// Optional interface of maps that are sparse in blocks of three velocities: contact through them can be factored
+/// across bodies.
+class SparseMap {
+ public:
+  virtual ~SparseMap() = default;
+  /// Appends the rows of all points. @return false, nothing appended, where the map at hand has no such rows
+  virtual bool append_rows(MapRows& out) const = 0;
+};
+
+}  // namespace brim

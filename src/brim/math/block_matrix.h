@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "brim/math/types.h"
+
+namespace brim {
+
+/// Sparse matrix of 3x3 blocks that measures differences, as the stiffness of any body that is free in space does:
+///   K_ji = K_ijᵀ,   K_ii = −Σ_{j≠i} K_ij,   (K x)_i = Σ_{j≠i} K_ij (x_j − x_i)
+/// Blocks off the diagonal are kept in single precision, both K_ij and K_ji, which are transposes of each other to the
+/// last bit; those on the diagonal are sums of these in double. So a translation gives zero to rounding in double,
+/// whatever the precision of the blocks; K is symmetric up to the skew part of the diagonal, 2^-24 of the blocks of its
+/// row.
+///
+/// The pattern is fixed once. Values are filled by elements, through places found beforehand, and closed:
+///   set_zero, add ..., close
+/// Tests: tests/math/block_matrix_test.cpp
+class BlockMatrix {
+ public:
+  /// Collects the pattern: every pair of nodes of an element, and the diagonal. Call begin, add once per kind of
+  /// element, finish.
+  void begin(std::size_t nodes);
+  void add_elements(std::span<const std::int32_t> node_of, int per_element);
+  void finish();
+
+  // ---- pattern: row r has the blocks at slots row_first()[r] <= s < row_first()[r + 1], in columns()[s], ascending --
+  std::size_t rows() const { return first_.size() - 1; }
+  std::size_t block_count() const { return column_.size(); }
+  std::span<const std::int32_t> row_first() const { return first_; }  ///< shape (rows + 1)
+  std::span<const std::int32_t> columns() const { return column_; }   ///< shape (block_count)
+  /// Place of block (row, column), which must be in the pattern.
+  std::int32_t slot(std::int32_t row, std::int32_t column) const;
+  std::int32_t diagonal_slot(std::size_t row) const { return diagonal_[row]; }
+
+  // ---- values --------------------------------------------------------------------------------------------------
+  /// Changes whenever the values do: what was made of them (factors) is good as long as this is the same.
+  std::uint64_t revision() const { return revision_; }
+  void set_zero();
+  /// Where the blocks of a pair of different nodes are added to: slot(i, j) when i < j, else ~slot(j, i).
+  std::int32_t pair(std::int32_t i, std::int32_t j) const { return i < j ? slot(i, j) : ~slot(j, i); }
+  /// Adds K_ij at pair(i, j); K_ji and the diagonal follow in close. The caller keeps two threads away from one pair
+  /// (ElementSchedule).
+  void add(std::int32_t pair, const Mat3& K);
+  /// The nine numbers of the block at a slot above the diagonal, column by column, to be added to as above.
+  float* values(std::int32_t slot) { return value_.data() + kEntries * static_cast<std::size_t>(slot); }
+  /// Fills the blocks below the diagonal and on it.
+  void close();
+  /// this = a A + b B, of the same pattern and closed; then closed.
+  void combine(double a, const BlockMatrix& A, double b, const BlockMatrix& B);
+  /// The block at a slot; one on the diagonal is rounded to single precision here.
+  Mat3 block(std::int32_t slot) const;
+  /// K_ii as the product has it.
+  const Mat3& diagonal(std::size_t row) const { return diagonal_value_[row]; }
+
+  /// y += a (this) x + b (m x),  m: one mass per row.
+  /// Parallel over rows; same bits for any number of threads. Bound by memory: 40 bytes a block.
+  void multiply_add(double a, double b, std::span<const double> m, std::span<const double> x,
+                    std::span<double> y) const;
+
+ private:
+  static constexpr std::size_t kEntries = 9;
+
+  void close_row(std::size_t row);
+
+  std::vector<std::uint64_t> pattern_;  // row << 32 | column, while building
+  std::vector<std::int32_t> first_{0}, column_, diagonal_;
+  std::vector<std::int32_t> mirror_;       // of each slot below the diagonal, in order: the slot of its transpose
+  std::vector<std::size_t> mirror_first_;  // per row, shape (rows + 1)
+  std::vector<float> value_;               // per slot, column by column; then one more, which loads of four reach
+  std::vector<Mat3> diagonal_value_;
+  std::uint64_t revision_ = 0;
+};
+
+/// A body's part of the system of the step: A = stiffness_share K + mass_share M, K sparse in 3x3 blocks and M
+/// diagonal. Unknowns 3 i to 3 i + 2 of the body are row i of K. Views of the body: good from begin_solve to the next
+/// update.
+struct BlockSystem {
+  const BlockMatrix* stiffness = nullptr;
+  double stiffness_share = 0.0;                ///< dt (dt + b) or 1, where K is ready-made
+  double mass_share = 1.0;                     ///< 1 + dt a
+  std::span<const double> mass;                ///< [kg] per row, shape (rows)
+  std::span<const std::int32_t> prescribed{};  ///< rows whose velocity is given, sorted: filtered from the solve
+};
+
+}  // namespace brim

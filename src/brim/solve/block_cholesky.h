@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace brim {
+
+/// Cholesky factor of a sparse symmetric positive definite matrix of 3x3 blocks, in single precision: an exact part of
+/// a preconditioner. The matrix is scaled to a diagonal of ones; a pivot that rounding has eaten is lifted, so that the
+/// factor is that of a definite matrix always.
+///
+///   order by approximate minimum degree -> elimination tree -> supernodes (columns of one pattern, small ones joined)
+///   -> panels of floats, filled left to right by products of dense panels (Ng and Peyton 1993)
+///
+/// Serial in a fixed order: the same bits for any number of threads. Several factors may be worked on at once.
+/// Tests: tests/solve/block_cholesky_test.cpp
+class BlockCholesky {
+ public:
+  using Block = Eigen::Matrix3f;
+
+  /// Takes the pattern of the upper triangle, diagonal included, and finds order and structure of the factor.
+  /// @param first   shape (n + 1)
+  /// @param column  block columns of each row, ascending from the diagonal on, shape (first[n])
+  void analyze(std::span<const std::int32_t> first, std::span<const std::int32_t> column);
+  /// @param value  blocks in the order of the pattern, shape (first[n]) @return pivots that were lifted
+  int factor(std::span<const Block> value);
+  /// x := A⁻¹ x. @param x  shape (3 n)
+  void solve(std::span<float> x);
+
+  std::size_t blocks() const { return order_.size(); }
+  /// Scalar entries of the factor, zeros of joined supernodes included.
+  std::size_t entries() const { return panel_.size(); }
+
+ private:
+  struct Supernode {
+    std::int32_t begin = 0, end = 0;  ///< block columns, in the new order
+    std::size_t row = 0;              ///< of its block rows in row_, own columns first
+    std::int32_t rows = 0;            ///< block rows
+    std::size_t panel = 0;            ///< of its floats in panel_
+    std::size_t stride = 0;           ///< of a column
+  };
+  void find_order(std::span<const std::int32_t> first, std::span<const std::int32_t> column);
+  void find_structure(std::span<const std::int32_t> first, std::span<const std::int32_t> column);
+  void load(const Supernode& s, std::span<const Block> value);
+  void take_updates(std::size_t s);
+
+  std::vector<std::int32_t> order_, place_;  ///< old block of each new one, and the reverse
+  // The lower triangle by columns in the new order: where each block of the pattern goes.
+  struct Entry {
+    std::int32_t row;     ///< new
+    std::int32_t source;  ///< in the pattern
+    bool transposed;
+  };
+  std::vector<std::int32_t> entry_first_;
+  std::vector<Entry> entry_;
+  std::vector<Supernode> supernode_;
+  std::vector<std::int32_t> row_, supernode_of_;
+  std::vector<float> panel_;
+  // Workspace.
+  std::vector<float> scale_, product_, below_, x_;
+  std::vector<std::int32_t> local_, head_, next_, done_;
+};
+
+}  // namespace brim

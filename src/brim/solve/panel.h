@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+
+/// Dense kernels on panels: columns of floats one after another, `stride` apart. The rows are worked on in lanes, each
+/// row by itself, so that wide and narrow instructions give the same bits. Kernels may read and write up to kPanelPad
+/// rows past the last: strides and buffers leave room.
+namespace brim::panel {
+
+inline constexpr std::size_t kPad = 16;
+
+/// Rows of a panel with its padding.
+inline std::size_t padded(std::size_t rows) { return (rows + kPad - 1) / kPad * kPad; }
+
+/// C = A Bᵀ.
+/// @param a, b    shape (rows, depth), (columns, depth), columns a multiple of 3; both with the stride of one panel
+/// @param c       shape (rows, columns), stride padded(rows), overwritten
+void multiply_transposed(const float* a, const float* b, std::size_t stride, std::size_t rows, std::size_t columns,
+                         std::size_t depth, float* c);
+
+/// Smallest pivot of a matrix whose diagonal is 1: beyond it, single precision knows no more.
+inline constexpr float kLeastPivot = 1e-5f;
+
+/// Replaces the lower triangle of the first `width` rows by its Cholesky factor L, and the rows below by X L⁻ᵀ.
+/// @param rows       all rows of the panel, >= width; width a multiple of 3
+/// @param workspace  room for padded(rows) x 12 floats
+/// @return pivots that were lifted to kLeastPivot: L Lᵀ is then definite, but not the matrix
+int factor(float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* workspace);
+
+/// x := L⁻¹ x for the triangle, then below[i] = Σ_k L(i, k) x[k] for the rows under it.
+void solve_forward(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* x, float* below);
+/// x := L⁻ᵀ (x − Bᵀ below), B the rows under the triangle.
+void solve_backward(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* x,
+                    const float* below);
+
+}  // namespace brim::panel

@@ -1,0 +1,116 @@
+#include "brim/solve/rigid_pair_rows.h"
+
+#include "brim/solve/contact_cone.h"
+
+namespace brim {
+
+namespace {
+
+struct Twist {
+  Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
+};
+
+/// Velocity at x0 and spin of one side. @param arm  x0 − c
+Twist twist_of(const RigidPairRows::Side& s, const Vec3& arm, std::span<const double> v) {
+  if (s.first == RigidPairRows::kFixed) return {};
+  const Eigen::Map<const Vec3> o(v.data() + s.first), w(v.data() + s.first + 3);
+  return {o + w.cross(arm), w};
+}
+
+/// Response of one side's twist at x0 to a force and a torque there.
+Twist response_of(const RigidPairRows::Side& s, const Vec3& arm, const Vec3& force, const Vec3& torque) {
+  const Vec3 spin = s.inverse_inertia * (torque + arm.cross(force));
+  return {s.inverse_mass * force + spin.cross(arm), spin};
+}
+
+}  // namespace
+
+void RigidPairRows::clear() { pair_.clear(), row_.clear(); }
+
+void RigidPairRows::add(const Side& a, const Side& b, std::span<const Vec3> points, std::span<const Mat3> frames,
+                        double friction) {
+  Vec3 x0 = Vec3::Zero();
+  for (const Vec3& x : points) x0 += x / static_cast<double>(points.size());
+  const Pair pair{a, b, x0 - a.center, x0 - b.center, friction, row_.size(), row_.size() + points.size()};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Row r;
+    r.frame = frames[i], r.arm = points[i] - x0, r.pair = pair_.size();
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 f = frames[i].row(k).transpose(), torque = r.arm.cross(f);
+      const Twist by_a = response_of(a, pair.arm_a, f, torque), by_b = response_of(b, pair.arm_b, f, torque);
+      r.twist.col(k) << by_a.linear + by_b.linear, by_a.angular + by_b.angular;
+      r.local.col(k) = r.frame * (r.twist.col(k).head<3>() + r.twist.col(k).tail<3>().cross(r.arm));
+    }
+    r.local = 0.5 * (r.local + r.local.transpose()).eval();
+    r.local_inverse = invert_response(r.local);
+    row_.push_back(r);
+  }
+  pair_.push_back(pair);
+}
+
+Vec3 RigidPairRows::velocity(std::size_t i, std::span<const double> v) const {
+  const Row& r = row_[i];
+  const Pair& p = pair_[r.pair];
+  const Twist a = twist_of(p.a, p.arm_a, v), b = twist_of(p.b, p.arm_b, v);
+  return r.frame * (a.linear - b.linear + (a.angular - b.angular).cross(r.arm));
+}
+
+void RigidPairRows::add_wrench(const Pair& p, const Vec3& force, const Vec3& torque, std::span<double> v) {
+  const auto add = [&](const Side& s, const Vec3& arm, double sign) {
+    if (s.first == kFixed) return;
+    Eigen::Map<Vec3>(v.data() + s.first) += sign * s.inverse_mass * force;
+    Eigen::Map<Vec3>(v.data() + s.first + 3) += sign * (s.inverse_inertia * (torque + arm.cross(force)));
+  };
+  add(p.a, p.arm_a, 1.0);
+  add(p.b, p.arm_b, -1.0);
+}
+
+void RigidPairRows::add_response(std::size_t i, const Vec3& impulse, std::span<double> v) const {
+  const Row& r = row_[i];
+  const Vec3 force = r.frame.transpose() * impulse;
+  add_wrench(pair_[r.pair], force, r.arm.cross(force), v);
+}
+
+void RigidPairRows::add_force(std::size_t i, const Vec3& impulse, std::span<double> Q) const {
+  const Row& r = row_[i];
+  const Pair& p = pair_[r.pair];
+  const Vec3 force = r.frame.transpose() * impulse;
+  const auto add = [&](const Side& s, const Vec3& arm, double sign) {
+    if (s.first == kFixed) return;
+    Eigen::Map<Vec3>(Q.data() + s.first) += sign * force;
+    Eigen::Map<Vec3>(Q.data() + s.first + 3) += sign * (arm + r.arm).cross(force);
+  };
+  add(p.a, p.arm_a, 1.0);
+  add(p.b, p.arm_b, -1.0);
+}
+
+double RigidPairRows::relax(std::size_t pair, bool backward, int rounds, double friction, std::span<const Vec3> offset,
+                            std::span<const double> target, std::span<Vec3> impulse, std::span<double> v) const {
+  const Pair& p = pair_[pair];
+  const Twist a = twist_of(p.a, p.arm_a, v), b = twist_of(p.b, p.arm_b, v);
+  Vec3 linear = a.linear - b.linear, angular = a.angular - b.angular;
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+  double worst = 0.0;
+  const std::size_t n = p.end - p.begin;
+  if (n == 1) rounds = 1;
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::size_t i = backward ? n - 1 - k : k;
+      const Row& r = row_[p.begin + i];
+      if (!(r.local(0, 0) > 0.0)) continue;
+      Vec3 u = r.frame * (linear + angular.cross(r.arm)) + offset[i];
+      u.x() -= target[i];
+      const Vec3 next = relax_contact(r.local, r.local_inverse, friction * p.friction, u, impulse[i]);
+      const Vec3 change = next - impulse[i];
+      impulse[i] = next;
+      if (round == 0) worst = std::max(worst, (r.local * change).cwiseAbs().maxCoeff());
+      const Vec3 push = r.frame.transpose() * change;
+      force += push, torque += r.arm.cross(push);
+      linear += r.twist.topRows<3>() * change, angular += r.twist.bottomRows<3>() * change;
+    }
+  }
+  add_wrench(p, force, torque, v);
+  return worst;
+}
+
+}  // namespace brim

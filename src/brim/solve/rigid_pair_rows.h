@@ -1,0 +1,73 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "brim/math/types.h"
+
+namespace brim {
+
+/// Contact rows between pairs of bodies that move rigidly, in the compact form that sweeps run on. A pair meets by six
+/// numbers only, the relative twist (V, Ω) of the bodies at a point x0 of the pair,
+///   V = o'_a + ω_a × (x0 − c_a) − o'_b − ω_b × (x0 − c_b),   Ω = ω_a − ω_b
+/// so that all contacts of a pair are relaxed on it before the bodies' velocities are touched:
+///   u_i = F_i (V + Ω × d_i),   d_i = x_i − x0       velocity at contact i in its frame, rows n, t1, t2
+///   Δ(V, Ω) = B (p, d_i × p),  p = F_iᵀ Δλ_i        B: response of the twist to a force and a torque at x0
+/// The bodies take the sum of the p and of the d × p, equal and opposite: momentum is exact.
+/// Tests: tests/solve/rigid_pair_rows_test.cpp
+class RigidPairRows {
+ public:
+  static constexpr std::size_t kFixed = std::numeric_limits<std::size_t>::max();
+  /// A body as a pair sees it: velocities (o', ω) from `first` on, or none where nothing changes them.
+  struct Side {
+    std::size_t first = kFixed;
+    Vec3 center = Vec3::Zero();           ///< [m] c
+    double inverse_mass = 0.0;            ///< [1/kg]
+    Mat3 inverse_inertia = Mat3::Zero();  ///< [1/(kg m²)] world axes
+  };
+
+  void clear();
+  /// Takes a pair in. @param points [m]  @param frames  rows n (towards a), t1, t2  @param friction  [-]; shape
+  /// (contacts)
+  void add(const Side& a, const Side& b, std::span<const Vec3> points, std::span<const Mat3> frames, double friction);
+  std::size_t pairs() const { return pair_.size(); }
+  std::size_t size() const { return row_.size(); }
+
+  /// F (V + Ω × d) at contact i of those of all pairs.
+  Vec3 velocity(std::size_t i, std::span<const double> v) const;
+  /// v += what the impulse λ at contact i does.
+  void add_response(std::size_t i, const Vec3& impulse, std::span<double> v) const;
+  /// Q += force and torque of the impulse on both bodies, for velocities below Q's size.
+  void add_force(std::size_t i, const Vec3& impulse, std::span<double> Q) const;
+  double normal_response(std::size_t i) const { return row_[i].local(0, 0); }
+
+  /// Relaxes the contacts of a pair in their order, or against it, so many times.
+  /// @param friction  times that of the pair, 0 or 1  @param offset, target, impulse  of the pair's contacts
+  /// @return largest change of any u by the first round, [m/s]
+  double relax(std::size_t pair, bool backward, int rounds, double friction, std::span<const Vec3> offset,
+               std::span<const double> target, std::span<Vec3> impulse, std::span<double> v) const;
+
+ private:
+  struct Pair {
+    Side a, b;
+    Vec3 arm_a, arm_b;  ///< [m] x0 − c
+    double friction = 0.0;
+    std::size_t begin = 0, end = 0;
+  };
+  struct Row {
+    Mat3 frame;
+    Vec3 arm;                           ///< [m] d
+    Eigen::Matrix<double, 6, 3> twist;  ///< B (f, d × f) for unit impulses f along the rows
+    Mat3 local, local_inverse;          ///< W: response of u at this contact; its inverse or zero
+    std::size_t pair = 0;
+  };
+  static void add_wrench(const Pair& p, const Vec3& force, const Vec3& torque, std::span<double> v);
+
+  std::vector<Pair> pair_;
+  std::vector<Row> row_;
+};
+
+}  // namespace brim

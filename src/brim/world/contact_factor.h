@@ -1,0 +1,100 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "brim/body/body.h"
+#include "brim/math/block_matrix.h"
+#include "brim/solve/block_cholesky.h"
+#include "brim/world/contact_rows.h"
+
+namespace brim {
+
+/// The part of the system that contact touches, factored across bodies:
+///   T = velocities that have a share in a contact that acts,   z_T = (A_TT)⁻¹ r_T
+/// with A the bodies' own matrices and Jᵀ K J of the contacts. It is what block Jacobi misses most: a tenth of the
+/// nodes of a pile, and nearly all of what couples them. Beyond kPiece blocks T is cut in space into pieces that are
+/// factored apart (couplings between them are left out), so that cost and memory grow linearly and threads share the
+/// work. Bodies take part whose matrix is known in blocks (Body::block_system, or one block of six) and whose maps are
+/// sparse. Same bits for any number of threads.  Tests: tests/world/contact_factor_test.cpp
+class ContactFactor {
+ public:
+  /// [blocks of three velocities] of a piece at most.
+  static constexpr std::size_t kPiece = 4096;
+
+  /// Takes the matrices of the bodies for the step at hand. @param diagonal  of the bodies alone, by their blocks
+  void begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+             const BlockDiagonal& diagonal, std::span<const std::size_t> first_block,
+             std::span<const std::uint8_t> sparse);
+  /// Assembles and factors with the contact stiffness of the rows. The structure is kept where the pattern is the same.
+  void factor(const ContactRows& rows, std::size_t most_in_a_piece = kPiece);
+  /// Makes room for the rows of all contacts, so that memory does not follow which of them act.
+  void reserve(const ContactRows& rows) { incidence_.reserve(rows.offset.size()); }
+  /// Nonzero for bodies of one block of six, of which the factor has all that contact touches; shape (bodies).
+  std::span<const std::uint8_t> rigid() const { return rigid_; }
+  /// True when all that moves are such bodies.
+  bool knows_all_rigid() const { return all_rigid_; }
+  bool empty() const { return touched_.empty(); }
+  /// Writes z on the touched velocities; the others are left alone.
+  void apply(std::span<const double> r, std::span<double> z);
+
+  std::size_t touched() const { return touched_.size(); }  ///< blocks of three velocities
+  std::size_t entries() const;                             ///< floats of the factors
+
+ private:
+  struct Owner {
+    bool known = false;
+    std::size_t first_v = 0, first_block = 0;
+    std::optional<BlockSystem> system;  ///< none: one block of six in the diagonal
+  };
+  struct Touched {
+    std::int32_t velocity;  ///< first of three
+    std::int32_t body;
+    std::int32_t piece;
+    Eigen::Vector3f place;  ///< [m] mean of its contacts
+  };
+  /// Rows of the upper triangle of a piece, columns numbered from its begin.
+  struct Pattern {
+    std::vector<std::int32_t> first, column;
+  };
+  struct Piece {
+    std::size_t begin = 0, end = 0;  ///< in touched_
+    Pattern pattern, before;
+    std::vector<BlockCholesky::Block> value;
+    BlockCholesky factor;
+    std::vector<float> x;
+  };
+  struct Chunk {
+    std::vector<std::int32_t> column;
+    std::vector<BlockCholesky::Block> value;
+  };
+  void find_touched(const ContactRows& rows);
+  void cut(const ContactRows& rows, std::size_t most);
+  void find_incidence(const ContactRows& rows);
+  void assemble(const ContactRows& rows);
+  template <class Add>
+  void add_own_blocks(std::int32_t t, const Add& add) const;
+  template <class F>
+  void for_entries(const ContactRows& rows, const F& f) const;
+
+  const BlockDiagonal* diagonal_ = nullptr;
+  std::vector<Owner> owner_;         ///< per body
+  std::vector<std::uint8_t> rigid_;  ///< per body
+  bool all_rigid_ = false;
+  std::vector<std::uint8_t> prescribed_;  ///< per velocity
+  std::vector<std::int32_t> local_;       ///< per velocity: the touched block that starts there, or -1
+  std::vector<Touched> touched_;          ///< by piece, then by velocity
+  struct Incidence {
+    std::int32_t contact, entry;  ///< place in the rows
+  };
+  std::vector<std::int32_t> incidence_first_;
+  std::vector<Incidence> incidence_;
+  std::vector<std::int32_t> length_;  ///< of each row
+  std::vector<Chunk> chunks_;
+  std::vector<Piece> pieces_;
+  std::size_t piece_count_ = 0;
+};
+
+}  // namespace brim

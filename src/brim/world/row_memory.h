@@ -1,0 +1,26 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "brim/contact/contact_set.h"
+#include "brim/math/types.h"
+
+namespace brim {
+
+/// What constraint rows keep of their points from step to step: parts, position and force on a, so that the next step
+/// starts from the impulses of the last. Plain numbers, as they are part of the world's state.
+/// Tests: tests/world/row_memory_test.cpp
+class RowMemory {
+ public:
+  /// Force on a of the nearest point of the same pair in the last step, within two voxels and each taken once, or zero;
+  /// shape (points).
+  void recall(std::span<const double> memory, const ContactSet& points, std::span<Vec3> force);
+  /// Appends a point. @param force  [N] on a
+  static void keep(const ContactPair& pair, const Vec3& point, const Vec3& force, std::vector<double>& memory);
+
+ private:
+  std::vector<std::uint8_t> used_;
+};
+
+}  // namespace brim

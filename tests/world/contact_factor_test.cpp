@@ -1,0 +1,160 @@
+#include "brim/world/contact_factor.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <random>
+
+#include "brim/body/fem/fem_body.h"
+#include "support/solids.h"
+#include "support/worlds.h"
+
+namespace brim::testing {
+namespace {
+
+constexpr unsigned kSeed = 7;
+
+/// A soft cube, a ball and a box, with contacts made up between them.
+struct Problem {
+  std::vector<std::unique_ptr<Body>> bodies;
+  std::vector<std::size_t> first_v{0}, first_block{0};
+  std::vector<std::uint8_t> sparse;
+  BlockDiagonal diagonal;
+  ContactRows rows;
+  Eigen::MatrixXd A;  ///< the whole system
+
+  explicit Problem(int contacts) {
+    FemOptions soft;
+    soft.fixed = {0};
+    bodies.push_back(std::make_unique<FemBody>(cube(3), soft));
+    bodies.push_back(ball("ball", {Vec3(0, 0, 2)}));
+    bodies.push_back(box("box", {Vec3(0, 2, 0), Quat(0.9, 0.1, 0.2, 0.3).normalized()}));
+    std::vector<int> sizes;
+    for (auto& b : bodies) {
+      std::vector<double> q(b->q_size()), v(b->v_size());
+      b->initial_state(q, v);
+      b->update(0.0, q, v);
+      b->begin_solve(0.01);
+      first_v.push_back(first_v.back() + b->v_size());
+      const auto s = b->block_sizes();
+      sizes.insert(sizes.end(), s.begin(), s.end());
+      first_block.push_back(sizes.size());
+    }
+    sparse.assign(bodies.size(), 1);
+    diagonal.reset(sizes);
+    for (std::size_t b = 0; b < bodies.size(); ++b) bodies[b]->add_system_diagonal(first_block[b], diagonal);
+    A = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(first_v.back()), static_cast<Eigen::Index>(first_v.back()));
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      for (std::size_t k = first_v[b]; k < first_v[b + 1]; ++k) {
+        std::vector<double> x(bodies[b]->v_size(), 0.0), y(x.size(), 0.0);
+        x[k - first_v[b]] = 1.0;
+        bodies[b]->apply_system(x, y);
+        for (std::size_t i = 0; i < y.size(); ++i)
+          A(static_cast<Eigen::Index>(first_v[b] + i), static_cast<Eigen::Index>(k)) = y[i];
+      }
+    add_contacts(contacts);
+  }
+
+  static TetMesh cube(int n) { return block(n, n, n, 0.2); }
+
+  void add_contacts(int contacts) {
+    std::mt19937 rng(kSeed);
+    std::normal_distribution<float> normal;
+    std::uniform_int_distribution<std::int32_t> node(0, static_cast<std::int32_t>(first_v[1]) / 3 - 1);
+    rows.first = {0};
+    const auto add = [&](std::int32_t offset, const Eigen::Matrix3f& J) {
+      rows.offset.push_back(offset), rows.block.push_back(J);
+    };
+    for (int c = 0; c < contacts; ++c) {
+      const int rigid = c % 2 + 1;
+      for (int k = 0; k < 4; ++k) add(3 * node(rng), 0.25f * Eigen::Matrix3f::Identity());
+      const Vec3 arm(normal(rng), normal(rng), normal(rng));
+      add(static_cast<std::int32_t>(first_v[rigid]), -Eigen::Matrix3f::Identity());
+      add(static_cast<std::int32_t>(first_v[rigid]) + 3, skew(arm).cast<float>());
+      const Eigen::Vector3f n = Eigen::Vector3f(normal(rng), normal(rng), normal(rng)).normalized();
+      rows.contact.push_back(static_cast<std::uint32_t>(c));
+      rows.point.push_back(Eigen::Vector3f(normal(rng), normal(rng), normal(rng)));
+      rows.stiffness.push_back(200.0f * n * n.transpose() + Eigen::Matrix3f::Identity());
+      rows.first.push_back(static_cast<std::int32_t>(rows.offset.size()));
+    }
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3, A.cols());
+      for (std::int32_t e = rows.first[i]; e < rows.first[i + 1]; ++e)
+        J.middleCols<3>(rows.offset[e]) += rows.block[e].cast<double>();
+      A += J.transpose() * rows.stiffness[i].cast<double>() * J;
+    }
+  }
+};
+
+/// Velocities of the problem that some contact touches and none prescribes.
+std::vector<Eigen::Index> touched(const Problem& p) {
+  std::vector<std::uint8_t> is(p.first_v.back(), 0);
+  for (const std::int32_t o : p.rows.offset)
+    for (int a = 0; a < 3; ++a) is[static_cast<std::size_t>(o + a)] = 1;
+  for (int a = 0; a < 3; ++a) is[a] = 0;
+  std::vector<Eigen::Index> list;
+  for (std::size_t v = 0; v < is.size(); ++v)
+    if (is[v]) list.push_back(static_cast<Eigen::Index>(v));
+  return list;
+}
+
+TEST(ContactFactor, SolvesExactlyWhatContactTouches) {
+  SCOPED_TRACE(kSeed);
+  const Problem p(12);
+  ContactFactor factor;
+  factor.begin(p.bodies, p.first_v, p.diagonal, p.first_block, p.sparse);
+  factor.factor(p.rows);
+  const auto t = touched(p);
+  ASSERT_EQ(3 * factor.touched(), t.size());
+  const Eigen::VectorXd r = Eigen::VectorXd::Random(p.A.rows());
+  std::vector<double> z(p.first_v.back(), -7.0);
+  factor.apply(std::span(r.data(), z.size()), z);
+  const Eigen::VectorXd exact = Eigen::MatrixXd(p.A(t, t)).llt().solve(Eigen::VectorXd(r(t)));
+  double error = 0.0;
+  for (std::size_t i = 0; i < t.size(); ++i)
+    error = std::max(error, std::abs(z[static_cast<std::size_t>(t[i])] - exact[static_cast<Eigen::Index>(i)]));
+  EXPECT_LT(error, 1e-4 * exact.cwiseAbs().maxCoeff());  // single precision times the condition
+  for (std::size_t v = 0; v < z.size(); ++v)
+    if (std::find(t.begin(), t.end(), static_cast<Eigen::Index>(v)) == t.end()) EXPECT_EQ(z[v], -7.0) << v;
+}
+
+TEST(ContactFactor, InPiecesItIsTheInverseOfTheirBlocks) {
+  SCOPED_TRACE(kSeed);
+  const Problem p(40);
+  ContactFactor factor;
+  factor.begin(p.bodies, p.first_v, p.diagonal, p.first_block, p.sparse);
+  factor.factor(p.rows, 8);
+  // The answers to unit vectors tell the pieces; each must be the inverse of its part of A.
+  const auto t = touched(p);
+  const auto n = static_cast<Eigen::Index>(t.size());
+  Eigen::MatrixXd P(n, n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    std::vector<double> r(p.first_v.back(), 0.0), z(r);
+    r[static_cast<std::size_t>(t[k])] = 1.0;
+    factor.apply(r, z);
+    for (Eigen::Index i = 0; i < n; ++i) P(i, k) = z[static_cast<std::size_t>(t[i])];
+  }
+  std::size_t least = t.size();
+  for (Eigen::Index k = 0; k < n; ++k) {
+    std::vector<Eigen::Index> piece, local;
+    for (Eigen::Index i = 0; i < n; ++i)
+      if (P(i, k) != 0.0) piece.push_back(t[i]), local.push_back(i);
+    least = std::min(least, piece.size());
+    EXPECT_LE(piece.size(), 24u);
+    const Eigen::MatrixXd inverse = Eigen::MatrixXd(p.A(piece, piece)).inverse();
+    EXPECT_LT((P(local, local) - inverse).norm(), 1e-3 * inverse.norm());
+  }
+  EXPECT_LT(least, t.size());
+}
+
+TEST(ContactFactor, BodiesWithoutRowsAreLeftOut) {
+  const Problem p(12);
+  std::vector<std::uint8_t> sparse = {0, 1, 1};
+  ContactFactor factor;
+  factor.begin(p.bodies, p.first_v, p.diagonal, p.first_block, sparse);
+  factor.factor(p.rows);
+  EXPECT_EQ(factor.touched(), 4u);  // two rigid bodies, two blocks each
+}
+
+}  // namespace
+}  // namespace brim::testing

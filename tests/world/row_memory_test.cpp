@@ -1,0 +1,36 @@
+#include "brim/world/row_memory.h"
+
+#include <gtest/gtest.h>
+
+namespace brim {
+namespace {
+
+TEST(RowMemory, PointsFindTheNearestOfTheirPairOnceAndWithinTwoVoxels) {
+  std::vector<double> memory;
+  ContactPair first, second, third;
+  first.part_a = 0, first.part_b = 3;
+  second.part_a = 1, second.part_b = 2;
+  third.part_a = 1, third.part_b = 4;
+  RowMemory::keep(first, Vec3(0, 0, 0), Vec3(1, 0, 0), memory);
+  RowMemory::keep(second, Vec3(1, 0, 0), Vec3(0, 2, 0), memory);
+  RowMemory::keep(second, Vec3(1.1, 0, 0), Vec3(0, 3, 0), memory);
+  RowMemory::keep(third, Vec3(1, 0, 0), Vec3(0, 0, 4), memory);
+
+  ContactSet points;
+  second.h = third.h = 0.1;
+  second.begin = 0, second.end = 3;
+  third.begin = 3, third.end = 4;
+  points.pairs = {second, third};
+  points.resize(4);
+  points.point = {Vec3(1.09, 0, 0), Vec3(1.08, 0, 0), Vec3(1.05, 0, 0), Vec3(1.3, 0, 0)};
+  std::vector<Vec3> force(4, Vec3::Ones());
+  RowMemory recall;
+  recall.recall(memory, points, force);
+  EXPECT_EQ(force[0], Vec3(0, 3, 0));  // the nearer of the two
+  EXPECT_EQ(force[1], Vec3(0, 2, 0));  // what is left
+  EXPECT_EQ(force[2], Vec3::Zero());   // both are taken
+  EXPECT_EQ(force[3], Vec3::Zero());   // three voxels away
+}
+
+}  // namespace
+}  // namespace brim
