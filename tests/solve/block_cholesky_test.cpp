@@ -5,6 +5,8 @@
 #include <Eigen/Dense>
 #include <random>
 
+#include "brim/core/parallel.h"
+
 namespace brim {
 namespace {
 
@@ -97,6 +99,63 @@ TEST(BlockCholesky, StaysDefiniteWhereTheMatrixIsSingular) {
   const Eigen::MatrixXd symmetric = 0.5 * (inverse + inverse.transpose());
   EXPECT_LT((inverse - symmetric).norm(), 1e-3 * symmetric.norm());
   EXPECT_GT(symmetric.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), 0.0);
+}
+
+/// A square lattice of nodes, each coupled to its neighbours: a sheet, whose elimination tree has many branches.
+struct Lattice {
+  std::vector<std::int32_t> first{0}, column;
+  std::vector<BlockCholesky::Block> value;
+
+  explicit Lattice(int side) {
+    const BlockCholesky::Block one = BlockCholesky::Block::Identity();
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) {
+        const std::int32_t i = y * side + x;
+        const auto add = [&](std::int32_t j, const BlockCholesky::Block& b) {
+          column.push_back(j), value.push_back(b);
+        };
+        BlockCholesky::Block own = 4.5f * one;
+        own(0, 1) = own(1, 0) = 0.3f;
+        add(i, own);
+        if (x + 1 < side) add(i + 1, -one);
+        if (y + 1 < side) add(i + side, -one);
+        first.push_back(static_cast<std::int32_t>(column.size()));
+      }
+  }
+  Eigen::VectorXd times(std::span<const float> x) const {
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(x.size()));
+    const auto at = [&](std::int32_t i) { return Eigen::Vector3d(x[3 * i], x[3 * i + 1], x[3 * i + 2]); };
+    for (std::int32_t r = 0; r + 1 < static_cast<std::int32_t>(first.size()); ++r)
+      for (std::int32_t e = first[r]; e < first[r + 1]; ++e) {
+        y.segment<3>(3 * r) += value[e].cast<double>() * at(column[e]);
+        if (column[e] != r) y.segment<3>(3 * column[e]) += value[e].transpose().cast<double>() * at(r);
+      }
+    return y;
+  }
+};
+
+/// The answer to a ramp of loads, by as many threads.
+std::vector<float> answer(BlockCholesky& factor, const Lattice& p, int threads) {
+  const ThreadLimit limit(threads);
+  factor.analyze(p.first, p.column);
+  EXPECT_EQ(factor.factor(p.value), 0);
+  std::vector<float> x(3 * factor.blocks());
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = 1.0f + 0.001f * static_cast<float>(i % 97);
+  factor.solve(x);
+  return x;
+}
+
+TEST(BlockCholesky, BranchesSharedByThreadsGiveTheSameBits) {
+  // Large ones are divided into tasks, small ones are not: one object takes both in turn.
+  BlockCholesky one, two;
+  for (const int side : {48, 5, 60}) {
+    const Lattice p(side);
+    const std::vector<float> x = answer(one, p, 1);
+    EXPECT_EQ(x, answer(two, p, 2)) << side;
+    Eigen::VectorXd b(static_cast<Eigen::Index>(x.size()));
+    for (Eigen::Index i = 0; i < b.size(); ++i) b[i] = 1.0f + 0.001f * static_cast<float>(i % 97);
+    EXPECT_LT((p.times(x) - b).norm(), 1e-5 * b.norm()) << side;
+  }
 }
 
 }  // namespace

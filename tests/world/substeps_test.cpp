@@ -79,6 +79,25 @@ TEST(Substeps, AFastEndOfASoftBodyCountsWhereItIs) {
   EXPECT_GE(substeps_of_beam(-1.0, 0.25), 2);
 }
 
+TEST(Substeps, ThickSoftPartsMayMoveFartherThanThinOnes) {
+  WorldOptions o = options_at(0.1);
+  const auto block = testing::named<FemBody>("block", testing::block(2, 2, 2, 0.3), FemOptions{});
+  const auto sheet = [&](double thickness) {
+    WorldPart p{block.get(), 0, 0, 0.1, block->part(0)};
+    p.info.thickness = thickness;
+    return p;
+  };
+  // A quarter of both together, from one voxel to two.
+  EXPECT_DOUBLE_EQ(motion_limit(sheet(0.2), sheet(0.2), o), 0.1);
+  EXPECT_DOUBLE_EQ(motion_limit(sheet(0.02), sheet(0.02), o), 0.1);
+  EXPECT_DOUBLE_EQ(motion_limit(sheet(0.2), sheet(0.4), o), 0.15);
+  EXPECT_DOUBLE_EQ(motion_limit(sheet(0.9), sheet(0.9), o), 0.2);
+  o.max_motion_voxels = 2.0;
+  EXPECT_DOUBLE_EQ(motion_limit(sheet(0.2), sheet(0.9), o), 0.2);
+  const auto one = ball("one", {}), two = ball("two", {});
+  EXPECT_DOUBLE_EQ(motion_limit({one.get(), 0, 0, 0.1, one->part(0)}, {two.get(), 1, 0, 0.1, two->part(0)}, o), 0.2);
+}
+
 TEST(Substeps, TheLimitIsKeptAndTold) {
   WorldOptions o = options_at(0.125);
   o.max_substeps = 5;

@@ -13,8 +13,11 @@ namespace brim {
 ///
 ///   order by approximate minimum degree -> elimination tree -> supernodes (columns of one pattern, small ones joined)
 ///   -> panels of floats, filled left to right by products of dense panels (Ng and Peyton 1993)
+///   -> triangles inverted, so that a solve is products only
 ///
-/// Serial in a fixed order: the same bits for any number of threads. Several factors may be worked on at once.
+/// Subtrees of the elimination tree are independent: they are dealt into a fixed number of tasks, which threads share;
+/// what lies above them all (the top) follows in order. So the bits are the same for any number of threads. Several
+/// factors may be worked on at once.
 /// Tests: tests/solve/block_cholesky_test.cpp
 class BlockCholesky {
  public:
@@ -41,10 +44,24 @@ class BlockCholesky {
     std::size_t panel = 0;            ///< of its floats in panel_
     std::size_t stride = 0;           ///< of a column
   };
+  /// Supernodes that one thread works through: whole subtrees, children first.
+  struct Task {
+    std::vector<std::int32_t> supernode;
+    // Workspace.
+    std::vector<float> product, rows, above;  ///< above: what the top takes from here, shape (3 blocks of the top)
+    std::vector<std::int32_t> local;
+    int lifted = 0;
+  };
   void find_order(std::span<const std::int32_t> first, std::span<const std::int32_t> column);
   void find_structure(std::span<const std::int32_t> first, std::span<const std::int32_t> column);
-  void load(const Supernode& s, std::span<const Block> value);
-  void take_updates(std::size_t s);
+  void find_tasks();
+  void load(const Supernode& s, std::span<const Block> value, Task& task);
+  void take_updates(std::size_t s, Task& task);
+  void factor(Task& task, std::span<const Block> value);
+  /// Lets the next supernode that has rows of this one know.
+  void hand_on(std::int32_t supernode);
+  void solve_forward(Task& task);
+  void solve_backward(Task& task);
 
   std::vector<std::int32_t> order_, place_;  ///< old block of each new one, and the reverse
   // The lower triangle by columns in the new order: where each block of the pattern goes.
@@ -58,9 +75,12 @@ class BlockCholesky {
   std::vector<Supernode> supernode_;
   std::vector<std::int32_t> row_, supernode_of_;
   std::vector<float> panel_;
-  // Workspace.
-  std::vector<float> scale_, product_, below_, x_;
-  std::vector<std::int32_t> local_, head_, next_, done_;
+  std::vector<Task> task_;               ///< the last one is the top
+  std::vector<std::int32_t> task_of_;    ///< per supernode
+  std::vector<std::int32_t> top_place_;  ///< per block: its place in the top
+  // Workspace: lists of the supernodes that a supernode takes updates from, and how far each has been used.
+  std::vector<std::int32_t> head_, next_, done_;
+  std::vector<float> scale_, x_;
 };
 
 }  // namespace brim

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
-#include "brim/core/wide.h"
+#include "brim/core/simd.h"
 
 namespace brim::panel {
 
@@ -26,15 +27,8 @@ BRIM_INLINE void subtract(float* __restrict y, const float* __restrict x, float 
   for (std::size_t i = 0; i < n; ++i) y[i] -= s * x[i];
 }
 
-/// Σ x[i] y[i] in lanes that do not depend on the machine.
-BRIM_INLINE float dot(const float* x, const float* y, std::size_t n) {
-  Wide sum{};
-  std::size_t i = 0;
-  for (; i + kWide <= n; i += kWide) sum += load(x + i) * load(y + i);
-  float tail = 0.0f;
-  for (; i < n; ++i) tail += x[i] * y[i];
-  return (((sum[0] + sum[4]) + (sum[1] + sum[5])) + ((sum[2] + sum[6]) + (sum[3] + sum[7]))) + tail;
-}
+/// The sum of the lanes, in an order that does not depend on the machine.
+BRIM_INLINE float sum_of(Wide s) { return ((s[0] + s[4]) + (s[1] + s[5])) + ((s[2] + s[6]) + (s[3] + s[7])); }
 
 }  // namespace
 
@@ -82,31 +76,76 @@ BRIM_WIDE int factor(float* panel, std::size_t stride, std::size_t rows, std::si
   return lifted;
 }
 
-BRIM_WIDE void solve_forward(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* x,
-                             float* below) {
-  const std::size_t n = rows - width;
-  std::fill(below, below + n, 0.0f);
-  for (std::size_t k = 0; k < width; ++k) {
-    const float* column = panel + k * stride;
-    const float xk = x[k] / column[k];
-    x[k] = xk;
-    subtract(x + k + 1, column + k + 1, xk, width - k - 1);
+BRIM_WIDE void invert(float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* workspace) {
+  const std::size_t side = padded(width);
+  // Columns of L⁻¹, one after another: L x = e_j.
+  for (std::size_t j = 0; j < width; ++j) {
+    float* x = workspace + j * side;
+    std::fill(x, x + side, 0.0f);
+    x[j] = 1.0f;
+    for (std::size_t k = j; k < width; ++k) {
+      const float* column = panel + k * stride;
+      x[k] /= column[k];
+      subtract(x + k + 1, column + k + 1, x[k], width - k - 1);
+    }
   }
+  // X L⁻¹, some rows at a time: column j needs those from j on, so that it may take the place of what it came from.
+  for (std::size_t i = width; i < rows; i += kWide) {
+    const std::size_t bytes = std::min<std::size_t>(kWide, rows - i) * sizeof(float);
+    for (std::size_t j = 0; j < width; j += 3) {
+      const float *m0 = workspace + j * side, *m1 = m0 + side, *m2 = m1 + side;
+      Wide s0{}, s1{}, s2{};
+      for (std::size_t k = j; k < width; ++k) {
+        const Wide x = load(panel + k * stride + i);
+        s0 += x * m0[k], s1 += x * m1[k], s2 += x * m2[k];
+      }
+      float* at = panel + j * stride + i;
+      std::memcpy(at, &s0, bytes), std::memcpy(at + stride, &s1, bytes), std::memcpy(at + 2 * stride, &s2, bytes);
+    }
+  }
+  for (std::size_t j = 0; j < width; ++j)
+    std::copy(workspace + j * side, workspace + j * side + width, panel + j * stride);
+}
+
+BRIM_WIDE void multiply(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, const float* x,
+                        float* y) {
+  std::fill(y, y + rows, 0.0f);
   std::size_t k = 0;
-  for (; k + 3 <= width; k += 3) {
-    const float *c0 = panel + k * stride + width, *c1 = c0 + stride, *c2 = c1 + stride;
+  // Rows above k of columns from k on are zero.
+  for (; k + 6 <= width; k += 6) {
+    const float *c0 = panel + k * stride, *c1 = c0 + stride, *c2 = c1 + stride, *c3 = c2 + stride, *c4 = c3 + stride,
+                *c5 = c4 + stride;
+    const float x0 = x[k], x1 = x[k + 1], x2 = x[k + 2], x3 = x[k + 3], x4 = x[k + 4], x5 = x[k + 5];
+    std::size_t i = k;
+    for (; i + kWide <= rows; i += kWide)
+      store(y + i, (load(y + i) + load(c0 + i) * x0 + load(c1 + i) * x1) + (load(c2 + i) * x2 + load(c3 + i) * x3) +
+                       (load(c4 + i) * x4 + load(c5 + i) * x5));
+    for (; i < rows; ++i)
+      y[i] = (y[i] + c0[i] * x0 + c1[i] * x1) + (c2[i] * x2 + c3[i] * x3) + (c4[i] * x4 + c5[i] * x5);
+  }
+  for (; k < width; k += 3) {
+    const float *c0 = panel + k * stride, *c1 = c0 + stride, *c2 = c1 + stride;
     const float x0 = x[k], x1 = x[k + 1], x2 = x[k + 2];
-    for (std::size_t i = 0; i < n; ++i) below[i] += c0[i] * x0 + c1[i] * x1 + c2[i] * x2;
+    std::size_t i = k;
+    for (; i + kWide <= rows; i += kWide)
+      store(y + i, (load(y + i) + load(c0 + i) * x0) + (load(c1 + i) * x1 + load(c2 + i) * x2));
+    for (; i < rows; ++i) y[i] = (y[i] + c0[i] * x0) + (c1[i] * x1 + c2[i] * x2);
   }
 }
 
-BRIM_WIDE void solve_backward(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* x,
-                              const float* below) {
-  const std::size_t n = rows - width;
-  for (std::size_t k = width; k-- > 0;) {
-    const float* column = panel + k * stride;
-    const float sum = dot(column + width, below, n) + dot(column + k + 1, x + k + 1, width - k - 1);
-    x[k] = (x[k] - sum) / column[k];
+BRIM_WIDE void multiply_by_transpose(const float* panel, std::size_t stride, std::size_t rows, std::size_t width,
+                                     const float* y, float* x) {
+  for (std::size_t k = 0; k < width; k += 3) {
+    const float *c0 = panel + k * stride, *c1 = c0 + stride, *c2 = c1 + stride;
+    Wide s0{}, s1{}, s2{};
+    std::size_t i = k;
+    for (; i + kWide <= rows; i += kWide) {
+      const Wide v = load(y + i);
+      s0 += load(c0 + i) * v, s1 += load(c1 + i) * v, s2 += load(c2 + i) * v;
+    }
+    float t0 = 0.0f, t1 = 0.0f, t2 = 0.0f;
+    for (; i < rows; ++i) t0 += c0[i] * y[i], t1 += c1[i] * y[i], t2 += c2[i] * y[i];
+    x[k] = sum_of(s0) + t0, x[k + 1] = sum_of(s1) + t1, x[k + 2] = sum_of(s2) + t2;
   }
 }
 

@@ -27,10 +27,15 @@ inline constexpr float kLeastPivot = 1e-5f;
 /// @return pivots that were lifted to kLeastPivot: L Lᵀ is then definite, but not the matrix
 int factor(float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* workspace);
 
-/// x := L⁻¹ x for the triangle, then below[i] = Σ_k L(i, k) x[k] for the rows under it.
-void solve_forward(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* x, float* below);
-/// x := L⁻ᵀ (x − Bᵀ below), B the rows under the triangle.
-void solve_backward(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* x,
-                    const float* below);
+/// Replaces the factor's triangle L by L⁻¹ and the rows X under it by X L⁻¹: both sweeps of a solve are then products
+/// without a chain of dependent divisions. What is above the triangle becomes zero.
+/// @param workspace  room for padded(width) x width floats
+void invert(float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* workspace);
+
+/// y[i] = Σ_k P(i, k) x[k], P the panel after invert. @param y  shape (padded(rows)), overwritten
+void multiply(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, const float* x, float* y);
+/// x[k] = Σ_i P(i, k) y[i].
+void multiply_by_transpose(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, const float* y,
+                           float* x);
 
 }  // namespace brim::panel

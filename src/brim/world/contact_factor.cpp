@@ -13,10 +13,15 @@ constexpr std::size_t kRows = 64;
 
 using Block = BlockCholesky::Block;
 
+}  // namespace
+
 /// Sums blocks of one row by column.
-class RowSum {
+class ContactFactor::RowSum {
  public:
-  explicit RowSum(std::size_t columns) : slot_(columns, -1) {}
+  /// Makes room for columns below `columns`.
+  void begin(std::size_t columns) {
+    if (slot_.size() < columns) slot_.resize(columns, -1);
+  }
   void add(std::int32_t column, const Block& block) {
     std::int32_t& s = slot_[column];
     if (s < 0) {
@@ -46,7 +51,8 @@ class RowSum {
   std::vector<Block> value_;
 };
 
-}  // namespace
+ContactFactor::ContactFactor() : sums_(std::make_unique<WorkspacePool<RowSum>>()) {}
+ContactFactor::~ContactFactor() = default;
 
 void ContactFactor::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
                           const BlockDiagonal& diagonal, std::span<const std::size_t> first_block,
@@ -184,7 +190,9 @@ void ContactFactor::assemble(const ContactRows& rows) {
   parallel_for(chunks_.size(), [&](std::size_t c) {
     Chunk& out = chunks_[c];
     out.column.clear(), out.value.clear();
-    RowSum sum(n);
+    auto workspace = sums_->borrow();
+    RowSum& sum = *workspace;
+    sum.begin(n);
     for (std::size_t row = c * kRows; row < std::min(n, (c + 1) * kRows); ++row) {
       const auto t = static_cast<std::int32_t>(row);
       const Piece& piece = pieces_[touched_[row].piece];

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "brim/body/body.h"
+#include "brim/core/workspace_pool.h"
 #include "brim/math/block_matrix.h"
 #include "brim/solve/block_cholesky.h"
 #include "brim/world/contact_rows.h"
@@ -22,7 +23,10 @@ namespace brim {
 class ContactFactor {
  public:
   /// [blocks of three velocities] of a piece at most.
-  static constexpr std::size_t kPiece = 4096;
+  static constexpr std::size_t kPiece = 2048;
+
+  ContactFactor();
+  ~ContactFactor();
 
   /// Takes the matrices of the bodies for the step at hand. @param diagonal  of the bodies alone, by their blocks
   void begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
@@ -70,6 +74,7 @@ class ContactFactor {
     std::vector<std::int32_t> column;
     std::vector<BlockCholesky::Block> value;
   };
+  class RowSum;
   void find_touched(const ContactRows& rows);
   void cut(const ContactRows& rows, std::size_t most);
   void find_incidence(const ContactRows& rows);
@@ -93,6 +98,7 @@ class ContactFactor {
   std::vector<Incidence> incidence_;
   std::vector<std::int32_t> length_;  ///< of each row
   std::vector<Chunk> chunks_;
+  std::unique_ptr<WorkspacePool<RowSum>> sums_;
   std::vector<Piece> pieces_;
   std::size_t piece_count_ = 0;
 };

@@ -79,6 +79,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     });
     if (contacts == 0) return;
     const ScopedSeconds contact_timer(contact_seconds);
+    const ProfileScope scope("contact product");
     acting_.add_response(
         x, [&](std::size_t c, const Vec3& d) { return response.apply(c, d); }, y);
   };
@@ -94,6 +95,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   bool coarse = contacts > 0 && !whole;
   if (coarse) {
     const ScopedSeconds contact_timer(contact_seconds);
+    const ProfileScope scope("coarse modes, made");
     modes_.begin(bodies, first_v, parts, maps, contact_set, factor_.rigid());
   }
   system.precondition = [&](std::span<const double> r, std::span<double> z) {
@@ -107,7 +109,11 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     });
     if (contacts == 0) return;
     const ScopedSeconds contact_timer(contact_seconds);
-    factor_.apply(r, z);
+    {
+      const ProfileScope scope("contact factor, applied");
+      factor_.apply(r, z);
+    }
+    const ProfileScope scope("coarse modes, applied");
     if (coarse) modes_.add(r, z);
   };
 
@@ -139,10 +145,8 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     diagonal_.factor();
     if (contacts > 0) {
       const ScopedSeconds contact_timer(contact_seconds);
-      acting_.gather_rows(contact_rows_);
-      for (std::size_t i = 0; i < contact_rows_.size(); ++i)
-        contact_rows_.stiffness[i] = response.block(contact_rows_.contact[i]).cast<float>();
-      factor_.factor(contact_rows_);
+      factor_contacts(response);
+      const ProfileScope scope("coarse modes, factored");
       coarse = !whole && modes_.factor(contact_set, response);
     }
     // What only tells which contacts let go and how friction is loaded is solved less sharply than what is kept.
@@ -181,6 +185,19 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   rows_timer.reset();
   contact_seconds = before + within;
   return finite;
+}
+
+void ImplicitStep::factor_contacts(const Penalty& response) {
+  {
+    const ProfileScope scope("contact rows");
+    acting_.gather_rows(contact_rows_);
+  }
+  const ProfileScope scope("contact factor, made");
+  for (std::size_t i = 0; i < contact_rows_.size(); ++i)
+    contact_rows_.stiffness[i] = response.block(contact_rows_.contact[i]).cast<float>();
+  factor_.factor(contact_rows_);
+  profile_count("blocks that contact touches", static_cast<double>(factor_.touched()));
+  profile_count("floats of the contact factor", static_cast<double>(factor_.entries()));
 }
 
 }  // namespace brim

@@ -51,6 +51,9 @@ class ImplicitStep {
   std::span<const Vec3> contact_delta() const { return contact_delta_; }
 
  private:
+  /// Factors what contact touches, with the stiffness of the contacts as it is.
+  void factor_contacts(const Penalty& response);
+
   std::vector<double> internal_, rhs_, scratch_;
   std::vector<Vec3> contact_delta_, contact_force_;
   std::vector<std::size_t> first_block_;
@@ -61,6 +64,8 @@ class ImplicitStep {
   ContactRows contact_rows_;
   std::vector<std::uint8_t> sparse_;  ///< per body: its maps show their rows
   ContactFactor factor_;
+  std::vector<double>
+      factored_;  ///< [kg] per contact: trace of its matrix when it was factored, 0 where it did not act
   ConjugateGradient cg_;
 };
 

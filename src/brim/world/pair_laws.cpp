@@ -15,9 +15,6 @@ Response choose_response(Response pair, Response a, Response b, Response world) 
   return world;
 }
 
-/// True when the part cannot deform: its body has no more velocities than rigid parts would have.
-bool is_stiff(const WorldPart& p) { return p.body->v_size() <= 6 * static_cast<std::size_t>(p.body->part_count()); }
-
 std::span<const double> velocities_of(const WorldPart& p, std::span<const double> v,
                                       std::span<const std::size_t> first_v) {
   return v.subspan(first_v[p.body_index], first_v[p.body_index + 1] - first_v[p.body_index]);
@@ -25,8 +22,10 @@ std::span<const double> velocities_of(const WorldPart& p, std::span<const double
 
 }  // namespace
 
+bool is_rigid(const WorldPart& p) { return p.body->v_size() <= 6 * static_cast<std::size_t>(p.body->part_count()); }
+
 bool meet_by_rigid_rows(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
-  if (!is_stiff(a) || !is_stiff(b)) return false;
+  if (!is_rigid(a) || !is_rigid(b)) return false;
   Response own = Response::Inherit;
   if (!options.pair_materials.empty()) {
     const auto key = std::minmax(a.info.material.name, b.info.material.name);
@@ -80,7 +79,7 @@ void PairLaws::choose(std::span<const WorldPart> parts, std::span<const double> 
     const WorldPart &a = parts[pairs[i].part_a], &b = parts[pairs[i].part_b];
     const PairMaterial m = material_of(a.info, b.info, options);
     const bool constrained = m.response == Response::Constraint;
-    constraints_[i] = {constrained, m.friction, m.restitution, is_stiff(a) && is_stiff(b)};
+    constraints_[i] = {constrained, m.friction, m.restitution, is_rigid(a) && is_rigid(b)};
     const bool rigid = std::isinf(a.info.modulus) && std::isinf(b.info.modulus);
     penalties_[i] = {constrained ? 0.0 : m.stiffness,
                      m.friction,

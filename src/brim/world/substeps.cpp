@@ -7,8 +7,29 @@
 
 #include "brim/body/motion_clusters.h"
 #include "brim/core/parallel.h"
+#include "brim/world/pair_laws.h"
 
 namespace brim {
+
+namespace {
+
+/// Share of the thickness of two parts together by which they may move in one sub-step.
+constexpr double kShareOfThickness = 0.25;
+/// [voxels] of a part whose thickness is not known: voxels are chosen so that two fit.
+constexpr double kLeastThickness = 2.0;
+
+}  // namespace
+
+double motion_limit(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
+  const double h = std::min(a.h, b.h);
+  const double usual = options.max_motion_voxels * h;
+  if ((is_rigid(a) && is_rigid(b)) || a.info.shapeless || b.info.shapeless) return usual;
+  const auto thickness = [](const WorldPart& p) {
+    return std::isfinite(p.info.thickness) ? p.info.thickness : kLeastThickness * p.h;
+  };
+  return std::clamp(kShareOfThickness * (thickness(a) + thickness(b)), usual,
+                    std::max(usual, std::min(2.0 * usual, 2.0 * h)));
+}
 
 double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
                      const WorldOptions& options, double time, double change) {
@@ -46,8 +67,8 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
       const Entry &a = entries[i], &b = entries[j];
       if (a.part == b.part || !a.swept.overlaps(b.swept)) continue;
       if (!may_touch(parts[a.part], parts[b.part])) continue;
-      const double h = std::min(parts[a.part].h, parts[b.part].h);
-      pieces = std::max(pieces, relative_speed(a.motion, b.motion) * time / (options.max_motion_voxels * h));
+      const double most = motion_limit(parts[a.part], parts[b.part], options);
+      pieces = std::max(pieces, relative_speed(a.motion, b.motion) * time / most);
     }
   return pieces;
 }

@@ -8,8 +8,13 @@
 
 namespace brim {
 
+/// [m] by which two parts may move relative to each other in one sub-step: max_motion_voxels of their common step, and
+/// up to twice that (but no more than two voxels) where one of them deforms and both together are thick, by a quarter
+/// of their thickness, as what is thick cannot be passed in a step.
+double motion_limit(const WorldPart& a, const WorldPart& b, const WorldOptions& options);
+
 /// Pieces, at least 1, that `time` [s] must be cut into so that no two parts that can meet in it move by more than
-/// max_motion_voxels of their common step relative to each other in one piece (a CFL rule).
+/// motion_limit relative to each other in one piece (a CFL rule).
 /// Parts that deform are looked at cluster by cluster (MotionClusters).
 /// @param v       velocities of all bodies, that of body b from first_v[b] on
 /// @param change  [m/s] what the velocities may gain in that time

@@ -1,0 +1,270 @@
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
+#include <algorithm>
+
+#include "brim/solve/block_cholesky.h"
+#include "brim/solve/panel.h"
+
+namespace brim {
+
+namespace {
+
+/// Zeros that joining two supernodes may add, over the entries of both: panels of few columns are slow.
+constexpr double kZeros = 0.25;
+/// [block columns] panels are joined more freely up to this width.
+constexpr std::int32_t kNarrow = 4;
+constexpr double kNarrowZeros = 0.5;
+/// Tasks at most: what threads can share.
+constexpr std::size_t kTasks = 8;
+/// [floats] factors smaller than this are not worth dividing.
+constexpr double kWorthDividing = 30000;
+/// Subtrees are divided until each is less than this share of the work.
+constexpr double kShare = 1.0 / 12;
+
+/// Parent of each column in the elimination tree of a lower triangle given by rows (Liu 1986).
+std::vector<std::int32_t> elimination_tree(std::span<const std::vector<std::int32_t>> below_diagonal) {
+  const auto n = static_cast<std::int32_t>(below_diagonal.size());
+  std::vector<std::int32_t> parent(n, -1), ancestor(n, -1);
+  for (std::int32_t i = 0; i < n; ++i)
+    for (std::int32_t j : below_diagonal[i])
+      while (j != -1 && j < i) {
+        const std::int32_t next = ancestor[j];
+        ancestor[j] = i;
+        if (next == -1) parent[j] = i;
+        j = next;
+      }
+  return parent;
+}
+
+/// Children before parents, each subtree in one run; the order of children is kept.
+std::vector<std::int32_t> postorder(std::span<const std::int32_t> parent) {
+  const auto n = static_cast<std::int32_t>(parent.size());
+  std::vector<std::int32_t> child(n + 1, -1), sibling(n, -1), order, stack;
+  for (std::int32_t j = n; j-- > 0;) {
+    const std::int32_t p = parent[j] < 0 ? n : parent[j];
+    sibling[j] = child[p];
+    child[p] = j;
+  }
+  order.reserve(n);
+  for (std::int32_t root = child[n]; root != -1; root = sibling[root]) {
+    stack.push_back(root);
+    while (!stack.empty()) {
+      const std::int32_t j = stack.back();
+      if (child[j] != -1) {
+        stack.push_back(child[j]);
+        child[j] = -1;
+        // The siblings of a child follow once it is done.
+        continue;
+      }
+      stack.pop_back();
+      order.push_back(j);
+      if (j != root && sibling[j] != -1) stack.push_back(sibling[j]);
+    }
+  }
+  return order;
+}
+
+}  // namespace
+
+void BlockCholesky::analyze(std::span<const std::int32_t> first, std::span<const std::int32_t> column) {
+  find_order(first, column);
+  find_structure(first, column);
+}
+
+void BlockCholesky::find_order(std::span<const std::int32_t> first, std::span<const std::int32_t> column) {
+  const auto n = static_cast<Eigen::Index>(first.size()) - 1;
+  using Pattern = Eigen::SparseMatrix<char, Eigen::ColMajor, std::int32_t>;
+  // The whole pattern, as the ordering wants it.
+  std::vector<std::int32_t> count(n + 1, 0);
+  for (Eigen::Index r = 0; r < n; ++r)
+    for (std::int32_t e = first[r]; e < first[r + 1]; ++e) {
+      ++count[r + 1];
+      if (column[e] != r) ++count[column[e] + 1];
+    }
+  for (Eigen::Index r = 0; r < n; ++r) count[r + 1] += count[r];
+  std::vector<std::int32_t> next(count.begin(), count.end() - 1), index(count[n]);
+  std::vector<char> one(count[n], 1);
+  for (Eigen::Index r = 0; r < n; ++r)
+    for (std::int32_t e = first[r]; e < first[r + 1]; ++e) {
+      index[next[column[e]]++] = static_cast<std::int32_t>(r);
+      if (column[e] != r) index[next[r]++] = column[e];
+    }
+  const Eigen::Map<const Pattern> pattern(n, n, count[n], count.data(), index.data(), one.data());
+  Pattern matrix = pattern;
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, std::int32_t> minimum;
+  Eigen::AMDOrdering<std::int32_t>()(matrix, minimum);
+  order_.assign(minimum.indices().data(), minimum.indices().data() + n);
+}
+
+void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::span<const std::int32_t> column) {
+  const auto n = static_cast<std::int32_t>(order_.size());
+  place_.resize(n);
+  std::vector<std::vector<std::int32_t>> lower(n);  // by rows, in the order at hand
+  const auto arrange = [&] {
+    for (std::int32_t i = 0; i < n; ++i) place_[order_[i]] = i;
+    for (auto& row : lower) row.clear();
+    for (std::int32_t r = 0; r < n; ++r)
+      for (std::int32_t e = first[r]; e < first[r + 1]; ++e) {
+        const std::int32_t a = place_[r], b = place_[column[e]];
+        if (a != b) lower[std::max(a, b)].push_back(std::min(a, b));
+      }
+    for (auto& row : lower) std::sort(row.begin(), row.end());
+  };
+  arrange();
+  const std::vector<std::int32_t> post = postorder(elimination_tree(lower));
+  std::vector<std::int32_t> renewed(n);
+  for (std::int32_t i = 0; i < n; ++i) renewed[i] = order_[post[i]];
+  order_ = renewed;
+  arrange();
+  const std::vector<std::int32_t> parent = elimination_tree(lower);
+
+  // Entries by columns, and the rows of each column of the factor: its own and those of its children.
+  entry_first_.assign(n + 1, 0);
+  for (std::int32_t r = 0; r < n; ++r)
+    for (std::int32_t e = first[r]; e < first[r + 1]; ++e) ++entry_first_[std::min(place_[r], place_[column[e]]) + 1];
+  for (std::int32_t j = 0; j < n; ++j) entry_first_[j + 1] += entry_first_[j];
+  entry_.resize(entry_first_[n]);
+  std::vector<std::int32_t> next(entry_first_.begin(), entry_first_.end() - 1);
+  for (std::int32_t r = 0; r < n; ++r)
+    for (std::int32_t e = first[r]; e < first[r + 1]; ++e) {
+      const std::int32_t a = place_[r], b = place_[column[e]];
+      // The pattern has block (r, column); the lower triangle wants (max, min).
+      entry_[next[std::min(a, b)]++] = {std::max(a, b), e, a < b};
+    }
+
+  std::vector<std::vector<std::int32_t>> rows(n), children(n);
+  std::vector<std::int32_t> mark(n, -1), count(n);
+  for (std::int32_t j = 0; j < n; ++j) {
+    std::vector<std::int32_t>& mine = rows[j];
+    mark[j] = j;
+    const auto add = [&](std::int32_t i) {
+      if (i > j && mark[i] != j) mark[i] = j, mine.push_back(i);
+    };
+    for (std::int32_t e = entry_first_[j]; e < entry_first_[j + 1]; ++e) add(entry_[e].row);
+    for (const std::int32_t c : children[j]) {
+      for (const std::int32_t i : rows[c]) add(i);
+      // A child whose pattern is that of its parent lives on in it.
+      if (c != j - 1) rows[c].shrink_to_fit();
+    }
+    std::sort(mine.begin(), mine.end());
+    count[j] = static_cast<std::int32_t>(mine.size()) + 1;
+    if (parent[j] >= 0) children[parent[j]].push_back(j);
+  }
+
+  // Supernodes: a column joins the one before it where that costs few zeros.
+  supernode_.clear(), row_.clear();
+  std::int32_t begin = 0;
+  double zeros = 0.0;
+  const auto close = [&](std::int32_t end) {
+    Supernode s;
+    s.begin = begin, s.end = end;
+    s.row = row_.size();
+    for (std::int32_t j = begin; j < end; ++j) row_.push_back(j);
+    row_.insert(row_.end(), rows[end - 1].begin(), rows[end - 1].end());
+    s.rows = static_cast<std::int32_t>(row_.size() - s.row);
+    supernode_.push_back(s);
+  };
+  for (std::int32_t j = 1; j <= n; ++j) {
+    if (j < n && parent[j - 1] == j) {
+      const std::int32_t width = j - begin;
+      // The rows of the joined panel are those of column j; columns before it get the ones they lack.
+      const double more = static_cast<double>(count[j] + 1 - count[j - 1]) * width;
+      double whole = 0.0;
+      for (std::int32_t k = 0; k <= width; ++k) whole += count[j] + k;
+      if (zeros + more <= (width <= kNarrow ? kNarrowZeros : kZeros) * whole) {
+        zeros += more;
+        continue;
+      }
+    }
+    if (j <= n && begin < n) close(j);
+    begin = j;
+    zeros = 0.0;
+  }
+  std::size_t total = 0;
+  std::int32_t most = 0;
+  supernode_of_.resize(n);
+  for (std::size_t k = 0; k < supernode_.size(); ++k) {
+    Supernode& s = supernode_[k];
+    for (std::int32_t j = s.begin; j < s.end; ++j) supernode_of_[j] = static_cast<std::int32_t>(k);
+    s.stride = panel::padded(3 * static_cast<std::size_t>(s.rows));
+    s.panel = total;
+    total += s.stride * 3 * static_cast<std::size_t>(s.end - s.begin);
+    most = std::max(most, s.rows);
+  }
+  panel_.resize(total + 2 * panel::kPad);
+  scale_.resize(3 * static_cast<std::size_t>(n));
+  x_.resize(3 * static_cast<std::size_t>(n));
+  find_tasks();
+}
+
+void BlockCholesky::find_tasks() {
+  const auto count = static_cast<std::int32_t>(supernode_.size());
+  const auto above = [&](std::int32_t k) {
+    const Supernode& s = supernode_[k];
+    const std::int32_t width = s.end - s.begin;
+    return width < s.rows ? supernode_of_[row_[s.row + width]] : -1;
+  };
+  // Entries of each subtree: what a solve reads. Children come before their parents.
+  std::vector<double> work(count);
+  std::vector<std::vector<std::int32_t>> children(count);
+  std::vector<std::int32_t> open;
+  double whole = 0.0;
+  for (std::int32_t k = 0; k < count; ++k) {
+    const Supernode& s = supernode_[k];
+    const double own = 9.0 * s.rows * (s.end - s.begin);
+    work[k] += own, whole += own;
+    if (const std::int32_t p = above(k); p >= 0)
+      work[p] += work[k], children[p].push_back(k);
+    else
+      open.push_back(k);
+  }
+  std::vector<std::uint8_t> top(count, 0);
+  const auto less = [&](std::int32_t a, std::int32_t b) { return work[a] != work[b] ? work[a] < work[b] : a < b; };
+  std::make_heap(open.begin(), open.end(), less);
+  while (whole > kWorthDividing && work[open.front()] > kShare * whole) {
+    std::pop_heap(open.begin(), open.end(), less);
+    const std::int32_t k = open.back();
+    open.pop_back();
+    top[k] = 1;
+    for (const std::int32_t c : children[k]) open.push_back(c), std::push_heap(open.begin(), open.end(), less);
+    if (open.empty()) break;
+  }
+  // The largest first, each to the task that has least.
+  std::sort(open.begin(), open.end(), [&](std::int32_t a, std::int32_t b) { return less(b, a); });
+  const std::size_t tasks = whole > kWorthDividing ? kTasks : 1;
+  task_.resize(tasks + 1);
+  std::vector<double> dealt(tasks, 0.0);
+  task_of_.assign(count, static_cast<std::int32_t>(tasks));
+  for (const std::int32_t k : open) {
+    const auto t = std::min_element(dealt.begin(), dealt.end()) - dealt.begin();
+    dealt[t] += work[k];
+    task_of_[k] = static_cast<std::int32_t>(t);
+  }
+  for (std::int32_t k = count; k-- > 0;)
+    if (const std::int32_t p = above(k); p >= 0 && !top[p]) task_of_[k] = task_of_[p];
+  for (Task& t : task_) t.supernode.clear();
+  for (std::int32_t k = 0; k < count; ++k) task_[task_of_[k]].supernode.push_back(k);
+  std::int32_t blocks = 0;
+  top_place_.assign(order_.size(), -1);
+  for (const std::int32_t k : task_.back().supernode)
+    for (std::int32_t j = supernode_[k].begin; j < supernode_[k].end; ++j) top_place_[j] = blocks++;
+  std::size_t tallest = 0;
+  for (const Supernode& s : supernode_)
+    tallest = std::max(tallest, panel::padded(3 * static_cast<std::size_t>(s.rows)));
+  for (Task& t : task_) {
+    const bool is_top = &t == &task_.back();
+    t.above.resize(is_top ? 0 : 3 * static_cast<std::size_t>(blocks));
+    if (t.supernode.empty()) continue;
+    std::size_t rows = 0, width = 12;
+    for (const std::int32_t k : t.supernode) {
+      rows = std::max(rows, panel::padded(3 * static_cast<std::size_t>(supernode_[k].rows)));
+      width = std::max(width, 3 * static_cast<std::size_t>(supernode_[k].end - supernode_[k].begin));
+    }
+    t.rows.resize(rows + panel::kPad);
+    // An update is as tall as where it comes from, and at most as wide as where it goes.
+    t.product.resize((is_top ? tallest : rows) * width + 2 * panel::kPad);
+    t.local.resize(order_.size());
+  }
+}
+
+}  // namespace brim
