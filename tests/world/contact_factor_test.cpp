@@ -6,8 +6,8 @@
 #include <random>
 
 #include "brim/body/fem/fem_body.h"
+#include "support/soft_worlds.h"
 #include "support/solids.h"
-#include "support/worlds.h"
 
 namespace brim::testing {
 namespace {
@@ -154,6 +154,20 @@ TEST(ContactFactor, BodiesWithoutRowsAreLeftOut) {
   factor.begin(p.bodies, p.first_v, p.diagonal, p.first_block, sparse);
   factor.factor(p.rows);
   EXPECT_EQ(factor.touched(), 4u);  // two rigid bodies, two blocks each
+}
+
+TEST(ContactFactor, TakesASheetWholeSoThatItNeedsFewIterations) {
+  World w(options_at(0.1));
+  w.add(ground(0.5));
+  w.add(sheet("sheet", 2.0, Vec3(0, 0, 0.06)));
+  double iterations = 0.0, solves = 0.0;
+  std::int64_t contacts = 0;
+  for (int s = 0; s < 20; ++s) {
+    const StepReport r = w.step();
+    iterations += r.cg_iterations, solves += r.solves, contacts += r.contacts;
+  }
+  ASSERT_GT(contacts, 1000);
+  EXPECT_LE(iterations, 4.0 * solves);
 }
 
 }  // namespace

@@ -26,10 +26,10 @@ Momenta of_all(const World& w) {
 }
 
 /// Two spinning blocks of finite elements, a sheet between them: they meet off their centres, without weight.
-World spinning_world() {
+World spinning_world(double tolerance) {
   WorldOptions o = testing::options_at(0.1);
   o.environment.gravity.setZero();
-  o.cg_tolerance = 1e-12;
+  o.cg_tolerance = tolerance;
   World w(o);
   FemOptions solid;
   solid.density = 500, solid.young = 1e5, solid.stiffness_damping = 0.01;
@@ -41,8 +41,8 @@ World spinning_world() {
   return w;
 }
 
-TEST(SpinInContact, OfAClosedSystemStaysAndContactMovesItBetweenBodies) {
-  World w = spinning_world();
+void expect_spin_is_kept(double tolerance, double share) {
+  World w = spinning_world(tolerance);
   w.step();
   const Momenta before = of_all(w);
   const Vec3 left = of_body(w, 0).angular;
@@ -52,10 +52,13 @@ TEST(SpinInContact, OfAClosedSystemStaysAndContactMovesItBetweenBodies) {
   const Momenta after = of_all(w);
   const double scale = left.norm() + before.angular.norm();
   EXPECT_GT((of_body(w, 0).angular - left).norm(), 0.05 * scale);
-  // What the tolerance of the solve leaves.
-  EXPECT_LT((after.angular - before.angular).norm(), 1e-8 * scale);
-  EXPECT_LT((after.linear - before.linear).norm(), 1e-8 * left.norm());
+  EXPECT_LT((after.angular - before.angular).norm(), share * scale);
+  EXPECT_LT((after.linear - before.linear).norm(), share * left.norm());
 }
+
+TEST(SpinInContact, OfAClosedSystemStaysAndContactMovesItBetweenBodies) { expect_spin_is_kept(1e-12, 1e-10); }
+
+TEST(SpinInContact, WhatALooseSolveLeavesIsGivenBack) { expect_spin_is_kept(1e-3, 1e-8); }
 
 }  // namespace
 }  // namespace brim

@@ -95,13 +95,6 @@ int BlockCholesky::factor(std::span<const Block> value) {
   factor(top, value);
   int lifted = 0;
   for (const Task& t : task_) lifted += t.lifted;
-  parallel_for(task_.size(), [&](std::size_t t) {
-    for (const std::int32_t k : task_[t].supernode) {
-      const Supernode& s = supernode_[k];
-      panel::invert(panel_.data() + s.panel, s.stride, 3 * static_cast<std::size_t>(s.rows),
-                    3 * static_cast<std::size_t>(s.end - s.begin), task_[t].product.data());
-    }
-  });
   return lifted;
 }
 
@@ -110,16 +103,18 @@ void BlockCholesky::solve_forward(Task& task) {
   float* y = task.rows.data();
   for (const std::int32_t k : task.supernode) {
     const Supernode& s = supernode_[k];
-    const std::size_t width = static_cast<std::size_t>(s.end - s.begin);
+    const std::size_t width = static_cast<std::size_t>(s.end - s.begin), rows = static_cast<std::size_t>(s.rows);
     float* x = x_.data() + 3 * static_cast<std::size_t>(s.begin);
-    panel::multiply(panel_.data() + s.panel, s.stride, 3 * static_cast<std::size_t>(s.rows), 3 * width, x, y);
+    std::copy(x, x + 3 * width, y);
+    std::fill(y + 3 * width, y + 3 * rows, 0.0f);
+    panel::solve_forward(panel_.data() + s.panel, s.stride, 3 * rows, 3 * width, y);
     std::copy(y, y + 3 * width, x);
-    const std::int32_t* rows = row_.data() + s.row;
-    for (std::size_t i = width; i < static_cast<std::size_t>(s.rows); ++i) {
-      const std::int32_t place = task.above.empty() ? -1 : top_place_[rows[i]];
-      float* to = place < 0 ? x_.data() + 3 * static_cast<std::size_t>(rows[i])
+    const std::int32_t* row = row_.data() + s.row;
+    for (std::size_t i = width; i < rows; ++i) {
+      const std::int32_t place = task.above.empty() ? -1 : top_place_[row[i]];
+      float* to = place < 0 ? x_.data() + 3 * static_cast<std::size_t>(row[i])
                             : task.above.data() + 3 * static_cast<std::size_t>(place);
-      to[0] -= y[3 * i], to[1] -= y[3 * i + 1], to[2] -= y[3 * i + 2];
+      to[0] += y[3 * i], to[1] += y[3 * i + 1], to[2] += y[3 * i + 2];
     }
   }
 }
@@ -128,16 +123,11 @@ void BlockCholesky::solve_backward(Task& task) {
   float* y = task.rows.data();
   for (std::size_t n = task.supernode.size(); n-- > 0;) {
     const Supernode& s = supernode_[task.supernode[n]];
-    const std::size_t width = static_cast<std::size_t>(s.end - s.begin);
-    float* x = x_.data() + 3 * static_cast<std::size_t>(s.begin);
-    std::copy(x, x + 3 * width, y);
-    const std::int32_t* rows = row_.data() + s.row;
-    for (std::size_t i = width; i < static_cast<std::size_t>(s.rows); ++i) {
-      const float* from = x_.data() + 3 * static_cast<std::size_t>(rows[i]);
-      y[3 * i] = -from[0], y[3 * i + 1] = -from[1], y[3 * i + 2] = -from[2];
-    }
-    panel::multiply_by_transpose(panel_.data() + s.panel, s.stride, 3 * static_cast<std::size_t>(s.rows), 3 * width, y,
-                                 x);
+    const std::size_t width = static_cast<std::size_t>(s.end - s.begin), rows = static_cast<std::size_t>(s.rows);
+    const std::int32_t* row = row_.data() + s.row;
+    for (std::size_t i = 0; i < rows; ++i) std::copy_n(x_.data() + 3 * static_cast<std::size_t>(row[i]), 3, y + 3 * i);
+    panel::solve_backward(panel_.data() + s.panel, s.stride, 3 * rows, 3 * width, y);
+    std::copy(y, y + 3 * width, x_.data() + 3 * static_cast<std::size_t>(s.begin));
   }
 }
 

@@ -13,7 +13,7 @@ namespace brim {
 ///
 ///   order by approximate minimum degree -> elimination tree -> supernodes (columns of one pattern, small ones joined)
 ///   -> panels of floats, filled left to right by products of dense panels (Ng and Peyton 1993)
-///   -> triangles inverted, so that a solve is products only
+///   -> squares on the diagonal inverted, so that a solve is products only
 ///
 /// Subtrees of the elimination tree are independent: they are dealt into a fixed number of tasks, which threads share;
 /// what lies above them all (the top) follows in order. So the bits are the same for any number of threads. Several

@@ -21,6 +21,13 @@ constexpr double kWorthDividing = 30000;
 /// Subtrees are divided until each is less than this share of the work.
 constexpr double kShare = 1.0 / 12;
 
+/// Resizes with room for a little more, so that memory does not follow every change of a pattern.
+template <class T>
+void grow(std::vector<T>& v, std::size_t n) {
+  if (v.capacity() < n) v.reserve(n + n / 4);
+  v.resize(n);
+}
+
 /// Parent of each column in the elimination tree of a lower triangle given by rows (Liu 1986).
 std::vector<std::int32_t> elimination_tree(std::span<const std::vector<std::int32_t>> below_diagonal) {
   const auto n = static_cast<std::int32_t>(below_diagonal.size());
@@ -123,7 +130,7 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
   for (std::int32_t r = 0; r < n; ++r)
     for (std::int32_t e = first[r]; e < first[r + 1]; ++e) ++entry_first_[std::min(place_[r], place_[column[e]]) + 1];
   for (std::int32_t j = 0; j < n; ++j) entry_first_[j + 1] += entry_first_[j];
-  entry_.resize(entry_first_[n]);
+  grow(entry_, static_cast<std::size_t>(entry_first_[n]));
   std::vector<std::int32_t> next(entry_first_.begin(), entry_first_.end() - 1);
   for (std::int32_t r = 0; r < n; ++r)
     for (std::int32_t e = first[r]; e < first[r + 1]; ++e) {
@@ -191,7 +198,7 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
     total += s.stride * 3 * static_cast<std::size_t>(s.end - s.begin);
     most = std::max(most, s.rows);
   }
-  panel_.resize(total + 2 * panel::kPad);
+  grow(panel_, total + 2 * panel::kPad);
   scale_.resize(3 * static_cast<std::size_t>(n));
   x_.resize(3 * static_cast<std::size_t>(n));
   find_tasks();
@@ -260,10 +267,10 @@ void BlockCholesky::find_tasks() {
       rows = std::max(rows, panel::padded(3 * static_cast<std::size_t>(supernode_[k].rows)));
       width = std::max(width, 3 * static_cast<std::size_t>(supernode_[k].end - supernode_[k].begin));
     }
-    t.rows.resize(rows + panel::kPad);
+    grow(t.rows, rows + panel::kPad);
     // An update is as tall as where it comes from, and at most as wide as where it goes.
-    t.product.resize((is_top ? tallest : rows) * width + 2 * panel::kPad);
-    t.local.resize(order_.size());
+    grow(t.product, (is_top ? tallest : rows) * width + 2 * panel::kPad);
+    grow(t.local, order_.size());
   }
 }
 

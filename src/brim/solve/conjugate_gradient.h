@@ -29,6 +29,8 @@ class ConjugateGradient {
   /// Same bits for any number of threads.
   SolveReport solve(const LinearSystem& system, std::span<const double> b, double tolerance, int max_iterations,
                     std::span<double> x);
+  /// S (b − A x) of the last solve.
+  std::span<const double> residual() const { return r_; }
 
  private:
   std::vector<double> r_, z_, p_, y_;

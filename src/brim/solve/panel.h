@@ -21,21 +21,16 @@ void multiply_transposed(const float* a, const float* b, std::size_t stride, std
 /// Smallest pivot of a matrix whose diagonal is 1: beyond it, single precision knows no more.
 inline constexpr float kLeastPivot = 1e-5f;
 
-/// Replaces the lower triangle of the first `width` rows by its Cholesky factor L, and the rows below by X L⁻ᵀ.
+/// Replaces the lower triangle of the first `width` rows by its Cholesky factor L, and the rows below by X L⁻ᵀ. Squares
+/// of L along its diagonal are inverted, so that no solve divides.
 /// @param rows       all rows of the panel, >= width; width a multiple of 3
 /// @param workspace  room for padded(rows) x 12 floats
 /// @return pivots that were lifted to kLeastPivot: L Lᵀ is then definite, but not the matrix
 int factor(float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* workspace);
 
-/// Replaces the factor's triangle L by L⁻¹ and the rows X under it by X L⁻¹: both sweeps of a solve are then products
-/// without a chain of dependent divisions. What is above the triangle becomes zero.
-/// @param workspace  room for padded(width) x width floats
-void invert(float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* workspace);
-
-/// y[i] = Σ_k P(i, k) x[k], P the panel after invert. @param y  shape (padded(rows)), overwritten
-void multiply(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, const float* x, float* y);
-/// x[k] = Σ_i P(i, k) y[i].
-void multiply_by_transpose(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, const float* y,
-                           float* x);
+/// The first `width` of y become x = L⁻¹ y, what is below takes y − L x. @param y  shape (rows)
+void solve_forward(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* y);
+/// The first `width` of y become L⁻ᵀ (y − Bᵀ z), B the rows below and z what is there in y.
+void solve_backward(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* y);
 
 }  // namespace brim::panel

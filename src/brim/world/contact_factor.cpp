@@ -83,15 +83,16 @@ void ContactFactor::for_entries(const ContactRows& rows, const F& f) const {
       if (const std::int32_t t = local_[rows.offset[e]]; t >= 0) f(t, static_cast<std::int32_t>(i), e);
 }
 
-void ContactFactor::find_touched(const ContactRows& rows) {
+void ContactFactor::find_touched(const ContactRows& rows, std::size_t most_in_a_piece) {
   local_.assign(prescribed_.size(), -1);
   touched_.clear();
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (std::int32_t e = rows.first[i]; e < rows.first[i + 1]; ++e)
       if (!prescribed_[rows.offset[e]]) local_[rows.offset[e]] = 0;
+  take_thin_whole(most_in_a_piece);
   for (std::size_t b = 0; b < owner_.size(); ++b) {
     const Owner& o = owner_[b];
-    const std::size_t end = b + 1 < owner_.size() ? owner_[b + 1].first_v : local_.size();
+    const std::size_t end = end_of(b);
     // A block of six counts whole.
     if (o.known && !o.system && std::max(local_[o.first_v], local_[o.first_v + 3]) == 0)
       local_[o.first_v] = local_[o.first_v + 3] = 0;
@@ -103,6 +104,24 @@ void ContactFactor::find_touched(const ContactRows& rows) {
   }
 }
 
+void ContactFactor::take_thin_whole(std::size_t most) {
+  // What is touched already, and what thin bodies would add.
+  std::size_t blocks = 0;
+  std::vector<std::uint8_t> taken(owner_.size(), 0);
+  for (std::size_t b = 0; b < owner_.size(); ++b) {
+    const Owner& o = owner_[b];
+    if (!o.known) continue;
+    const auto own = std::span(local_).subspan(o.first_v, end_of(b) - o.first_v);
+    const auto touched = static_cast<std::size_t>(std::count(own.begin(), own.end(), 0));
+    taken[b] = touched > 0 && o.system && o.system->thin;
+    blocks += taken[b] ? own.size() / 3 : touched;
+  }
+  if (blocks > most) return;
+  for (std::size_t b = 0; b < owner_.size(); ++b)
+    for (std::size_t v = owner_[b].first_v; taken[b] && v < end_of(b); v += 3)
+      if (!prescribed_[v]) local_[v] = 0;
+}
+
 void ContactFactor::cut(const ContactRows& rows, std::size_t most) {
   piece_count_ = 1;
   if (touched_.size() > most) {
@@ -111,7 +130,14 @@ void ContactFactor::cut(const ContactRows& rows, std::size_t most) {
       touched_[t].place += rows.point[i];
       count[t] += 1.0f;
     });
-    for (std::size_t t = 0; t < touched_.size(); ++t) touched_[t].place /= std::max(count[t], 1.0f);
+    for (std::size_t t = 0; t < touched_.size(); ++t) {
+      const Owner& o = owner_[touched_[t].body];
+      if (o.system && !o.system->place.empty())
+        touched_[t].place =
+            o.system->place[(static_cast<std::size_t>(touched_[t].velocity) - o.first_v) / 3].cast<float>();
+      else
+        touched_[t].place /= std::max(count[t], 1.0f);
+    }
     // Halves across the longest side, until they are small enough.
     std::vector<std::pair<std::size_t, std::size_t>> open = {{0, touched_.size()}};
     piece_count_ = 0;
@@ -212,7 +238,7 @@ void ContactFactor::assemble(const ContactRows& rows) {
 }
 
 void ContactFactor::factor(const ContactRows& rows, std::size_t most_in_a_piece) {
-  find_touched(rows);
+  find_touched(rows, most_in_a_piece);
   if (touched_.empty()) return;
   cut(rows, most_in_a_piece);
   find_incidence(rows);

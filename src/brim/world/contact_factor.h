@@ -16,14 +16,15 @@ namespace brim {
 /// The part of the system that contact touches, factored across bodies:
 ///   T = velocities that have a share in a contact that acts,   z_T = (A_TT)⁻¹ r_T
 /// with A the bodies' own matrices and Jᵀ K J of the contacts. It is what block Jacobi misses most: a tenth of the
-/// nodes of a pile, and nearly all of what couples them. Beyond kPiece blocks T is cut in space into pieces that are
-/// factored apart (couplings between them are left out), so that cost and memory grow linearly and threads share the
-/// work. Bodies take part whose matrix is known in blocks (Body::block_system, or one block of six) and whose maps are
-/// sparse. Same bits for any number of threads.  Tests: tests/world/contact_factor_test.cpp
+/// nodes of a pile, and nearly all of what couples them. Thin bodies (sheets, rods), whose factors have few entries,
+/// take part with all their velocities where T then still fits into one piece. Beyond kPiece blocks T is cut in space
+/// into pieces that are factored apart (couplings between them are left out), so that cost and memory grow linearly and
+/// threads share the work. Bodies take part whose matrix is known in blocks (Body::block_system, or one block of six)
+/// and whose maps are sparse. Same bits for any number of threads.  Tests: tests/world/contact_factor_test.cpp
 class ContactFactor {
  public:
   /// [blocks of three velocities] of a piece at most.
-  static constexpr std::size_t kPiece = 2048;
+  static constexpr std::size_t kPiece = 4096;
 
   ContactFactor();
   ~ContactFactor();
@@ -75,7 +76,11 @@ class ContactFactor {
     std::vector<BlockCholesky::Block> value;
   };
   class RowSum;
-  void find_touched(const ContactRows& rows);
+  std::size_t end_of(std::size_t body) const {
+    return body + 1 < owner_.size() ? owner_[body + 1].first_v : local_.size();
+  }
+  void find_touched(const ContactRows& rows, std::size_t most_in_a_piece);
+  void take_thin_whole(std::size_t most);
   void cut(const ContactRows& rows, std::size_t most);
   void find_incidence(const ContactRows& rows);
   void assemble(const ContactRows& rows);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <optional>
 
 #include "brim/core/parallel.h"
@@ -93,10 +94,14 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   // one iteration more makes the solution exact.
   const bool whole = contacts > 0 && factor_.knows_all_rigid();
   bool coarse = contacts > 0 && !whole;
-  if (coarse) {
-    const ScopedSeconds contact_timer(contact_seconds);
+  lone_.resize(bodies.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b)
+    lone_[b] = contacts > 0 ? factor_.rigid()[b] : first_block_[b + 1] == first_block_[b] + 1;
+  if (!whole && !alone) {
+    const auto contact_timer =
+        contacts > 0 ? std::make_optional<ScopedSeconds>(contact_seconds) : std::optional<ScopedSeconds>();
     const ProfileScope scope("coarse modes, made");
-    modes_.begin(bodies, first_v, parts, maps, contact_set, factor_.rigid());
+    modes_.begin(bodies, first_v, parts, maps, contact_set, lone_);
   }
   system.precondition = [&](std::span<const double> r, std::span<double> z) {
     parallel_for(bodies.size(), [&](std::size_t b) {
@@ -172,7 +177,24 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
       break;
     }
   }
-  if (!correct) return true;
+  // The forces that are told are those of the solve; what it left of the bodies' momenta follows. Not where rows act:
+  // they hold with the solution as it is.
+  residual_.assign(cg_.residual().begin(), cg_.residual().end());
+  const auto size = [&](std::size_t b) { return static_cast<Eigen::Index>(first_v[b + 1] - first_v[b]); };
+  const auto give_back = [&] {
+    if (whole || alone) return;
+    modes_.give_back(residual_, delta);
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      if (lone_[b] && !bodies[b]->immobile())
+        Eigen::Map<Eigen::VectorXd>(delta.data() + first_v[b], size(b)) +=
+            bodies_diagonal_.block(first_block_[b])
+                .ldlt()
+                .solve(Eigen::Map<const Eigen::VectorXd>(residual_.data() + first_v[b], size(b)));
+  };
+  if (!correct) {
+    give_back();
+    return true;
+  }
   // Rows, their sweeps and the solves that they ask for are there because of contact: all of it counts, once.
   double within = 0.0;
   const double before = contact_seconds;

@@ -1,5 +1,7 @@
 #include "brim/world/rigid_modes.h"
 
+#include <Eigen/Cholesky>
+
 #include "brim/body/walled.h"
 #include "brim/core/parallel.h"
 
@@ -14,6 +16,7 @@ constexpr double kIndependentMode = 1e-6;
 
 void RigidModes::take_modes(const Body& body, std::size_t n, Modes& m) const {
   m.count = 0;
+  m.free = true;
   m.columns.resize(kModes * n);
   m.system.setZero();
   if (body.immobile()) return;
@@ -26,7 +29,9 @@ void RigidModes::take_modes(const Body& body, std::size_t n, Modes& m) const {
     const Vec3 t = k < 3 ? Vec3(Vec3::Unit(k)) : Vec3(-w.cross(center));
     Eigen::Map<Eigen::VectorXd> x(m.columns.data() + m.count * n, static_cast<Eigen::Index>(n));
     if (!body.rigid_motion(t, w, std::span(x.data(), n))) return;
+    const double unfiltered = x.squaredNorm();
     body.filter(std::span(x.data(), n));
+    m.free = m.free && x.squaredNorm() == unfiltered;
     const double length = x.norm();
     if (!(length > 0.0)) continue;
     for (int j = 0; j < m.count; ++j) {
@@ -122,6 +127,19 @@ bool RigidModes::factor(const ContactSet& contacts, const Penalty& response) {
   matrix_.setFromTriplets(entries_.begin(), entries_.end());
   solver_.compute(matrix_);
   return solver_.info() == Eigen::Success && (solver_.vectorD().array() > 0.0).all();
+}
+
+void RigidModes::give_back(std::span<const double> r, std::span<double> x) const {
+  parallel_for(modes_.size(), [&](std::size_t b) {
+    const Modes& m = modes_[b];
+    if (m.count == 0 || !m.free) return;
+    const auto n = static_cast<Eigen::Index>(first_v_[b + 1] - first_v_[b]);
+    const Eigen::Map<const Eigen::VectorXd> rb(r.data() + first_v_[b], n);
+    const Eigen::Map<const Eigen::MatrixXd> R(m.columns.data(), n, m.count);
+    Eigen::Map<Eigen::VectorXd> xb(x.data() + first_v_[b], n);
+    const Eigen::VectorXd lost = R.transpose() * rb;
+    xb += R * m.system.topLeftCorner(m.count, m.count).ldlt().solve(lost);
+  });
 }
 
 void RigidModes::add(std::span<const double> r, std::span<double> z) {

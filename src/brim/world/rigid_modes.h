@@ -33,6 +33,9 @@ class RigidModes {
   bool complete(std::size_t body) const { return complete_[body]; }
   /// z += R (Rᵀ A R)⁻¹ Rᵀ r. Same bits for any number of threads.
   void add(std::span<const double> r, std::span<double> z);
+  /// x += R (Rᵀ A R)⁻¹ Rᵀ r with the bodies' own A, for bodies that are free to move: what a solve has left of their
+  /// momentum and angular momentum is given back, whatever its tolerance. @param r  b − A x
+  void give_back(std::span<const double> r, std::span<double> x) const;
 
  private:
   static constexpr int kModes = 6;
@@ -41,6 +44,7 @@ class RigidModes {
 
   struct Modes {
     int count = 0;                ///< modes that are kept
+    bool free = true;             ///< nothing of the body is prescribed
     std::size_t row = 0;          ///< first unknown in the coarse system
     std::vector<double> columns;  ///< orthonormal, one after the other, shape (count, v_size)
     Block system = Block::Zero();

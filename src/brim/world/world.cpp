@@ -44,6 +44,10 @@ struct World::Impl {
   ConstraintStep constraints;
   std::vector<Vec3> velocity_a, velocity_b, normal_force, friction_force;
   std::vector<double> delta, before_q, before_v, travel;
+  // The state that bodies were last updated to, and which have not been advanced since.
+  std::vector<double> updated_q, updated_v;
+  double updated_time = 0.0;
+  std::vector<std::uint8_t> fresh;
   std::vector<ContactSample> samples;
 
   std::span<double> q(std::size_t b) { return std::span(state.q).subspan(first_q[b], first_q[b + 1] - first_q[b]); }
@@ -157,9 +161,23 @@ void World::Impl::start() {
 }
 
 void World::Impl::update_bodies() {
+  if (updated_q.size() != state.q.size() || updated_v.size() != state.v.size() || updated_time != state.time)
+    fresh.clear();
+  updated_q.resize(state.q.size()), updated_v.resize(state.v.size()), fresh.resize(bodies.size(), 0);
+  updated_time = state.time;
+  // A step begins where the last was measured: what is known is not found again.
+  const auto taken = [](std::span<const double> from, std::span<double> to) {
+    if (from.empty() || std::memcmp(from.data(), to.data(), from.size_bytes()) == 0) return false;
+    std::copy(from.begin(), from.end(), to.begin());
+    return true;
+  };
   parallel_for(bodies.size(), [&](std::size_t b) {
+    const bool new_q = taken(q(b), std::span(updated_q).subspan(first_q[b], q(b).size()));
+    const bool new_v = taken(v(b), std::span(updated_v).subspan(first_v[b], v(b).size()));
+    if (fresh[b] && !new_q && !new_v) return;
     const ProfileScope scope("update", *bodies[b]);
     bodies[b]->update(state.time, q(b), v(b));
+    fresh[b] = 1;
   });
 }
 
@@ -228,11 +246,13 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
   settings.max_iterations = options.cg_max_iterations;
   settings.passes = options.max_passes;
   delta.resize(state.v.size());
+  ImplicitStep::Correct rows;
+  if (!constraints.empty())
+    rows = [&](const ImplicitStep::Respond& solve, std::span<double> change) {
+      return constraints.correct(solve, change, report);
+    };
   return implicit.solve(bodies, first_v, parts, options.environment, maps, response, contacts, state.v, settings, delta,
-                        report, constraints.impulse(),
-                        [&](const ImplicitStep::Respond& solve, std::span<double> change) {
-                          return constraints.correct(solve, change, report);
-                        });
+                        report, constraints.impulse(), rows);
 }
 
 double World::Impl::substep(double left, StepReport& report) {
@@ -254,6 +274,7 @@ double World::Impl::substep(double left, StepReport& report) {
     if (pieces > kOutrun) {
       state.q = before_q;
       state.v = before_v;
+      fresh.clear();
       report.warnings.erase(report.warnings.begin() + static_cast<std::ptrdiff_t>(warnings), report.warnings.end());
       dt /= std::ceil(pieces);
       finite = solve_substep(dt, report);
@@ -266,6 +287,7 @@ double World::Impl::substep(double left, StepReport& report) {
   if (!finite) {
     state.q = before_q;
     state.v = before_v;
+    fresh.clear();
     report.ok = false;
     report.warnings.push_back(
         {state.time, "not_finite", "the solve gave values that are not finite; the state before it is kept"});
@@ -293,6 +315,7 @@ double World::Impl::substep(double left, StepReport& report) {
     bodies[b]->advance(dt, q(b), std::span<const double>(travel).subspan(first_v[b], first_v[b + 1] - first_v[b]));
     bodies[b]->finish_step(state.time, dt, q(b), v(b));
   });
+  fresh.clear();
   state.time += dt;
   return dt;
 }

@@ -151,8 +151,13 @@ void ParticleBody::apply_system(std::span<const double> x, std::span<double> y) 
 }
 
 std::optional<BlockSystem> ParticleBody::block_system() const {
-  return BlockSystem{&stiffness_, dt_ * (options_.stiffness_damping + dt_), 1.0 + dt_ * options_.mass_damping, mass_,
-                     imposed_};
+  return BlockSystem{&stiffness_,
+                     dt_ * (options_.stiffness_damping + dt_),
+                     1.0 + dt_ * options_.mass_damping,
+                     mass_,
+                     imposed_,
+                     x_,
+                     contact_ && contact_->thin()};
 }
 
 void ParticleBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) const {

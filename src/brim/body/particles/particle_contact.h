@@ -18,6 +18,8 @@ class ParticleContact {
   virtual ~ParticleContact() = default;
   /// How far matter reaches beyond the box of the particles, [m].
   virtual double reach() const = 0;
+  /// True where the particles lie along a surface or a line: matrices of such bodies are cheap to factor.
+  virtual bool thin() const { return false; }
   virtual void presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
                         std::vector<TileKey>& out) const = 0;
   virtual void rasterize(std::span<const Vec3> x, double h, double w, std::span<const TileKey> tiles,

@@ -40,7 +40,9 @@ void StrainDampedBody::apply_system(std::span<const double> x, std::span<double>
 }
 
 std::optional<BlockSystem> StrainDampedBody::block_system() const {
-  return BlockSystem{&system_, 1.0, 1.0 + dt_ * options_.mass_damping, mass_, imposed_};
+  BlockSystem system = *ParticleBody::block_system();
+  system.stiffness = &system_, system.stiffness_share = 1.0;
+  return system;
 }
 
 void StrainDampedBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) const {
