@@ -1,18 +1,19 @@
 #include "brim/raster/raster_tets.h"
 
-#include <Eigen/LU>
+#include <algorithm>
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
-#include "brim/math/ramp.h"
+#include "brim/raster/block_rows.h"
 #include "brim/raster/triangle_splat.h"
 
 namespace brim {
 
 namespace {
 
-/// Tolerance on barycentric weights, so that no node falls into the rounding gap between two tetrahedra.
-constexpr double kEdge = 1e-9;
+/// A node this far outside of a tetrahedron, in voxels, still counts as inside, so that none falls into the rounding
+/// gap between two of them. Where that is wrong, its distance is too by twice as much.
+constexpr double kEdge = 1e-5;
 
 template <std::size_t N>
 Aabb box_of(std::span<const Vec3> x, const std::array<std::int32_t, N>& corners) {
@@ -21,31 +22,70 @@ Aabb box_of(std::span<const Vec3> x, const std::array<std::int32_t, N>& corners)
   return box;
 }
 
-/// Names tetrahedron `id` as the holder of the nodes inside it that have none yet.
-void claim_nodes(const TetSolid& solid, std::int32_t id, const Vec3& origin, double h, Octants wanted,
-                 std::int32_t* holder) {
-  const auto& t = solid.tets[id];
-  const NodeRange n = nodes_in_box(box_of(solid.x, t), origin, h, wanted);
-  if (n.empty()) return;
-  const Vec3 x0 = solid.x[t[0]];
-  Mat3 edges;
-  edges << solid.x[t[1]] - x0, solid.x[t[2]] - x0, solid.x[t[3]] - x0;
-  const double det = edges.determinant();
-  const double size = edges.cwiseAbs().maxCoeff();
-  if (!(std::abs(det) > 1e-14 * size * size * size)) return;
-  const Mat3 G = edges.inverse();  // rows: gradients of weights 1 to 3
-  const Vec3 base = G * (origin - x0);
-  const Mat3 step = h * G;
-  for (int k = n.lo[2]; k <= n.hi[2]; ++k)
-    for (int j = n.lo[1]; j <= n.hi[1]; ++j) {
-      const Vec3 row = base + step.col(1) * j + step.col(2) * k;
-      std::int32_t* out = holder + block_index(0, j, k);
-      for (int i = n.lo[0]; i <= n.hi[0]; ++i) {
-        const double b1 = row[0] + step(0, 0) * i, b2 = row[1] + step(1, 0) * i, b3 = row[2] + step(2, 0) * i;
-        const bool inside = b1 >= -kEdge && b2 >= -kEdge && b3 >= -kEdge && b1 + b2 + b3 <= 1.0 + kEdge;
-        if (inside && out[i] < 0) out[i] = id;
-      }
+Aabb grown(const Aabb& box, const Vec3& by) { return {box.lo - by, box.hi + by}; }
+
+/// Names each tetrahedron as the holder of the nodes inside it that have none yet. Eight nodes at a time in single
+/// precision: all four barycentric weights must be positive.
+BRIM_WIDE void claim_nodes(const TetSolid& solid, const VertexNodes& nodes, std::span<const std::int32_t> which,
+                           const TileKey& tile, double h, Octants wanted, std::int32_t* holder) {
+  const double inverse_h = 1.0 / h;
+  const Vec3 origin = block_origin(tile, h);
+  const std::int32_t first[3] = {kTileSize * tile.x - kHalo, kTileSize * tile.y - kHalo, kTileSize * tile.z - kHalo};
+  const WideFloats lanes = lane_numbers();
+  const NodeRange clip = wanted_nodes(wanted);
+  for (const std::int32_t id : which) {
+    const auto& t = solid.tets[id];
+    NodeRange n;
+    const NodeSpan span = nodes.around(t);
+    for (int a = 0; a < 3; ++a)
+      n.lo[a] = std::max(clip.lo[a], span.lo[a] - first[a]), n.hi[a] = std::min(clip.hi[a], span.hi[a] - first[a]);
+    if (n.empty()) continue;
+    const Vec3 p[4] = {in_voxels(solid.x[t[0]], origin, inverse_h), in_voxels(solid.x[t[1]], origin, inverse_h),
+                       in_voxels(solid.x[t[2]], origin, inverse_h), in_voxels(solid.x[t[3]], origin, inverse_h)};
+    // Gradients of the weights: cross products of edges over the volume.
+    Vec3 e[3];
+    double size = 0.0;
+    for (int i = 0; i < 3; ++i)
+      for (int a = 0; a < 3; ++a) e[i][a] = p[i + 1][a] - p[0][a], size = std::max(size, std::abs(e[i][a]));
+    const Vec3 c1 = crossed(e[1], e[2]), c2 = crossed(e[2], e[0]), c3 = crossed(e[0], e[1]);
+    const double det = dotted(e[0], c1);
+    if (!(std::abs(det) > 1e-14 * size * size * size)) continue;
+    const double inverse = 1.0 / det;
+    const Vec3 g[4] = {times(-inverse, {c1[0] + c2[0] + c3[0], c1[1] + c2[1] + c3[1], c1[2] + c2[2] + c3[2]}),
+                       times(inverse, c1), times(inverse, c2), times(inverse, c3)};
+    FloatLanes base, dx, dy, dz;
+    for (int i = 0; i < 4; ++i) {
+      const double slack = kEdge * (std::abs(g[i][0]) + std::abs(g[i][1]) + std::abs(g[i][2]));
+      base[i] = static_cast<float>((i == 0 ? 1.0 : 0.0) - dotted(g[i], p[0]) + slack);
+      dx[i] = static_cast<float>(g[i][0]), dy[i] = static_cast<float>(g[i][1]), dz[i] = static_cast<float>(g[i][2]);
     }
+    const RowGroups groups = row_groups(n.lo[0], n.hi[0]);
+    for (int s = 0; s < groups.count; ++s) {
+      const WideFloats at = lanes + static_cast<float>(groups.start[s]);
+      const WideFloats s0 = at * dx[0], s1 = at * dx[1], s2 = at * dx[2], s3 = at * dx[3];
+      for (int k = n.lo[2]; k <= n.hi[2]; ++k)
+        for (int j = n.lo[1]; j <= n.hi[1]; ++j) {
+          const FloatLanes row = base + static_cast<float>(j) * dy + static_cast<float>(k) * dz;
+          const WideFloats least = wide_min(wide_min(row[0] + s0, row[1] + s1), wide_min(row[2] + s2, row[3] + s3));
+          std::int32_t* const out = holder + block_index(groups.start[s], j, k);
+          const WideIds held = load_wide(out);
+          store_wide((least >= 0.0f) & (held < 0) ? wide(id) : held, out);
+        }
+    }
+  }
+}
+
+/// Densities and sources from the distances and holders.
+BRIM_WIDE void settle_solid(const BlockScratch& scratch, double h, double w, DensityBlock& block) {
+  const float inverse_w = static_cast<float>(h / w);
+  for_wanted_groups(block.octants, [&](int group) BRIM_LAMBDA_INLINE {
+    const WideIds nearest = load_wide(scratch.nearest + group), holder = load_wide(scratch.holder + group);
+    const WideFloats d = wide_root(load_wide(scratch.value + group));
+    const WideIds inside = holder >= 0;
+    const WideFloats near = wide_ramp(inside ? -d : d, inverse_w);
+    const WideFloats rho = nearest < 0 ? (inside ? wide(1.0f) : wide(0.0f)) : near;
+    store_group(rho, inside ? holder : (rho > 0.0f ? nearest : wide(-1)), group, block);
+  });
 }
 
 }  // namespace
@@ -55,59 +95,63 @@ void raster_tets(const TetSolid& solid, std::span<const TileKey> tiles, double h
   BRIM_CHECK(tiles.size(), ==, out.size());
   const double reach = 0.5 * w;
   workspace.index.build(tiles);
+  workspace.reach.build(solid.x, solid.surface, reach);
+  workspace.nodes.build(solid.x, h, kEdge);
   workspace.tets.build(workspace.index, tiles.size(), h, solid.tets.size(),
-                       [&](std::size_t i) { return box_of(solid.x, solid.tets[i]).inflated(1e-9 * h); });
-  workspace.surface.build(workspace.index, tiles.size(), h, solid.surface.size(),
-                          [&](std::size_t i) { return box_of(solid.x, solid.surface[i]).inflated(reach); });
-
+                       [&](std::size_t i) { return workspace.nodes.around(solid.tets[i]); });
+  workspace.surface.build(workspace.index, tiles.size(), h, solid.surface.size(), [&](std::size_t i) {
+    return grown(box_of(solid.x, solid.surface[i]), workspace.reach.beyond(i));
+  });
+  const float far2 = static_cast<float>(reach * reach / (h * h));
   parallel_for(tiles.size(), [&](std::size_t t) {
     const Vec3 origin = block_origin(tiles[t], h);
-    DensityBlock& block = out[t];
-    std::int32_t holder[kBlockNodes];
-    // Until the last loop, rho holds the squared distance and source the nearest boundary triangle.
-    std::fill_n(block.rho, kBlockNodes, reach * reach);
-    std::fill_n(block.source, kBlockNodes, -1);
-    std::fill_n(holder, kBlockNodes, -1);
-    for (const std::int32_t s : workspace.surface.of(t)) {
-      const auto& c = solid.surface[s];
-      splat_triangle(solid.x[c[0]], solid.x[c[1]], solid.x[c[2]], s, reach, origin, h, block.octants, block.rho,
-                     block.source);
-    }
-    for (const std::int32_t i : workspace.tets.of(t)) claim_nodes(solid, i, origin, h, block.octants, holder);
-    for (int n = 0; n < kBlockNodes; ++n) {
-      const bool inside = holder[n] >= 0;
-      const std::int32_t nearest = block.source[n];
-      if (nearest < 0) {
-        block.rho[n] = inside ? 1.0 : 0.0;
-        block.source[n] = holder[n];
-        continue;
-      }
-      const double d = std::sqrt(block.rho[n]);
-      block.rho[n] = ramp(inside ? -d : d, w);
-      block.source[n] = inside ? holder[n] : block.rho[n] > 0.0 ? solid.owner[nearest] : -1;
-    }
+    BlockScratch scratch;
+    std::fill_n(scratch.value, kBlockNodes, far2);
+    std::fill_n(scratch.nearest, kBlockNodes, -1);
+    std::fill_n(scratch.holder, kBlockNodes, -1);
+    splat_triangles(solid.x, solid.surface, workspace.surface.of(t), solid.owner, workspace.reach, origin, h,
+                    out[t].octants, scratch);
+    claim_nodes(solid, workspace.nodes, workspace.tets.of(t), tiles[t], h, out[t].octants, scratch.holder);
+    settle_solid(scratch, h, w, out[t]);
   });
 }
 
-void presence_tets(const TetSolid& solid, double h, double w, const Aabb& region, std::vector<TileKey>& out,
-                   TetRasterWorkspace& workspace) {
+namespace {
+
+template <class Tile>
+void cover_tets(const TetSolid& solid, double h, double w, const Aabb& region, std::vector<Tile>& out,
+                TetRasterWorkspace& workspace) {
   // The boundary carries the box of the whole.
   Aabb box;
   for (const auto& s : solid.surface) box.extend(box_of(solid.x, s));
-  workspace.cover.begin(box.inflated(0.5 * w).intersection(region), h);
-  workspace.cover.add(solid.tets.size(), [&](std::size_t i) { return box_of(solid.x, solid.tets[i]); });
-  workspace.cover.add(solid.surface.size(),
-                      [&](std::size_t i) { return box_of(solid.x, solid.surface[i]).inflated(0.5 * w); });
-  workspace.cover.append_to(out);
+  workspace.nodes.build(solid.x, h, kEdge);
+  workspace.cover.cover(
+      box.inflated(0.5 * w).intersection(region), h, out,
+      std::pair(solid.tets.size(), [&](std::size_t i) { return workspace.nodes.around(solid.tets[i]); }),
+      std::pair(solid.surface.size(),
+                [&](std::size_t i) { return box_of(solid.x, solid.surface[i]).inflated(0.5 * w); }));
+}
+
+}  // namespace
+
+void presence_tets(const TetSolid& solid, double h, double w, const Aabb& region, std::vector<TileKey>& out,
+                   TetRasterWorkspace& workspace) {
+  cover_tets(solid, h, w, region, out, workspace);
+}
+
+void presence_tets(const TetSolid& solid, double h, double w, const Aabb& region, std::vector<OctantTile>& out,
+                   TetRasterWorkspace& workspace) {
+  cover_tets(solid, h, w, region, out, workspace);
 }
 
 namespace {
 
 std::array<double, 4> unbounded_weights(const Vec3& r, const std::array<Vec3, 4>& x) {
-  Mat3 edges;
-  edges << x[1] - x[0], x[2] - x[0], x[3] - x[0];
-  const Vec3 b = edges.inverse() * (r - x[0]);
-  return {1.0 - b.sum(), b[0], b[1], b[2]};
+  const Vec3 e1 = x[1] - x[0], e2 = x[2] - x[0], e3 = x[3] - x[0], d = r - x[0];
+  const Vec3 c1 = e2.cross(e3), side = e1.cross(d);
+  const double inverse = 1.0 / e1.dot(c1);
+  const double b1 = inverse * d.dot(c1), b2 = inverse * e3.dot(side), b3 = -inverse * e2.dot(side);
+  return {1.0 - (b1 + b2 + b3), b1, b2, b3};
 }
 
 double sum_of_sizes(const std::array<double, 4>& b) {
