@@ -24,55 +24,128 @@ Aabb box_of(std::span<const Vec3> x, const std::array<std::int32_t, N>& corners)
 
 Aabb grown(const Aabb& box, const Vec3& by) { return {box.lo - by, box.hi + by}; }
 
-/// Names each tetrahedron as the holder of the nodes inside it that have none yet. Eight nodes at a time in single
-/// precision: all four barycentric weights must be positive.
+/// A tetrahedron that may hold nodes of a block.
+struct Claim {
+  std::int32_t id;
+  NodeRange nodes;
+};
+
+/// Barycentric weights of kLanes tetrahedra at the nodes of a block: weight i of tetrahedron l is
+/// base[l][i] + x dx[l][i] + y dy[l][i] + z dz[l][i], a little more than it is so that no node is lost between two.
+struct ClaimWeights {
+  alignas(32) float base[kLanes][4], dx[kLanes][4], dy[kLanes][4], dz[kLanes][4];
+};
+
+BRIM_INLINE Lanes size_of(const Lanes& x) { return x < 0.0 ? -x : x; }
+
+/// Writes rows of four tetrahedra as rows of four weights.
+BRIM_INLINE void store_transposed(const Lanes* weight, float (*out)[4]) {
+  FloatLanes r[4];
+  for (int i = 0; i < 4; ++i) r[i] = __builtin_convertvector(weight[i], FloatLanes);
+  const FloatLanes a = __builtin_shufflevector(r[0], r[1], 0, 4, 1, 5),
+                   b = __builtin_shufflevector(r[0], r[1], 2, 6, 3, 7),
+                   c = __builtin_shufflevector(r[2], r[3], 0, 4, 1, 5),
+                   d = __builtin_shufflevector(r[2], r[3], 2, 6, 3, 7);
+  store_lanes(out[0], __builtin_shufflevector(a, c, 0, 1, 4, 5));
+  store_lanes(out[1], __builtin_shufflevector(a, c, 2, 3, 6, 7));
+  store_lanes(out[2], __builtin_shufflevector(b, d, 0, 1, 4, 5));
+  store_lanes(out[3], __builtin_shufflevector(b, d, 2, 3, 6, 7));
+}
+
+/// @param corner  [voxels from the first node] corner i, axis a of tetrahedron l at [3 i + a][l]
+BRIM_INLINE void set_weights(const double (*corner)[kLanes], ClaimWeights& w) {
+  Lanes p[3], e[3][3], size{};
+  for (int a = 0; a < 3; ++a) {
+    p[a] = load_lanes(corner[a]);
+    for (int i = 0; i < 3; ++i) {
+      e[i][a] = load_lanes(corner[3 * (i + 1) + a]) - p[a];
+      const Lanes s = size_of(e[i][a]);
+      size = s > size ? s : size;
+    }
+  }
+  // Gradients of the weights: cross products of edges over the volume.
+  Lanes g[4][3];
+  for (int i = 0; i < 3; ++i) {
+    const Lanes *u = e[(i + 1) % 3], *v = e[(i + 2) % 3];
+    for (int a = 0; a < 3; ++a) g[i + 1][a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+  }
+  const Lanes det = e[0][0] * g[1][0] + e[0][1] * g[1][1] + e[0][2] * g[1][2];
+  const LaneFlags solid = size_of(det) > 1e-14 * size * size * size;
+  const Lanes inverse = 1.0 / (solid ? det : Lanes{} + 1.0);
+  Lanes base[4];
+  for (int a = 0; a < 3; ++a) {
+    for (int i = 1; i < 4; ++i) g[i][a] *= inverse;
+    g[0][a] = -(g[1][a] + g[2][a] + g[3][a]);
+  }
+  for (int i = 0; i < 4; ++i) {
+    base[i] = (i == 0 ? 1.0 : 0.0) - (g[i][0] * p[0] + g[i][1] * p[1] + g[i][2] * p[2]) +
+              kEdge * (size_of(g[i][0]) + size_of(g[i][1]) + size_of(g[i][2]));
+    // What has no volume, or no place, holds nothing.
+    base[i] = solid ? base[i] : Lanes{} - 1.0;
+    for (int a = 0; a < 3; ++a) g[i][a] = solid ? g[i][a] : Lanes{};
+  }
+  store_transposed(base, w.base);
+  const auto store_axis = [&](int a, float(*out)[4]) BRIM_LAMBDA_INLINE {
+    const Lanes along[4] = {g[0][a], g[1][a], g[2][a], g[3][a]};
+    store_transposed(along, out);
+  };
+  store_axis(0, w.dx), store_axis(1, w.dy), store_axis(2, w.dz);
+}
+
+/// Names a tetrahedron as the holder of the nodes inside it that have none yet: all its weights must be positive.
+BRIM_INLINE void claim(const Claim& c, const ClaimWeights& w, int l, std::int32_t* holder) {
+  const FloatLanes base = load_lanes(w.base[l]), dy = load_lanes(w.dy[l]), dz = load_lanes(w.dz[l]);
+  const float* dx = w.dx[l];
+  const NodeRange& n = c.nodes;
+  const RowGroups groups = row_groups(n.lo[0], n.hi[0]);
+  for (int s = 0; s < groups.count; ++s) {
+    const WideFloats at = lane_numbers() + static_cast<float>(groups.start[s]);
+    const WideFloats s0 = at * dx[0], s1 = at * dx[1], s2 = at * dx[2], s3 = at * dx[3];
+    for (int k = n.lo[2]; k <= n.hi[2]; ++k)
+      for (int j = n.lo[1]; j <= n.hi[1]; ++j) {
+        const FloatLanes row = base + static_cast<float>(j) * dy + static_cast<float>(k) * dz;
+        const WideFloats least = wide_min(wide_min(row[0] + s0, row[1] + s1), wide_min(row[2] + s2, row[3] + s3));
+        std::int32_t* const out = holder + block_index(groups.start[s], j, k);
+        const WideIds held = load_wide(out);
+        store_wide((least >= 0.0f) & (held < 0) ? wide(c.id) : held, out);
+      }
+  }
+}
+
+/// Finds the holders of the nodes of a block: of each the first tetrahedron in which it is. Weights are prepared for
+/// kLanes tetrahedra at a time, in double precision, and taken at eight nodes at a time in single.
 BRIM_WIDE void claim_nodes(const TetSolid& solid, const VertexNodes& nodes, std::span<const std::int32_t> which,
                            const TileKey& tile, double h, Octants wanted, std::int32_t* holder) {
   const double inverse_h = 1.0 / h;
   const Vec3 origin = block_origin(tile, h);
   const std::int32_t first[3] = {kTileSize * tile.x - kHalo, kTileSize * tile.y - kHalo, kTileSize * tile.z - kHalo};
-  const WideFloats lanes = lane_numbers();
   const NodeRange clip = wanted_nodes(wanted);
+  alignas(32) double corner[12][kLanes] = {};
+  Claim pending[kLanes];
+  ClaimWeights weights;
+  int count = 0;
+  const auto flush = [&]() BRIM_LAMBDA_INLINE {
+    set_weights(corner, weights);
+    for (int l = 0; l < count; ++l) claim(pending[l], weights, l, holder);
+    count = 0;
+  };
   for (const std::int32_t id : which) {
     const auto& t = solid.tets[id];
-    NodeRange n;
+    Claim& c = pending[count];
+    c.id = id;
     const NodeSpan span = nodes.around(t);
-    for (int a = 0; a < 3; ++a)
-      n.lo[a] = std::max(clip.lo[a], span.lo[a] - first[a]), n.hi[a] = std::min(clip.hi[a], span.hi[a] - first[a]);
-    if (n.empty()) continue;
-    const Vec3 p[4] = {in_voxels(solid.x[t[0]], origin, inverse_h), in_voxels(solid.x[t[1]], origin, inverse_h),
-                       in_voxels(solid.x[t[2]], origin, inverse_h), in_voxels(solid.x[t[3]], origin, inverse_h)};
-    // Gradients of the weights: cross products of edges over the volume.
-    Vec3 e[3];
-    double size = 0.0;
-    for (int i = 0; i < 3; ++i)
-      for (int a = 0; a < 3; ++a) e[i][a] = p[i + 1][a] - p[0][a], size = std::max(size, std::abs(e[i][a]));
-    const Vec3 c1 = crossed(e[1], e[2]), c2 = crossed(e[2], e[0]), c3 = crossed(e[0], e[1]);
-    const double det = dotted(e[0], c1);
-    if (!(std::abs(det) > 1e-14 * size * size * size)) continue;
-    const double inverse = 1.0 / det;
-    const Vec3 g[4] = {times(-inverse, {c1[0] + c2[0] + c3[0], c1[1] + c2[1] + c3[1], c1[2] + c2[2] + c3[2]}),
-                       times(inverse, c1), times(inverse, c2), times(inverse, c3)};
-    FloatLanes base, dx, dy, dz;
+    for (int a = 0; a < 3; ++a) {
+      c.nodes.lo[a] = std::max(clip.lo[a], span.lo[a] - first[a]);
+      c.nodes.hi[a] = std::min(clip.hi[a], span.hi[a] - first[a]);
+    }
+    if (c.nodes.empty()) continue;
     for (int i = 0; i < 4; ++i) {
-      const double slack = kEdge * (std::abs(g[i][0]) + std::abs(g[i][1]) + std::abs(g[i][2]));
-      base[i] = static_cast<float>((i == 0 ? 1.0 : 0.0) - dotted(g[i], p[0]) + slack);
-      dx[i] = static_cast<float>(g[i][0]), dy[i] = static_cast<float>(g[i][1]), dz[i] = static_cast<float>(g[i][2]);
+      const Vec3& x = solid.x[t[i]];
+      for (int a = 0; a < 3; ++a) corner[3 * i + a][count] = (x[a] - origin[a]) * inverse_h;
     }
-    const RowGroups groups = row_groups(n.lo[0], n.hi[0]);
-    for (int s = 0; s < groups.count; ++s) {
-      const WideFloats at = lanes + static_cast<float>(groups.start[s]);
-      const WideFloats s0 = at * dx[0], s1 = at * dx[1], s2 = at * dx[2], s3 = at * dx[3];
-      for (int k = n.lo[2]; k <= n.hi[2]; ++k)
-        for (int j = n.lo[1]; j <= n.hi[1]; ++j) {
-          const FloatLanes row = base + static_cast<float>(j) * dy + static_cast<float>(k) * dz;
-          const WideFloats least = wide_min(wide_min(row[0] + s0, row[1] + s1), wide_min(row[2] + s2, row[3] + s3));
-          std::int32_t* const out = holder + block_index(groups.start[s], j, k);
-          const WideIds held = load_wide(out);
-          store_wide((least >= 0.0f) & (held < 0) ? wide(id) : held, out);
-        }
-    }
+    if (++count == kLanes) flush();
   }
+  if (count > 0) flush();
 }
 
 /// Densities and sources from the distances and holders.
