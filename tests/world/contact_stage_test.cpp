@@ -65,50 +65,70 @@ TEST(ContactStage, WhatMeetsTooFarAwayForTheGridIsRefusedByName) {
   EXPECT_GT(w.step().contacts, 0) << "a thousand kilometres are near enough";
 }
 
+/// Steps a world once, by one sub-step, and compares the contacts it found with all nodes of a box.
+/// @return how many pairs overlap
+std::size_t expect_all_found(World& w, double h, const Aabb& box) {
+  // All nodes of a box around everything, every pair of parts.
+  std::vector<TileKey> tiles;
+  const TileRange range = tiles_meeting(box, h);
+  for (int z = range.lo.z; z <= range.hi.z; ++z)
+    for (int y = range.lo.y; y <= range.hi.y; ++y)
+      for (int x = range.lo.x; x <= range.hi.x; ++x) tiles.push_back({x, y, z});
+  const int parts = w.part_count();
+  std::vector<std::vector<DensityBlock>> density(parts, std::vector<DensityBlock>(tiles.size()));
+  for (int p = 0; p < parts; ++p) w.density(p, h, tiles, density[p]);
+  // Contact is sampled in single precision: nodes that overlap by less than its rounding may be found or not.
+  constexpr double kRounding = 1e-6;
+  std::map<std::pair<int, int>, std::int64_t> sure, possible;
+  for (int a = 0; a < parts; ++a)
+    for (int b = a + 1; b < parts; ++b)
+      for (std::size_t t = 0; t < tiles.size(); ++t)
+        for (int k = 1; k <= kTileSize; ++k)
+          for (int j = 1; j <= kTileSize; ++j)
+            for (int i = 1; i <= kTileSize; ++i) {
+              const int node = block_index(i, j, k);
+              const auto full = [&](int p) {
+                const double* r = density[p][t].rho + node;
+                return r[0] >= 1 && r[1] >= 1 && r[-1] >= 1 && r[10] >= 1 && r[-10] >= 1 && r[100] >= 1 && r[-100] >= 1;
+              };
+              const double sum = density[a][t].rho[node] + density[b][t].rho[node];
+              if (full(a) && full(b)) continue;
+              if (sum > 1.0 + kRounding) ++sure[{a, b}];
+              if (sum > 1.0 - kRounding) ++possible[{a, b}];
+            }
+  // One sub-step: its contacts are those of the state before it.
+  const StepReport r = w.step();
+  EXPECT_EQ(r.substeps, 1);
+  std::map<std::pair<int, int>, std::int64_t> found;
+  for (const ContactSample& c : w.contacts())
+    if (c.overlap > 0.0f) ++found[{c.part_a, c.part_b}];
+  for (const auto& [pair, count] : sure) EXPECT_GE(found[pair], count) << pair.first << " " << pair.second;
+  for (const auto& [pair, count] : found) EXPECT_LE(count, possible[pair]) << pair.first << " " << pair.second;
+  return sure.size();
+}
+
 TEST(ContactStage, FindsEveryOverlapThatASearchOfAllTilesFinds) {
   for (unsigned seed = kSeed; seed < kSeed + 4; ++seed) {
     SCOPED_TRACE(seed);
     World w = crowd(seed, 24);
-    const double h = 0.125;
-    // All nodes of a box around everything, every pair of parts.
-    std::vector<TileKey> tiles;
-    const TileRange range = tiles_meeting({Vec3(-4, -4, -3), Vec3(4, 4, 5)}, h);
-    for (int z = range.lo.z; z <= range.hi.z; ++z)
-      for (int y = range.lo.y; y <= range.hi.y; ++y)
-        for (int x = range.lo.x; x <= range.hi.x; ++x) tiles.push_back({x, y, z});
-    const int parts = w.part_count();
-    std::vector<std::vector<DensityBlock>> density(parts, std::vector<DensityBlock>(tiles.size()));
-    for (int p = 0; p < parts; ++p) w.density(p, h, tiles, density[p]);
-    // Contact is sampled in single precision: nodes that overlap by less than its rounding may be found or not.
-    constexpr double kRounding = 1e-6;
-    std::map<std::pair<int, int>, std::int64_t> sure, possible;
-    for (int a = 0; a < parts; ++a)
-      for (int b = a + 1; b < parts; ++b)
-        for (std::size_t t = 0; t < tiles.size(); ++t)
-          for (int k = 1; k <= kTileSize; ++k)
-            for (int j = 1; j <= kTileSize; ++j)
-              for (int i = 1; i <= kTileSize; ++i) {
-                const int node = block_index(i, j, k);
-                const auto full = [&](int p) {
-                  const double* r = density[p][t].rho + node;
-                  return r[0] >= 1 && r[1] >= 1 && r[-1] >= 1 && r[10] >= 1 && r[-10] >= 1 && r[100] >= 1 &&
-                         r[-100] >= 1;
-                };
-                const double sum = density[a][t].rho[node] + density[b][t].rho[node];
-                if (full(a) && full(b)) continue;
-                if (sum > 1.0 + kRounding) ++sure[{a, b}];
-                if (sum > 1.0 - kRounding) ++possible[{a, b}];
-              }
-    // One sub-step: its contacts are those of the state before it.
-    const StepReport r = w.step();
-    ASSERT_EQ(r.substeps, 1);
-    std::map<std::pair<int, int>, std::int64_t> found;
-    for (const ContactSample& c : w.contacts())
-      if (c.overlap > 0.0f) ++found[{c.part_a, c.part_b}];
-    for (const auto& [pair, count] : sure) EXPECT_GE(found[pair], count) << pair.first << " " << pair.second;
-    for (const auto& [pair, count] : found) EXPECT_LE(count, possible[pair]) << pair.first << " " << pair.second;
-    EXPECT_GT(sure.size(), 4u);
+    EXPECT_GT(expect_all_found(w, 0.125, {Vec3(-4, -4, -3), Vec3(4, 4, 5)}), 4u);
   }
+}
+
+TEST(ContactStage, FindsEveryOverlapOfBodiesThatDeform) {
+  // Of every kind that says in which octants it is, against each other and against solids.
+  const double h = 0.1;
+  WorldOptions o = testing::options_at(h);
+  o.max_substeps = 1;
+  World w(o);
+  w.add(testing::ground(0.5, Vec3(0.1, -0.2, 1).normalized()));
+  w.add(testing::jelly("jelly", 0.5, Vec3(-0.23, -0.24, -0.02)));
+  w.add(testing::jelly("other", 0.5, Vec3(0.21, -0.1, 0.3)));
+  w.add(testing::sheet("sheet", 0.8, Vec3(0.01, 0.02, 0.5)));
+  w.add(testing::springs("springs", 0.4, Vec3(-0.4, 0.1, 0.42)));
+  w.add(testing::rope("rope", Vec3(-0.3, -0.5, 0.1), Vec3(0.3, 0.6, 0.45)));
+  w.add(testing::ball("ball", {Vec3(0.5, 0.4, 0.4)}, 0.5, 0.3));
+  EXPECT_GT(expect_all_found(w, h, {Vec3(-1.5, -1.5, -0.5), Vec3(1.5, 1.5, 1.5)}), 6u);
 }
 
 TEST(ContactStage, ABodyInAnEmptyPlaceIsNotRasterized) {

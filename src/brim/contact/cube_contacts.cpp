@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "brim/contact/row_ramp.h"
 #include "brim/contact/stencil.h"
 #include "brim/core/parallel.h"
 #include "brim/core/wide.h"
@@ -40,10 +41,12 @@ class Samples {
   }
 
   const float* rho() const { return rho_; }
-  /// Distance to the surface, within its ramp, [m].
-  double distance(int node) const {
-    if (side_.solid == nullptr) return ramp_inverse(rho_[node], w_);
-    return std::clamp(double{d_[node]}, -0.5 * w_, 0.5 * w_);
+  /// Distances to the surface at the nodes of a row, within its ramp, [m].
+  void distances(int j, int k, float* out) const {
+    const int row = cube_index(0, j, k);
+    if (side_.solid == nullptr) return row_ramp_inverse(rho_ + row, static_cast<float>(w_), out);
+    const auto half = static_cast<float>(0.5 * w_);
+    for (int i = 0; i < kCubeSize; ++i) out[i] = std::clamp(d_[row + i], -half, half);
   }
   std::int32_t source(int i, int j, int k) const {
     return side_.solid != nullptr ? 0 : side_.block->source[offset_ + block_index(i, j, k)];
@@ -147,6 +150,8 @@ void append(const Samples& a, const Samples& b, const ContactPair& pair, const N
     RowDerivatives da, db;
     row_derivatives(a.rho(), j, k, true, da);
     row_derivatives(b.rho(), j, k, true, db);
+    alignas(32) float distance_a[kCubeSize], distance_b[kCubeSize];
+    a.distances(j, k, distance_a), b.distances(j, k, distance_b);
     for (int left = row; left != 0; left &= left - 1) {
       const int i = std::countr_zero(static_cast<unsigned>(left)), node = cube_index(i, j, k);
       const SideAtNode sa = side_of(da, i, inverse_h, true), sb = side_of(db, i, inverse_h, true);
@@ -155,7 +160,7 @@ void append(const Samples& a, const Samples& b, const ContactPair& pair, const N
       const Vec3 g = (sa.g - sb.g).cast<double>();
       const double length = g.norm();
       // Along the common normal the distances to both surfaces are known; meet half-way.
-      const double to_a = a.distance(node), to_b = b.distance(node), shift = 0.5 * (to_a - to_b);
+      const double to_a = distance_a[i], to_b = distance_b[i], shift = 0.5 * (to_a - to_b);
       c.point = pair.h * c.node.cast<double>();
       if (length > 0.0) c.point += (shift / length) * g;
       c.overlap = a.rho()[node] + b.rho()[node] - 1.0f;

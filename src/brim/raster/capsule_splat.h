@@ -1,11 +1,11 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
+#include <vector>
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
-#include "brim/math/ramp.h"
+#include "brim/raster/block_rows.h"
 #include "brim/raster/raster_triangles.h"
 
 namespace brim {
@@ -17,6 +17,16 @@ struct Capsule {
   Aabb box(double w) const { return Aabb{a.cwiseMin(b), a.cwiseMax(b)}.inflated(radius + 0.5 * w); }
 };
 
+/// Nearest capsule of each node of a block: lowers scratch.value, the signed distance in voxels, and sets
+/// scratch.nearest where a capsule comes closer than what is there; of equals the first stays. Eight nodes at a time in
+/// single precision: wrong by at most 2e-6 voxels and 2e-7 of the capsule's length.
+/// @param ids     what each of the capsules is called in scratch.nearest, shape (capsules)
+/// @param origin  [m] first node of the block  @param h, w  [m] step, ramp width  @param wanted  octants that count
+void splat_capsules(std::span<const Capsule> capsules, std::span<const std::int32_t> ids, const Vec3& origin, double h,
+                    double w, Octants wanted, BlockScratch& scratch);
+/// Densities and sources from those distances.
+void settle_capsules(const BlockScratch& scratch, double h, double w, DensityBlock& block);
+
 /// The common part of raster_segments and raster_points. @param capsule_of  capsule_of(i): Capsule
 template <class CapsuleOf>
 void raster_capsules(std::size_t count, const CapsuleOf& capsule_of, std::span<const TileKey> tiles, double h, double w,
@@ -24,42 +34,27 @@ void raster_capsules(std::size_t count, const CapsuleOf& capsule_of, std::span<c
   BRIM_CHECK(tiles.size(), ==, out.size());
   workspace.index.build(tiles);
   workspace.bins.build(workspace.index, tiles.size(), h, count, [&](std::size_t i) { return capsule_of(i).box(w); });
+  const auto far = static_cast<float>(0.5 * w / h);
   parallel_for(tiles.size(), [&](std::size_t t) {
-    const Vec3 origin = block_origin(tiles[t], h);
-    DensityBlock& block = out[t];
-    // Until the last loop, rho holds the signed distance.
-    std::fill_n(block.rho, kBlockNodes, 0.5 * w);
-    std::fill_n(block.source, kBlockNodes, -1);
-    for (const std::int32_t id : workspace.bins.of(t)) {
-      const Capsule c = capsule_of(static_cast<std::size_t>(id));
-      const NodeRange n = nodes_in_box(c.box(w), origin, h, block.octants);
-      const Vec3 ab = c.b - c.a;
-      const double inverse = ab.squaredNorm() > 0.0 ? 1.0 / ab.squaredNorm() : 0.0;
-      for (int k = n.lo[2]; k <= n.hi[2]; ++k)
-        for (int j = n.lo[1]; j <= n.hi[1]; ++j)
-          for (int i = n.lo[0]; i <= n.hi[0]; ++i) {
-            const Vec3 ar = origin + h * Vec3(i, j, k) - c.a;
-            const double s = std::clamp(ar.dot(ab) * inverse, 0.0, 1.0);
-            const double d = (ar - s * ab).norm() - c.radius;
-            const int node = block_index(i, j, k);
-            if (d < block.rho[node]) block.rho[node] = d, block.source[node] = id;
-          }
-    }
-    for (int n = 0; n < kBlockNodes; ++n) {
-      block.rho[n] = block.source[n] < 0 ? 0.0 : ramp(block.rho[n], w);
-      if (block.rho[n] == 0.0) block.source[n] = -1;
-    }
+    BlockScratch scratch;
+    std::fill_n(scratch.value, kBlockNodes, far);
+    std::fill_n(scratch.nearest, kBlockNodes, -1);
+    const std::span<const std::int32_t> ids = workspace.bins.of(t);
+    std::vector<Capsule> near;
+    near.reserve(ids.size());
+    for (const std::int32_t id : ids) near.push_back(capsule_of(static_cast<std::size_t>(id)));
+    splat_capsules(near, ids, block_origin(tiles[t], h), h, w, out[t].octants, scratch);
+    settle_capsules(scratch, h, w, out[t]);
   });
 }
 
-template <class CapsuleOf>
+template <class CapsuleOf, class Tile>
 void presence_capsules(std::size_t count, const CapsuleOf& capsule_of, double h, double w, const Aabb& region,
-                       std::vector<TileKey>& out, RasterWorkspace& workspace) {
+                       std::vector<Tile>& out, RasterWorkspace& workspace) {
   Aabb box;
   for (std::size_t i = 0; i < count; ++i) box.extend(capsule_of(i).box(w));
-  workspace.cover.begin(box.intersection(region), h);
-  workspace.cover.add(count, [&](std::size_t i) { return capsule_of(i).box(w); });
-  workspace.cover.append_to(out);
+  workspace.cover.cover(box.intersection(region), h, out,
+                        std::pair(count, [&](std::size_t i) { return capsule_of(i).box(w); }));
 }
 
 }  // namespace brim

@@ -24,4 +24,9 @@ void presence_points(std::span<const Vec3> x, std::span<const double> radius, do
   presence_capsules(x.size(), balls(x, radius), h, w, region, out, workspace);
 }
 
+void presence_points(std::span<const Vec3> x, std::span<const double> radius, double h, double w, const Aabb& region,
+                     std::vector<OctantTile>& out, RasterWorkspace& workspace) {
+  presence_capsules(x.size(), balls(x, radius), h, w, region, out, workspace);
+}
+
 }  // namespace brim

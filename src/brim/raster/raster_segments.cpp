@@ -27,4 +27,10 @@ void presence_segments(std::span<const Vec3> x, std::span<const std::array<std::
   presence_capsules(segments.size(), capsules(x, segments, radius), h, w, region, out, workspace);
 }
 
+void presence_segments(std::span<const Vec3> x, std::span<const std::array<std::int32_t, 2>> segments,
+                       std::span<const double> radius, double h, double w, const Aabb& region,
+                       std::vector<OctantTile>& out, RasterWorkspace& workspace) {
+  presence_capsules(segments.size(), capsules(x, segments, radius), h, w, region, out, workspace);
+}
+
 }  // namespace brim

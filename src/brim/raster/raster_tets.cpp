@@ -1,18 +1,19 @@
 #include "brim/raster/raster_tets.h"
 
-#include <Eigen/LU>
+#include <algorithm>
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
-#include "brim/math/ramp.h"
+#include "brim/raster/block_rows.h"
 #include "brim/raster/triangle_splat.h"
 
 namespace brim {
 
 namespace {
 
-/// Tolerance on barycentric weights, so that no node falls into the rounding gap between two tetrahedra.
-constexpr double kEdge = 1e-9;
+/// A node this far outside of a tetrahedron, in voxels, still counts as inside, so that none falls into the rounding
+/// gap between two of them. Where that is wrong, its distance is too by twice as much.
+constexpr double kEdge = 1e-5;
 
 template <std::size_t N>
 Aabb box_of(std::span<const Vec3> x, const std::array<std::int32_t, N>& corners) {
@@ -21,31 +22,143 @@ Aabb box_of(std::span<const Vec3> x, const std::array<std::int32_t, N>& corners)
   return box;
 }
 
-/// Names tetrahedron `id` as the holder of the nodes inside it that have none yet.
-void claim_nodes(const TetSolid& solid, std::int32_t id, const Vec3& origin, double h, Octants wanted,
-                 std::int32_t* holder) {
-  const auto& t = solid.tets[id];
-  const NodeRange n = nodes_in_box(box_of(solid.x, t), origin, h, wanted);
-  if (n.empty()) return;
-  const Vec3 x0 = solid.x[t[0]];
-  Mat3 edges;
-  edges << solid.x[t[1]] - x0, solid.x[t[2]] - x0, solid.x[t[3]] - x0;
-  const double det = edges.determinant();
-  const double size = edges.cwiseAbs().maxCoeff();
-  if (!(std::abs(det) > 1e-14 * size * size * size)) return;
-  const Mat3 G = edges.inverse();  // rows: gradients of weights 1 to 3
-  const Vec3 base = G * (origin - x0);
-  const Mat3 step = h * G;
-  for (int k = n.lo[2]; k <= n.hi[2]; ++k)
-    for (int j = n.lo[1]; j <= n.hi[1]; ++j) {
-      const Vec3 row = base + step.col(1) * j + step.col(2) * k;
-      std::int32_t* out = holder + block_index(0, j, k);
-      for (int i = n.lo[0]; i <= n.hi[0]; ++i) {
-        const double b1 = row[0] + step(0, 0) * i, b2 = row[1] + step(1, 0) * i, b3 = row[2] + step(2, 0) * i;
-        const bool inside = b1 >= -kEdge && b2 >= -kEdge && b3 >= -kEdge && b1 + b2 + b3 <= 1.0 + kEdge;
-        if (inside && out[i] < 0) out[i] = id;
-      }
+Aabb grown(const Aabb& box, const Vec3& by) { return {box.lo - by, box.hi + by}; }
+
+/// A tetrahedron that may hold nodes of a block.
+struct Claim {
+  std::int32_t id;
+  NodeRange nodes;
+};
+
+/// Barycentric weights of kLanes tetrahedra at the nodes of a block: weight i of tetrahedron l is
+/// base[l][i] + x dx[l][i] + y dy[l][i] + z dz[l][i], a little more than it is so that no node is lost between two.
+struct ClaimWeights {
+  alignas(32) float base[kLanes][4], dx[kLanes][4], dy[kLanes][4], dz[kLanes][4];
+};
+
+BRIM_INLINE Lanes size_of(const Lanes& x) { return x < 0.0 ? -x : x; }
+
+/// Writes rows of four tetrahedra as rows of four weights.
+BRIM_INLINE void store_transposed(const Lanes* weight, float (*out)[4]) {
+  FloatLanes r[4];
+  for (int i = 0; i < 4; ++i) r[i] = __builtin_convertvector(weight[i], FloatLanes);
+  const FloatLanes a = __builtin_shufflevector(r[0], r[1], 0, 4, 1, 5),
+                   b = __builtin_shufflevector(r[0], r[1], 2, 6, 3, 7),
+                   c = __builtin_shufflevector(r[2], r[3], 0, 4, 1, 5),
+                   d = __builtin_shufflevector(r[2], r[3], 2, 6, 3, 7);
+  store_lanes(out[0], __builtin_shufflevector(a, c, 0, 1, 4, 5));
+  store_lanes(out[1], __builtin_shufflevector(a, c, 2, 3, 6, 7));
+  store_lanes(out[2], __builtin_shufflevector(b, d, 0, 1, 4, 5));
+  store_lanes(out[3], __builtin_shufflevector(b, d, 2, 3, 6, 7));
+}
+
+/// @param corner  [voxels from the first node] corner i, axis a of tetrahedron l at [3 i + a][l]
+BRIM_INLINE void set_weights(const double (*corner)[kLanes], ClaimWeights& w) {
+  Lanes p[3], e[3][3], size{};
+  for (int a = 0; a < 3; ++a) {
+    p[a] = load_lanes(corner[a]);
+    for (int i = 0; i < 3; ++i) {
+      e[i][a] = load_lanes(corner[3 * (i + 1) + a]) - p[a];
+      const Lanes s = size_of(e[i][a]);
+      size = s > size ? s : size;
     }
+  }
+  // Gradients of the weights: cross products of edges over the volume.
+  Lanes g[4][3];
+  for (int i = 0; i < 3; ++i) {
+    const Lanes *u = e[(i + 1) % 3], *v = e[(i + 2) % 3];
+    for (int a = 0; a < 3; ++a) g[i + 1][a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
+  }
+  const Lanes det = e[0][0] * g[1][0] + e[0][1] * g[1][1] + e[0][2] * g[1][2];
+  const LaneFlags solid = size_of(det) > 1e-14 * size * size * size;
+  const Lanes inverse = 1.0 / (solid ? det : Lanes{} + 1.0);
+  Lanes base[4];
+  for (int a = 0; a < 3; ++a) {
+    for (int i = 1; i < 4; ++i) g[i][a] *= inverse;
+    g[0][a] = -(g[1][a] + g[2][a] + g[3][a]);
+  }
+  for (int i = 0; i < 4; ++i) {
+    base[i] = (i == 0 ? 1.0 : 0.0) - (g[i][0] * p[0] + g[i][1] * p[1] + g[i][2] * p[2]) +
+              kEdge * (size_of(g[i][0]) + size_of(g[i][1]) + size_of(g[i][2]));
+    // What has no volume, or no place, holds nothing.
+    base[i] = solid ? base[i] : Lanes{} - 1.0;
+    for (int a = 0; a < 3; ++a) g[i][a] = solid ? g[i][a] : Lanes{};
+  }
+  store_transposed(base, w.base);
+  const auto store_axis = [&](int a, float(*out)[4]) BRIM_LAMBDA_INLINE {
+    const Lanes along[4] = {g[0][a], g[1][a], g[2][a], g[3][a]};
+    store_transposed(along, out);
+  };
+  store_axis(0, w.dx), store_axis(1, w.dy), store_axis(2, w.dz);
+}
+
+/// Names a tetrahedron as the holder of the nodes inside it that have none yet: all its weights must be positive.
+BRIM_INLINE void claim(const Claim& c, const ClaimWeights& w, int l, std::int32_t* holder) {
+  const FloatLanes base = load_lanes(w.base[l]), dy = load_lanes(w.dy[l]), dz = load_lanes(w.dz[l]);
+  const float* dx = w.dx[l];
+  const NodeRange& n = c.nodes;
+  const RowGroups groups = row_groups(n.lo[0], n.hi[0]);
+  for (int s = 0; s < groups.count; ++s) {
+    const WideFloats at = lane_numbers() + static_cast<float>(groups.start[s]);
+    const WideFloats s0 = at * dx[0], s1 = at * dx[1], s2 = at * dx[2], s3 = at * dx[3];
+    for (int k = n.lo[2]; k <= n.hi[2]; ++k)
+      for (int j = n.lo[1]; j <= n.hi[1]; ++j) {
+        const FloatLanes row = base + static_cast<float>(j) * dy + static_cast<float>(k) * dz;
+        const WideFloats least = wide_min(wide_min(row[0] + s0, row[1] + s1), wide_min(row[2] + s2, row[3] + s3));
+        std::int32_t* const out = holder + block_index(groups.start[s], j, k);
+        const WideIds held = load_wide(out);
+        store_wide((least >= 0.0f) & (held < 0) ? wide(c.id) : held, out);
+      }
+  }
+}
+
+/// Finds the holders of the nodes of a block: of each the first tetrahedron in which it is. Weights are prepared for
+/// kLanes tetrahedra at a time, in double precision, and taken at eight nodes at a time in single.
+BRIM_WIDE void claim_nodes(const TetSolid& solid, const VertexNodes& nodes, std::span<const std::int32_t> which,
+                           const TileKey& tile, double h, Octants wanted, std::int32_t* holder) {
+  const double inverse_h = 1.0 / h;
+  const Vec3 origin = block_origin(tile, h);
+  const std::int32_t first[3] = {kTileSize * tile.x - kHalo, kTileSize * tile.y - kHalo, kTileSize * tile.z - kHalo};
+  const NodeRange clip = wanted_nodes(wanted);
+  alignas(32) double corner[12][kLanes] = {};
+  Claim pending[kLanes];
+  ClaimWeights weights;
+  int count = 0;
+  const auto flush = [&]() BRIM_LAMBDA_INLINE {
+    set_weights(corner, weights);
+    for (int l = 0; l < count; ++l) claim(pending[l], weights, l, holder);
+    count = 0;
+  };
+  for (const std::int32_t id : which) {
+    const auto& t = solid.tets[id];
+    Claim& c = pending[count];
+    c.id = id;
+    const NodeSpan span = nodes.around(t);
+    for (int a = 0; a < 3; ++a) {
+      c.nodes.lo[a] = std::max(clip.lo[a], span.lo[a] - first[a]);
+      c.nodes.hi[a] = std::min(clip.hi[a], span.hi[a] - first[a]);
+    }
+    if (c.nodes.empty()) continue;
+    for (int i = 0; i < 4; ++i) {
+      const Vec3& x = solid.x[t[i]];
+      for (int a = 0; a < 3; ++a) corner[3 * i + a][count] = (x[a] - origin[a]) * inverse_h;
+    }
+    if (++count == kLanes) flush();
+  }
+  if (count > 0) flush();
+}
+
+/// Densities and sources from the distances and holders.
+BRIM_WIDE void settle_solid(const BlockScratch& scratch, double h, double w, DensityBlock& block) {
+  const float inverse_w = static_cast<float>(h / w);
+  for_wanted_groups(block.octants, [&](int group) BRIM_LAMBDA_INLINE {
+    const WideIds nearest = load_wide(scratch.nearest + group), holder = load_wide(scratch.holder + group);
+    const WideFloats d = wide_root(load_wide(scratch.value + group));
+    const WideIds inside = holder >= 0;
+    const WideFloats near = wide_ramp(inside ? -d : d, inverse_w);
+    const WideFloats rho = nearest < 0 ? (inside ? wide(1.0f) : wide(0.0f)) : near;
+    store_group(rho, inside ? holder : (rho > 0.0f ? nearest : wide(-1)), group, block);
+  });
 }
 
 }  // namespace
@@ -55,59 +168,63 @@ void raster_tets(const TetSolid& solid, std::span<const TileKey> tiles, double h
   BRIM_CHECK(tiles.size(), ==, out.size());
   const double reach = 0.5 * w;
   workspace.index.build(tiles);
+  workspace.reach.build(solid.x, solid.surface, reach);
+  workspace.nodes.build(solid.x, h, kEdge);
   workspace.tets.build(workspace.index, tiles.size(), h, solid.tets.size(),
-                       [&](std::size_t i) { return box_of(solid.x, solid.tets[i]).inflated(1e-9 * h); });
-  workspace.surface.build(workspace.index, tiles.size(), h, solid.surface.size(),
-                          [&](std::size_t i) { return box_of(solid.x, solid.surface[i]).inflated(reach); });
-
+                       [&](std::size_t i) { return workspace.nodes.around(solid.tets[i]); });
+  workspace.surface.build(workspace.index, tiles.size(), h, solid.surface.size(), [&](std::size_t i) {
+    return grown(box_of(solid.x, solid.surface[i]), workspace.reach.beyond(i));
+  });
+  const float far2 = static_cast<float>(reach * reach / (h * h));
   parallel_for(tiles.size(), [&](std::size_t t) {
     const Vec3 origin = block_origin(tiles[t], h);
-    DensityBlock& block = out[t];
-    std::int32_t holder[kBlockNodes];
-    // Until the last loop, rho holds the squared distance and source the nearest boundary triangle.
-    std::fill_n(block.rho, kBlockNodes, reach * reach);
-    std::fill_n(block.source, kBlockNodes, -1);
-    std::fill_n(holder, kBlockNodes, -1);
-    for (const std::int32_t s : workspace.surface.of(t)) {
-      const auto& c = solid.surface[s];
-      splat_triangle(solid.x[c[0]], solid.x[c[1]], solid.x[c[2]], s, reach, origin, h, block.octants, block.rho,
-                     block.source);
-    }
-    for (const std::int32_t i : workspace.tets.of(t)) claim_nodes(solid, i, origin, h, block.octants, holder);
-    for (int n = 0; n < kBlockNodes; ++n) {
-      const bool inside = holder[n] >= 0;
-      const std::int32_t nearest = block.source[n];
-      if (nearest < 0) {
-        block.rho[n] = inside ? 1.0 : 0.0;
-        block.source[n] = holder[n];
-        continue;
-      }
-      const double d = std::sqrt(block.rho[n]);
-      block.rho[n] = ramp(inside ? -d : d, w);
-      block.source[n] = inside ? holder[n] : block.rho[n] > 0.0 ? solid.owner[nearest] : -1;
-    }
+    BlockScratch scratch;
+    std::fill_n(scratch.value, kBlockNodes, far2);
+    std::fill_n(scratch.nearest, kBlockNodes, -1);
+    std::fill_n(scratch.holder, kBlockNodes, -1);
+    splat_triangles(solid.x, solid.surface, workspace.surface.of(t), solid.owner, workspace.reach, origin, h,
+                    out[t].octants, scratch);
+    claim_nodes(solid, workspace.nodes, workspace.tets.of(t), tiles[t], h, out[t].octants, scratch.holder);
+    settle_solid(scratch, h, w, out[t]);
   });
 }
 
-void presence_tets(const TetSolid& solid, double h, double w, const Aabb& region, std::vector<TileKey>& out,
-                   TetRasterWorkspace& workspace) {
+namespace {
+
+template <class Tile>
+void cover_tets(const TetSolid& solid, double h, double w, const Aabb& region, std::vector<Tile>& out,
+                TetRasterWorkspace& workspace) {
   // The boundary carries the box of the whole.
   Aabb box;
   for (const auto& s : solid.surface) box.extend(box_of(solid.x, s));
-  workspace.cover.begin(box.inflated(0.5 * w).intersection(region), h);
-  workspace.cover.add(solid.tets.size(), [&](std::size_t i) { return box_of(solid.x, solid.tets[i]); });
-  workspace.cover.add(solid.surface.size(),
-                      [&](std::size_t i) { return box_of(solid.x, solid.surface[i]).inflated(0.5 * w); });
-  workspace.cover.append_to(out);
+  workspace.nodes.build(solid.x, h, kEdge);
+  workspace.cover.cover(
+      box.inflated(0.5 * w).intersection(region), h, out,
+      std::pair(solid.tets.size(), [&](std::size_t i) { return workspace.nodes.around(solid.tets[i]); }),
+      std::pair(solid.surface.size(),
+                [&](std::size_t i) { return box_of(solid.x, solid.surface[i]).inflated(0.5 * w); }));
+}
+
+}  // namespace
+
+void presence_tets(const TetSolid& solid, double h, double w, const Aabb& region, std::vector<TileKey>& out,
+                   TetRasterWorkspace& workspace) {
+  cover_tets(solid, h, w, region, out, workspace);
+}
+
+void presence_tets(const TetSolid& solid, double h, double w, const Aabb& region, std::vector<OctantTile>& out,
+                   TetRasterWorkspace& workspace) {
+  cover_tets(solid, h, w, region, out, workspace);
 }
 
 namespace {
 
 std::array<double, 4> unbounded_weights(const Vec3& r, const std::array<Vec3, 4>& x) {
-  Mat3 edges;
-  edges << x[1] - x[0], x[2] - x[0], x[3] - x[0];
-  const Vec3 b = edges.inverse() * (r - x[0]);
-  return {1.0 - b.sum(), b[0], b[1], b[2]};
+  const Vec3 e1 = x[1] - x[0], e2 = x[2] - x[0], e3 = x[3] - x[0], d = r - x[0];
+  const Vec3 c1 = e2.cross(e3), side = e1.cross(d);
+  const double inverse = 1.0 / e1.dot(c1);
+  const double b1 = inverse * d.dot(c1), b2 = inverse * e3.dot(side), b3 = -inverse * e2.dot(side);
+  return {1.0 - (b1 + b2 + b3), b1, b2, b3};
 }
 
 double sum_of_sizes(const std::array<double, 4>& b) {

@@ -5,6 +5,8 @@
 
 #include "brim/grid/tile.h"
 #include "brim/mesh/tri_mesh.h"
+#include "brim/raster/node_span.h"
+#include "brim/raster/splat_reach.h"
 #include "brim/raster/tile_bins.h"
 #include "brim/raster/tile_cover.h"
 
@@ -21,7 +23,9 @@ struct TetSolid {
 /// Scratch memory, kept by the caller between calls.
 struct TetRasterWorkspace {
   TileIndex index;
+  VertexNodes nodes;
   TileBins tets, surface;
+  SplatReach reach;
   TileCover cover;
 };
 
@@ -40,6 +44,9 @@ void raster_tets(const TetSolid& solid, std::span<const TileKey> tiles, double h
 
 /// Tiles whose block, halo included, may hold density of the solid, within a region; appended to out, each once.
 void presence_tets(const TetSolid& solid, double h, double w, const Aabb& region, std::vector<TileKey>& out,
+                   TetRasterWorkspace& workspace);
+/// The same of octants with own nodes that may hold density.
+void presence_tets(const TetSolid& solid, double h, double w, const Aabb& region, std::vector<OctantTile>& out,
                    TetRasterWorkspace& workspace);
 
 /// Σ|w| up to which weights in a tetrahedron are extrapolated, unless a caller wants otherwise.

@@ -2,7 +2,7 @@
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
-#include "brim/math/ramp.h"
+#include "brim/raster/block_rows.h"
 #include "brim/raster/triangle_splat.h"
 
 namespace brim {
@@ -13,6 +13,17 @@ Aabb box_of(std::span<const Vec3> x, const Triangle& t) {
   return {x[t[0]].cwiseMin(x[t[1]]).cwiseMin(x[t[2]]), x[t[0]].cwiseMax(x[t[1]]).cwiseMax(x[t[2]])};
 }
 
+/// Densities of a slab around the triangles, and sources.
+BRIM_WIDE void settle_sheet(const BlockScratch& scratch, double thickness, double h, double w, DensityBlock& block) {
+  const float half = static_cast<float>(0.5 * thickness / h), inverse_w = static_cast<float>(h / w);
+  for_wanted_groups(block.octants, [&](int group) BRIM_LAMBDA_INLINE {
+    const WideIds nearest = load_wide(scratch.nearest + group);
+    const WideFloats near = wide_ramp(wide_root(load_wide(scratch.value + group)) - half, inverse_w);
+    const WideFloats rho = nearest < 0 ? wide(0.0f) : near;
+    store_group(rho, rho > 0.0f ? nearest : wide(-1), group, block);
+  });
+}
+
 }  // namespace
 
 void raster_triangles(std::span<const Vec3> x, std::span<const Triangle> triangles, double thickness,
@@ -21,33 +32,44 @@ void raster_triangles(std::span<const Vec3> x, std::span<const Triangle> triangl
   BRIM_CHECK(tiles.size(), ==, out.size());
   const double reach = 0.5 * (thickness + w);
   workspace.index.build(tiles);
-  workspace.bins.build(workspace.index, tiles.size(), h, triangles.size(),
-                       [&](std::size_t i) { return box_of(x, triangles[i]).inflated(reach); });
+  workspace.reach.build(x, triangles, reach);
+  workspace.bins.build(workspace.index, tiles.size(), h, triangles.size(), [&](std::size_t i) {
+    const Vec3 by = workspace.reach.beyond(i);
+    const Aabb box = box_of(x, triangles[i]);
+    return Aabb{box.lo - by, box.hi + by};
+  });
+  const float far2 = static_cast<float>(reach * reach / (h * h));
   parallel_for(tiles.size(), [&](std::size_t t) {
-    const Vec3 origin = block_origin(tiles[t], h);
-    DensityBlock& block = out[t];
-    // Until the last loop, rho holds the squared distance.
-    std::fill_n(block.rho, kBlockNodes, reach * reach);
-    std::fill_n(block.source, kBlockNodes, -1);
-    for (const std::int32_t i : workspace.bins.of(t)) {
-      const Triangle& c = triangles[i];
-      splat_triangle(x[c[0]], x[c[1]], x[c[2]], i, reach, origin, h, block.octants, block.rho, block.source);
-    }
-    for (int n = 0; n < kBlockNodes; ++n) {
-      block.rho[n] = block.source[n] < 0 ? 0.0 : ramp(std::sqrt(block.rho[n]) - 0.5 * thickness, w);
-      if (block.rho[n] == 0.0) block.source[n] = -1;
-    }
+    BlockScratch scratch;
+    std::fill_n(scratch.value, kBlockNodes, far2);
+    std::fill_n(scratch.nearest, kBlockNodes, -1);
+    splat_triangles(x, triangles, workspace.bins.of(t), {}, workspace.reach, block_origin(tiles[t], h), h,
+                    out[t].octants, scratch);
+    settle_sheet(scratch, thickness, h, w, out[t]);
   });
 }
 
-void presence_triangles(std::span<const Vec3> x, std::span<const Triangle> triangles, double thickness, double h,
-                        double w, const Aabb& region, std::vector<TileKey>& out, RasterWorkspace& workspace) {
-  const double reach = 0.5 * (thickness + w);
+namespace {
+
+template <class Tile>
+void cover_triangles(std::span<const Vec3> x, std::span<const Triangle> triangles, double reach, double h,
+                     const Aabb& region, std::vector<Tile>& out, TileCover& cover) {
   Aabb box;
   for (const Triangle& t : triangles) box.extend(box_of(x, t));
-  workspace.cover.begin(box.inflated(reach).intersection(region), h);
-  workspace.cover.add(triangles.size(), [&](std::size_t i) { return box_of(x, triangles[i]).inflated(reach); });
-  workspace.cover.append_to(out);
+  cover.cover(box.inflated(reach).intersection(region), h, out,
+              std::pair(triangles.size(), [&](std::size_t i) { return box_of(x, triangles[i]).inflated(reach); }));
+}
+
+}  // namespace
+
+void presence_triangles(std::span<const Vec3> x, std::span<const Triangle> triangles, double thickness, double h,
+                        double w, const Aabb& region, std::vector<TileKey>& out, RasterWorkspace& workspace) {
+  cover_triangles(x, triangles, 0.5 * (thickness + w), h, region, out, workspace.cover);
+}
+
+void presence_triangles(std::span<const Vec3> x, std::span<const Triangle> triangles, double thickness, double h,
+                        double w, const Aabb& region, std::vector<OctantTile>& out, RasterWorkspace& workspace) {
+  cover_triangles(x, triangles, 0.5 * (thickness + w), h, region, out, workspace.cover);
 }
 
 }  // namespace brim

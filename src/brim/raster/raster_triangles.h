@@ -5,6 +5,7 @@
 
 #include "brim/grid/tile.h"
 #include "brim/mesh/tri_mesh.h"
+#include "brim/raster/splat_reach.h"
 #include "brim/raster/tile_bins.h"
 #include "brim/raster/tile_cover.h"
 
@@ -14,6 +15,7 @@ namespace brim {
 struct RasterWorkspace {
   TileIndex index;
   TileBins bins;
+  SplatReach reach;
   TileCover cover;
 };
 
@@ -33,5 +35,8 @@ void raster_triangles(std::span<const Vec3> x, std::span<const Triangle> triangl
 /// Tiles whose block, halo included, may hold density of the sheet, within a region; appended to out, each once.
 void presence_triangles(std::span<const Vec3> x, std::span<const Triangle> triangles, double thickness, double h,
                         double w, const Aabb& region, std::vector<TileKey>& out, RasterWorkspace& workspace);
+/// The same of octants with own nodes that may hold density.
+void presence_triangles(std::span<const Vec3> x, std::span<const Triangle> triangles, double thickness, double h,
+                        double w, const Aabb& region, std::vector<OctantTile>& out, RasterWorkspace& workspace);
 
 }  // namespace brim

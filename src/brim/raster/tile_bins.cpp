@@ -46,29 +46,38 @@ std::int32_t TileIndex::find(std::int32_t x, std::int32_t y, std::int32_t z) con
 }
 
 bool tiles_of_box(const Aabb& box, double h, const TileRange& limit, TileRange& out) {
-  // Clip in floating point first: a far or broken position must not overflow an integer.
-  const Vec3 lo = h * kTileSize * Vec3(limit.lo.x, limit.lo.y, limit.lo.z) - Vec3::Constant(h);
-  const Vec3 hi = h * kTileSize * (Vec3(limit.hi.x, limit.hi.y, limit.hi.z) + Vec3::Ones());
-  const Aabb reach = box.inflated(h * kHalo);
-  const Vec3 a = reach.lo.cwiseMax(lo), b = reach.hi.cwiseMin(hi);
-  if (!(a.array() <= b.array()).all()) return false;
-  if (!(box.lo.array() <= box.hi.array()).all()) return false;
-  out = tiles_meeting({a, b}, h);
-  out.lo = {std::max(out.lo.x, limit.lo.x), std::max(out.lo.y, limit.lo.y), std::max(out.lo.z, limit.lo.z)};
-  out.hi = {std::min(out.hi.x, limit.hi.x), std::min(out.hi.y, limit.hi.y), std::min(out.hi.z, limit.hi.z)};
-  return out.lo.x <= out.hi.x && out.lo.y <= out.hi.y && out.lo.z <= out.hi.z;
+  const std::int32_t first[3] = {limit.lo.x, limit.lo.y, limit.lo.z}, last[3] = {limit.hi.x, limit.hi.y, limit.hi.z};
+  std::int32_t lo[3], hi[3];
+  const double inverse = 1.0 / h;
+  for (int a = 0; a < 3; ++a) {
+    if (!(box.lo[a] <= box.hi[a])) return false;
+    // Clip in floating point first: a far or broken position must not overflow an integer. Rounding by conversion to
+    // integers, of numbers that are made positive first.
+    const double base = static_cast<double>(kTileSize) * first[a] - kHalo;
+    const double end = static_cast<double>(kTileSize) * last[a] + kTileSize + kHalo - base;
+    const double from = box.lo[a] * inverse - kHalo - 1e-9 - base, to = box.hi[a] * inverse + kHalo + 1e-9 - base;
+    if (!(from <= end) || !(to >= 0.0)) return false;
+    // In nodes from the first one of the limit's first block.
+    const auto node_lo = static_cast<std::int64_t>(from > 0.0 ? from : 0.0);
+    const std::int64_t up = node_lo + (static_cast<double>(node_lo) < from);
+    const auto node_hi = static_cast<std::int64_t>(to < end ? to : end);
+    lo[a] = first[a] + static_cast<std::int32_t>((up - kHalo + kTileSize) / kTileSize - 1);
+    hi[a] = first[a] + static_cast<std::int32_t>((node_hi - kHalo + kTileSize) / kTileSize - 1);
+    lo[a] = std::max(lo[a], first[a]), hi[a] = std::min(hi[a], last[a]);
+    if (lo[a] > hi[a]) return false;
+  }
+  out = {{lo[0], lo[1], lo[2]}, {hi[0], hi[1], hi[2]}};
+  return true;
 }
 
 NodeRange nodes_in_box(const Aabb& box, const Vec3& origin, double h, Octants wanted) {
-  // Octants of the lower half along each axis; those of the upper are the others.
-  constexpr Octants kLower[3] = {0x55, 0x33, 0x0f};
-  constexpr int kHalf = kTileSize / 2;
-  NodeRange r;
+  constexpr int kUp = 16;  // makes positive what is rounded by conversion to integers
+  NodeRange r = wanted_nodes(wanted);
   for (int a = 0; a < 3; ++a) {
-    r.lo[a] = static_cast<int>(std::ceil(std::clamp((box.lo[a] - origin[a]) / h - 1e-9, -1.0, double{kBlockSize})));
-    r.hi[a] = static_cast<int>(std::floor(std::clamp((box.hi[a] - origin[a]) / h + 1e-9, -1.0, double{kBlockSize})));
-    r.lo[a] = std::max(r.lo[a], wanted & kLower[a] ? 0 : kHalf);
-    r.hi[a] = std::min(r.hi[a], wanted & ~kLower[a] ? kBlockSize - 1 : kHalf + 2 * kHalo - 1);
+    const auto clip = [](double v) { return v > -1.0 ? (v < kBlockSize ? v : double{kBlockSize}) : -1.0; };
+    const double lo = clip((box.lo[a] - origin[a]) / h - 1e-9), hi = clip((box.hi[a] - origin[a]) / h + 1e-9);
+    r.lo[a] = std::max(r.lo[a], kUp - static_cast<int>(kUp - lo));
+    r.hi[a] = std::min(r.hi[a], static_cast<int>(hi + kUp) - kUp);
   }
   return r;
 }

@@ -6,6 +6,7 @@
 
 #include "brim/core/parallel.h"
 #include "brim/grid/tile.h"
+#include "brim/raster/node_span.h"
 
 namespace brim {
 
@@ -49,19 +50,41 @@ class TileIndex {
 /// (also for boxes that are not finite numbers).
 bool tiles_of_box(const Aabb& box, double h, const TileRange& limit, TileRange& out);
 
+/// The same of tiles whose block has one of the nodes.
+inline bool tiles_of_box(const NodeSpan& nodes, double, const TileRange& limit, TileRange& out) {
+  static_assert(kTileSize == 8);
+  out = {{std::max((nodes.lo[0] - kHalo) >> 3, limit.lo.x), std::max((nodes.lo[1] - kHalo) >> 3, limit.lo.y),
+          std::max((nodes.lo[2] - kHalo) >> 3, limit.lo.z)},
+         {std::min((nodes.hi[0] + kHalo) >> 3, limit.hi.x), std::min((nodes.hi[1] + kHalo) >> 3, limit.hi.y),
+          std::min((nodes.hi[2] + kHalo) >> 3, limit.hi.z)}};
+  return !nodes.empty() && out.lo.x <= out.hi.x && out.lo.y <= out.hi.y && out.lo.z <= out.hi.z;
+}
+
 /// Nodes of a tile's block in a box: inclusive local ranges, clipped to the block and to what spans the octants that
 /// are wanted.
 struct NodeRange {
   int lo[3], hi[3];
   bool empty() const { return lo[0] > hi[0] || lo[1] > hi[1] || lo[2] > hi[2]; }
 };
+/// The nodes that span the wanted octants with their rings.
+inline NodeRange wanted_nodes(Octants wanted) {
+  // Octants of the lower half along each axis; those of the upper are the others.
+  constexpr Octants kLower[3] = {0x55, 0x33, 0x0f};
+  constexpr int kHalf = kTileSize / 2;
+  NodeRange r;
+  for (int a = 0; a < 3; ++a) {
+    r.lo[a] = wanted & kLower[a] ? 0 : kHalf;
+    r.hi[a] = wanted & ~kLower[a] ? kBlockSize - 1 : kHalf + 2 * kHalo - 1;
+  }
+  return r;
+}
 NodeRange nodes_in_box(const Aabb& box, const Vec3& origin, double h, Octants wanted);
 
 /// For each of the given tiles, the primitives whose box meets its block, by ascending index. Work and memory follow
 /// the primitives near the given tiles. Same result for any number of threads.
 class TileBins {
  public:
-  /// @param box_of  box_of(i): Aabb of all nodes that primitive i may reach, [m]
+  /// @param box_of  box_of(i): Aabb [m] or NodeSpan of all nodes that primitive i may reach
   template <class BoxOf>
   void build(const TileIndex& index, std::size_t tile_count, double h, std::size_t primitives, const BoxOf& box_of) {
     const std::size_t blocks = (primitives + kBlock - 1) / kBlock;

@@ -1,6 +1,6 @@
 #include "brim/raster/tile_cover.h"
 
-#include <atomic>
+#include <algorithm>
 
 #include "brim/raster/tile_bins.h"
 
@@ -10,14 +10,15 @@ namespace {
 constexpr double kMaxMarks = 16e6;
 }
 
-void TileCover::begin(const Aabb& region, double h) {
+void TileCover::begin(const Aabb& region, double h, int halo) {
   h_ = h;
   nx_ = ny_ = nz_ = 0;
   mark_.clear();
   const Vec3 lo = region.lo / (h * kTileSize), hi = region.hi / (h * kTileSize);
   if (!(lo.array() <= hi.array()).all() || !(lo.cwiseAbs().maxCoeff() < 1e9) || !(hi.cwiseAbs().maxCoeff() < 1e9))
     return;
-  range_ = tiles_meeting(region.inflated(h * kHalo), h);
+  range_ = tiles_meeting(region.inflated(h * halo), h);
+  region_ = nodes_in(region, h, 1e-9);
   // A region with more tiles than memory is covered in coarser marks: more tiles than needed, never too few.
   const Vec3 n(double(range_.hi.x) - range_.lo.x + 1, double(range_.hi.y) - range_.lo.y + 1,
                double(range_.hi.z) - range_.lo.z + 1);
@@ -29,34 +30,41 @@ void TileCover::begin(const Aabb& region, double h) {
   mark_.assign(nx_ * ny_ * nz_, 0);
 }
 
-void TileCover::mark(const Aabb& box) {
+template <class Box>
+void TileCover::mark_tiles(const Box& box) {
   TileRange r;
-  if (mark_.empty() || !tiles_of_box(box, h_, range_, r)) return;
+  if (!tiles_of_box(box, h_, range_, r)) return;
   const auto place = [this](std::int32_t t, std::int32_t base) {
     return static_cast<std::size_t>(t - base) / coarsening_;
   };
   for (std::size_t z = place(r.lo.z, range_.lo.z); z <= place(r.hi.z, range_.lo.z); ++z)
     for (std::size_t y = place(r.lo.y, range_.lo.y); y <= place(r.hi.y, range_.lo.y); ++y)
-      for (std::size_t x = place(r.lo.x, range_.lo.x); x <= place(r.hi.x, range_.lo.x); ++x) {
-        // Threads may mark the same tile; all write the same value.
-        std::atomic_ref<unsigned char> m(mark_[x + nx_ * (y + ny_ * z)]);
-        if (m.load(std::memory_order_relaxed) == 0) m.store(1, std::memory_order_relaxed);
-      }
+      for (std::size_t x = place(r.lo.x, range_.lo.x); x <= place(r.hi.x, range_.lo.x); ++x)
+        mark(x + nx_ * (y + ny_ * z), kAllOctants);
 }
 
-void TileCover::append_to(std::vector<TileKey>& out) const {
-  const auto c = static_cast<std::int32_t>(coarsening_);
-  for (std::size_t z = 0, i = 0; z < nz_; ++z)
-    for (std::size_t y = 0; y < ny_; ++y)
-      for (std::size_t x = 0; x < nx_; ++x, ++i) {
-        if (mark_[i] == 0) continue;
-        const TileKey first{range_.lo.x + c * static_cast<std::int32_t>(x),
-                            range_.lo.y + c * static_cast<std::int32_t>(y),
-                            range_.lo.z + c * static_cast<std::int32_t>(z)};
-        for (std::int32_t dz = 0; dz < c && first.z + dz <= range_.hi.z; ++dz)
-          for (std::int32_t dy = 0; dy < c && first.y + dy <= range_.hi.y; ++dy)
-            for (std::int32_t dx = 0; dx < c && first.x + dx <= range_.hi.x; ++dx)
-              out.push_back({first.x + dx, first.y + dy, first.z + dz});
+template void TileCover::mark_tiles(const Aabb&);
+template void TileCover::mark_tiles(const NodeSpan&);
+
+void TileCover::mark_octants(const NodeSpan& nodes) {
+  if (coarsening_ > 1) return mark_tiles(nodes);
+  static_assert(kTileSize == 8);
+  std::int32_t lo[3], hi[3];  // octants
+  for (int a = 0; a < 3; ++a) {
+    lo[a] = std::max(nodes.lo[a], region_.lo[a]), hi[a] = std::min(nodes.hi[a], region_.hi[a]);
+    if (lo[a] > hi[a]) return;
+    lo[a] >>= 2, hi[a] >>= 2;
+  }
+  for (std::int32_t z = lo[2] >> 1; z <= hi[2] >> 1; ++z)
+    for (std::int32_t y = lo[1] >> 1; y <= hi[1] >> 1; ++y)
+      for (std::int32_t x = lo[0] >> 1; x <= hi[0] >> 1; ++x) {
+        // Those of the tile's lower and upper octants along each axis that lie within the range.
+        const auto halves = [](std::int32_t tile, std::int32_t from, std::int32_t to, Octants lower) {
+          return static_cast<Octants>((2 * tile >= from ? lower : 0) | (2 * tile + 1 <= to ? ~lower : 0));
+        };
+        const auto place = [](std::int32_t t, std::int32_t base) { return static_cast<std::size_t>(t - base); };
+        mark(place(x, range_.lo.x) + nx_ * (place(y, range_.lo.y) + ny_ * place(z, range_.lo.z)),
+             halves(x, lo[0], hi[0], 0x55) & halves(y, lo[1], hi[1], 0x33) & halves(z, lo[2], hi[2], 0x0f));
       }
 }
 

@@ -26,8 +26,10 @@ void PatchLattice::place(std::span<const Vec3> x, double cell, const Vec3& origi
     const Vec3 p = (x[i] - origin) * inverse;
     std::array<float, 3> t{};
     for (int a = 0; a < 3; ++a) {
-      const double below = std::floor(p[a]);
-      base_[i][a] = static_cast<std::int64_t>(below);
+      // Rounded down without a call to the library.
+      base_[i][a] = static_cast<std::int64_t>(p[a]);
+      base_[i][a] -= static_cast<double>(base_[i][a]) > p[a];
+      const auto below = static_cast<double>(base_[i][a]);
       t[a] = static_cast<float>(p[a] - below);
       lo[a] = i == 0 ? base_[i][a] : std::min(lo[a], base_[i][a]);
       hi[a] = i == 0 ? base_[i][a] : std::max(hi[a], base_[i][a]);

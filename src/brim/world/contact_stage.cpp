@@ -1,6 +1,7 @@
 #include "brim/world/contact_stage.h"
 
 #include <algorithm>
+#include <bit>
 
 #include "brim/body/posed_shape.h"
 #include "brim/core/error.h"
@@ -26,6 +27,26 @@ bool inside(const TileKey& t, const TileRange& r) {
   return t.x >= r.lo.x && t.x <= r.hi.x && t.y >= r.lo.y && t.y <= r.hi.y && t.z >= r.lo.z && t.z <= r.hi.z;
 }
 
+/// Sorts the tiles and joins the octants of those that are there more than once.
+void sort_unique(std::vector<OctantTile>& tiles) {
+  const auto before = [](const OctantTile& s, const OctantTile& t) { return s.tile < t.tile; };
+  if (!std::is_sorted(tiles.begin(), tiles.end(), before)) std::sort(tiles.begin(), tiles.end(), before);
+  std::size_t n = 0;
+  for (const OctantTile& t : tiles)
+    if (n > 0 && tiles[n - 1].tile == t.tile)
+      tiles[n - 1].octants |= t.octants;
+    else
+      tiles[n++] = t;
+  tiles.resize(n);
+}
+
+/// What a part's presence is on a tile; no octant where it is not there. @param sorted  by tile
+Octants octants_on(const std::vector<OctantTile>& sorted, const TileKey& tile) {
+  const auto at = std::lower_bound(sorted.begin(), sorted.end(), tile,
+                                   [](const OctantTile& s, const TileKey& t) { return s.tile < t; });
+  return at != sorted.end() && at->tile == tile ? at->octants : Octants{0};
+}
+
 void sort_unique(std::vector<TileKey>& tiles) {
   std::sort(tiles.begin(), tiles.end());
   tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
@@ -41,6 +62,9 @@ void require_near(const WorldPart& a, const WorldPart& b, const Aabb& region, do
                     "them); look for a speed, a position or a size that is too large",
                     a.body->name(), b.body->name(), far, h));
 }
+
+/// Own nodes of an octant.
+constexpr std::int64_t kOctantNodes = std::int64_t{kTileSize} * kTileSize * kTileSize / 8;
 
 /// Tiles of one piece of a search.
 constexpr std::size_t kTilesOfWork = 16;
@@ -173,7 +197,13 @@ void ContactStage::find_presence(std::span<const WorldPart> parts, double ramp, 
     Layer& layer = layers_[l];
     const WorldPart& part = parts[layer.part];
     const ProfileScope scope("presence", *part.body);
-    part.body->presence(part.index, layer.h, ramp * layer.h, layer.region.inflated(layer.h), layer.present);
+    if (const auto* fine = dynamic_cast<const OctantPresence*>(part.body)) {
+      fine->octant_presence(part.index, layer.h, ramp * layer.h, layer.region, layer.present);
+    } else {
+      std::vector<TileKey> tiles;
+      part.body->presence(part.index, layer.h, ramp * layer.h, layer.region.inflated(layer.h), tiles);
+      for (const TileKey& t : tiles) layer.present.push_back({t, kAllOctants});
+    }
     sort_unique(layer.present);
   });
   for (std::size_t l = 0; l < layer_count_; ++l)
@@ -185,15 +215,16 @@ void ContactStage::refine(const WorldOptions& options) {
     Candidate& c = candidates_[i];
     if (c.layer_a < 0 && c.layer_b < 0) return;
     const BoundedPart &pa = access_[c.pair.part_a].bounded, &pb = access_[c.pair.part_b].bounded;
-    const std::vector<TileKey>& one = layers_[c.layer_a >= 0 ? c.layer_a : c.layer_b].present;
-    const std::vector<TileKey>& other = layers_[c.layer_b >= 0 ? c.layer_b : c.layer_a].present;
+    const std::vector<OctantTile>& one = layers_[c.layer_a >= 0 ? c.layer_a : c.layer_b].present;
+    const std::vector<OctantTile>& other = layers_[c.layer_b >= 0 ? c.layer_b : c.layer_a].present;
     const TileRange range = tiles_meeting(c.region.inflated(c.pair.h), c.pair.h);
-    const std::vector<TileKey>& few = one.size() < other.size() ? one : other;
-    const std::vector<TileKey>& many = one.size() < other.size() ? other : one;
-    for (const TileKey& t : few) {
-      if (!inside(t, range) || (&few != &many && !std::binary_search(many.begin(), many.end(), t))) continue;
-      const Octants octants = octants_with_room(pa, pb, c.pair, t);
-      if (octants != 0) c.tiles.push_back(t), c.octants.push_back(octants);
+    const std::vector<OctantTile>& few = one.size() < other.size() ? one : other;
+    const std::vector<OctantTile>& many = one.size() < other.size() ? other : one;
+    for (const OctantTile& t : few) {
+      if (!inside(t.tile, range)) continue;
+      Octants octants = &few != &many ? t.octants & octants_on(many, t.tile) : t.octants;
+      if (octants != 0) octants &= octants_with_room(pa, pb, c.pair, t.tile);
+      if (octants != 0) c.tiles.push_back(t.tile), c.octants.push_back(octants);
     }
   });
   const auto for_layers = [&](const auto& f) {
@@ -232,7 +263,7 @@ void ContactStage::rasterize(std::span<const WorldPart> parts, double ramp, Step
   });
   for (std::size_t l = 0; l < layer_count_; ++l) report.tiles += static_cast<std::int64_t>(layers_[l].needed.size());
   for (std::size_t l = 0; l < layer_count_; ++l)
-    report.voxels += static_cast<std::int64_t>(layers_[l].needed.size()) * kTileSize * kTileSize * kTileSize;
+    for (const Octants o : layers_[l].octants) report.voxels += std::popcount(o) * kOctantNodes;
 }
 
 void ContactStage::plan_work() {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "brim/body/body.h"
+#include "brim/body/octant_presence.h"
 #include "brim/contact/cube_contacts.h"
 #include "brim/world/step_report.h"
 #include "brim/world/tile_room.h"
@@ -52,10 +53,10 @@ class ContactStage {
   struct Layer {
     std::int32_t part = 0;
     double h = 0.0;
-    Aabb region;                   ///< where some other part may be
-    std::vector<TileKey> present;  ///< tiles that may hold density, sorted
-    std::vector<TileKey> needed;   ///< tiles on which a pair meets, sorted
-    std::vector<Octants> octants;  ///< of those, where some pair may have contacts
+    Aabb region;                      ///< where some other part may be
+    std::vector<OctantTile> present;  ///< tiles that may hold density, and where in them; sorted
+    std::vector<TileKey> needed;      ///< tiles on which a pair meets, sorted
+    std::vector<Octants> octants;     ///< of those, where some pair may have contacts
     std::size_t first_block = 0;
   };
   struct Candidate {

@@ -16,6 +16,12 @@ void BallContact::presence(std::span<const Vec3> x, double h, double w, const Aa
   presence_points(x, radius_, h, w, region, out, *workspace);
 }
 
+void BallContact::octant_presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
+                                  std::vector<OctantTile>& out) const {
+  auto workspace = workspace_.borrow();
+  presence_points(x, radius_, h, w, region, out, *workspace);
+}
+
 void BallContact::rasterize(std::span<const Vec3> x, double h, double w, std::span<const TileKey> tiles,
                             std::span<DensityBlock> out) const {
   auto workspace = workspace_.borrow();

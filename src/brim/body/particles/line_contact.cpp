@@ -12,6 +12,12 @@ void LineContact::presence(std::span<const Vec3> x, double h, double w, const Aa
   presence_segments(x, segments_, {&radius_, 1}, h, w, region, out, *workspace);
 }
 
+void LineContact::octant_presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
+                                  std::vector<OctantTile>& out) const {
+  auto workspace = workspace_.borrow();
+  presence_segments(x, segments_, {&radius_, 1}, h, w, region, out, *workspace);
+}
+
 void LineContact::rasterize(std::span<const Vec3> x, double h, double w, std::span<const TileKey> tiles,
                             std::span<DensityBlock> out) const {
   auto workspace = workspace_.borrow();

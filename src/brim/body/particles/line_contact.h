@@ -20,6 +20,8 @@ class LineContact final : public ParticleContact {
   bool thin() const override { return true; }
   void presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
                 std::vector<TileKey>& out) const override;
+  void octant_presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
+                       std::vector<OctantTile>& out) const override;
   void rasterize(std::span<const Vec3> x, double h, double w, std::span<const TileKey> tiles,
                  std::span<DensityBlock> out) const override;
   void make_map(std::span<const Vec3> x, std::span<const Vec3> points, std::span<const std::int32_t> sources,

@@ -188,6 +188,10 @@ void ParticleBody::presence(int, double h, double w, const Aabb& region, std::ve
   contact_->presence(x_, h, w, region, out);
 }
 
+void ParticleBody::octant_presence(int, double h, double w, const Aabb& region, std::vector<OctantTile>& out) const {
+  contact_->octant_presence(x_, h, w, region, out);
+}
+
 void ParticleBody::rasterize(int, double h, double w, std::span<const TileKey> tiles,
                              std::span<DensityBlock> out) const {
   contact_->rasterize(x_, h, w, tiles, out);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "brim/body/body.h"
+#include "brim/body/octant_presence.h"
 #include "brim/body/particles/node_clusters.h"
 #include "brim/body/particles/particle_contact.h"
 #include "brim/math/block_matrix.h"
@@ -40,7 +41,7 @@ struct ParticleOptions {
 ///   A = (1 + dt a) M + (dt b + dt²) K
 /// K in the damping is that of the current state; its own change with q is left out of ∂Q/∂q.
 /// Contact is left to a ParticleContact, which the kind of body gives to set_contact.
-class ParticleBody : public Body, public MotionClusters {
+class ParticleBody : public Body, public MotionClusters, public OctantPresence {
  public:
   std::size_t q_size() const override { return 3 * rest_.size(); }
   std::size_t v_size() const override { return 3 * rest_.size(); }
@@ -66,6 +67,7 @@ class ParticleBody : public Body, public MotionClusters {
   PartInfo part(int) const override { return part_; }
   Aabb bounds(int p) const override;
   void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
+  void octant_presence(int p, double h, double w, const Aabb& region, std::vector<OctantTile>& out) const override;
   void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
   void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
                 std::unique_ptr<Map>& map) const override;

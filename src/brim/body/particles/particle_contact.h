@@ -7,6 +7,7 @@
 #include "brim/grid/tile.h"
 #include "brim/map/map.h"
 #include "brim/math/types.h"
+#include "brim/raster/tile_cover.h"
 
 namespace brim {
 
@@ -22,6 +23,9 @@ class ParticleContact {
   virtual bool thin() const { return false; }
   virtual void presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
                         std::vector<TileKey>& out) const = 0;
+  /// Octants that may hold density at their own nodes (OctantPresence).
+  virtual void octant_presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
+                               std::vector<OctantTile>& out) const = 0;
   virtual void rasterize(std::span<const Vec3> x, double h, double w, std::span<const TileKey> tiles,
                          std::span<DensityBlock> out) const = 0;
   virtual void make_map(std::span<const Vec3> x, std::span<const Vec3> points, std::span<const std::int32_t> sources,

@@ -12,6 +12,12 @@ void SheetContact::presence(std::span<const Vec3> x, double h, double w, const A
   presence_triangles(x, triangles_, thickness_, h, w, region, out, *workspace);
 }
 
+void SheetContact::octant_presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
+                                   std::vector<OctantTile>& out) const {
+  auto workspace = workspace_.borrow();
+  presence_triangles(x, triangles_, thickness_, h, w, region, out, *workspace);
+}
+
 void SheetContact::rasterize(std::span<const Vec3> x, double h, double w, std::span<const TileKey> tiles,
                              std::span<DensityBlock> out) const {
   auto workspace = workspace_.borrow();

@@ -21,6 +21,12 @@ void TetContact::presence(std::span<const Vec3> x, double h, double w, const Aab
   presence_tets(solid(x), h, w, region, out, *workspace);
 }
 
+void TetContact::octant_presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
+                                 std::vector<OctantTile>& out) const {
+  auto workspace = workspace_.borrow();
+  presence_tets(solid(x), h, w, region, out, *workspace);
+}
+
 void TetContact::rasterize(std::span<const Vec3> x, double h, double w, std::span<const TileKey> tiles,
                            std::span<DensityBlock> out) const {
   auto workspace = workspace_.borrow();

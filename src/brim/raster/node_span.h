@@ -1,0 +1,74 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <span>
+#include <vector>
+
+#include "brim/core/parallel.h"
+#include "brim/core/simd.h"
+#include "brim/grid/tile.h"
+
+namespace brim {
+
+/// The grid nodes lo <= (i, j, k) <= hi; none where lo > hi along some axis.
+struct NodeSpan {
+  std::int32_t lo[3], hi[3];
+  bool empty() const { return lo[0] > hi[0] || lo[1] > hi[1] || lo[2] > hi[2]; }
+};
+
+/// Nodes farther than this from the origin are all the same; what is no number is there too.
+inline constexpr double kFarthestNode = 1e9;
+
+/// Largest node not above a coordinate in voxels, without a call to the library.
+inline std::int32_t node_below(double voxels) {
+  const double v = voxels > -kFarthestNode ? std::min(voxels, kFarthestNode) : -kFarthestNode;
+  const auto n = static_cast<std::int32_t>(v);
+  return n - (static_cast<double>(n) > v);
+}
+inline std::int32_t node_above(double voxels) { return -node_below(-voxels); }
+
+/// The nodes in a box, and up to `slack` voxels around it.
+inline NodeSpan nodes_in(const Aabb& box, double h, double slack) {
+  const double inverse = 1.0 / h;
+  NodeSpan s;
+  for (int a = 0; a < 3; ++a)
+    s.lo[a] = node_above(box.lo[a] * inverse - slack), s.hi[a] = node_below(box.hi[a] * inverse + slack);
+  return s;
+}
+
+/// The nodes next to each vertex of a mesh, from which those in the boxes of its elements follow by a few comparisons
+/// of integers.  Tests: tests/raster/node_span_test.cpp
+class VertexNodes {
+ public:
+  /// @param slack  [voxels] boxes are taken this much larger on each side
+  void build(std::span<const Vec3> x, double h, double slack) {
+    next_.resize(x.size());
+    parallel_blocks(x.size(), 4096, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) {
+        const NodeSpan s = nodes_in({x[v], x[v]}, h, slack);
+        for (int a = 0; a < 3; ++a) next_[v][a] = s.lo[a], next_[v][3 + a] = -s.hi[a];
+      }
+    });
+  }
+  template <std::size_t N>
+  NodeSpan around(const std::array<std::int32_t, N>& corners) const {
+    const std::int32_t* first = next_[corners[0]].data();
+    NodeSpan s;
+    std::int32_t least[6];
+    for (int a = 0; a < 6; ++a) least[a] = first[a];
+    for (std::size_t i = 1; i < N; ++i) {
+      const std::int32_t* at = next_[corners[i]].data();
+      for (int a = 0; a < 6; ++a) least[a] = std::min(least[a], at[a]);
+    }
+    for (int a = 0; a < 3; ++a) s.lo[a] = least[a], s.hi[a] = -least[3 + a];
+    return s;
+  }
+
+ private:
+  std::vector<std::array<std::int32_t, 8>> next_;  // per vertex: nodes above along x, y, z, minus those below
+};
+
+}  // namespace brim
