@@ -76,6 +76,9 @@ int run(const Options& o) {
     return !interrupted();
   });
   progress.end(result, plan.folder);
+  if (result.started_over)
+    fmt::print(stderr, "brim: {}: its process ended before the first frame was on disk, so the run was made from its start\n",
+               plan.folder);
   if (!o.json && (o.check || !result.findings.empty())) std::fputs(findings_table(result.findings).c_str(), stdout);
   if (o.profile) std::fputs(profile.text(thread_count()).c_str(), o.json ? stderr : stdout);
   if (live && result.end != RunEnd::Interrupted) {

@@ -24,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-constexpr const char* kFiles[] = {"run.h5", "run.xdmf", "scene.json", "summary.json"};
+constexpr const char* kFiles[] = {"run.h5.journal", "run.h5", "run.xdmf", "scene.json", "summary.json"};
 constexpr std::uint64_t kRows = 256;          // of numbers in a chunk
 constexpr std::uint64_t kContactRows = 4096;  // in a chunk, and of what comes in other numbers:
 constexpr std::uint64_t kTileRows = 1024, kPairRows = 512, kTextRows = 4096;
@@ -318,6 +318,7 @@ void RunWriter::Impl::cut_all(std::int64_t frames) {
     const bool offset = std::ranges::any_of(lists, [&](const Ragged* r) { return &r->offset == &c; });
     c.cut(list != nullptr ? static_cast<std::uint64_t>(list->total) : offset ? n + 1 : n);
   });
+  file->flush();
   times.resize(n);
   time.set().read(times.data(), n, 0, n, Type::Float64);
   for (XdmfModel::Item& item : xdmf.bodies)

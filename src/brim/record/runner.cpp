@@ -9,6 +9,7 @@
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 #include "brim/record/folder_lock.h"
+#include "brim/record/h5.h"
 #include "brim/record/run_layout.h"
 #include "brim/record/upgrade_run.h"
 #include "brim/world/report_fields.h"
@@ -40,6 +41,13 @@ class Rate {
   std::int64_t steps_ = 0;
 };
 
+/// True for the folder of a run whose process was killed before its first frame was on disk.
+bool never_began(const std::string& folder) {
+  const std::string file = (std::filesystem::path(folder) / "run.h5").string();
+  if (!std::filesystem::is_regular_file(file)) return false;
+  return h5::never_flushed(file) || RunReader(folder).frames() == 0;
+}
+
 /// The steps of one frame, joined.
 StepReport step_frame(World& world, int steps, int& taken) {
   StepReport frame = world.step();
@@ -66,8 +74,12 @@ RunResult record_run(World& world, const RunPlan& plan, const std::function<bool
   const Clock::time_point start = Clock::now();
 
   FolderLock lock;  // while the run is written
-  if (plan.resume) {
-    if (std::filesystem::is_directory(plan.folder)) lock = FolderLock(plan.folder);
+  if (plan.resume && std::filesystem::is_directory(plan.folder)) {
+    lock = FolderLock(plan.folder);
+    result.started_over = never_began(plan.folder);
+  }
+  const bool resume = plan.resume && !result.started_over;
+  if (resume) {
     bool older = false;
     {
       const RunReader found(plan.folder);
@@ -77,7 +89,6 @@ RunResult record_run(World& world, const RunPlan& plan, const std::function<bool
     if (older) upgrade_run(plan.folder, world);
     const RunReader old(plan.folder);
     frame = old.frames() - 1;
-    if (frame < 0) throw InputError(fmt::format("{}: holds no frame to go on from", plan.folder));
     // A failed frame is a report, not a state to go on from twice; its state is that before the failure.
     for (std::int64_t f = 0; f <= frame; ++f) {
       const StepReport report = old.report(f);
@@ -85,7 +96,7 @@ RunResult record_run(World& world, const RunPlan& plan, const std::function<bool
       result.totals.add(report, old.steps(f));
     }
     world.set_state(old.state(frame));
-  } else if (!plan.folder.empty()) {
+  } else if (!plan.folder.empty() && !plan.resume) {
     check_run_folder(plan.folder, plan.force);
     std::error_code error;
     std::filesystem::create_directories(plan.folder, error);
@@ -93,12 +104,12 @@ RunResult record_run(World& world, const RunPlan& plan, const std::function<bool
     lock = FolderLock(plan.folder);
   }
   if (!plan.folder.empty()) {
-    if (plan.resume)
+    if (resume)
       writer.emplace(plan.folder, world, frame);
     else
       writer.emplace(plan.folder, world, plan.info);
   }
-  if (!plan.resume) {
+  if (!resume) {
     const StepReport nothing;
     measures.add(world, nothing, 0);
     result.totals.add(nothing, 0);

@@ -37,6 +37,7 @@ struct RunResult {
   RunEnd end = RunEnd::Completed;
   std::vector<Finding> findings;
   RunTotals totals;
+  bool started_over = false;  ///< what was to be gone on with had no frame yet: the run was made from its start
   bool ok() const;  ///< completed, and every finding is good
 };
 
