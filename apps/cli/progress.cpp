@@ -43,7 +43,10 @@ std::string findings_table(const std::vector<Finding>& findings) {
     if (e.from > 0.0 || std::isfinite(e.to))
       what += fmt::format(" [{:.4g} s, {}]", e.from, std::isfinite(e.to) ? fmt::format("{:.4g} s", e.to) : "end");
     const std::string value = f.reached ? fmt::format("{:.6g}", f.value) : "not reached";
-    out += fmt::format("  {:4}  {:<52} {:>12}   {}\n", f.ok ? "ok" : "FAIL", what, value, bounds_text(e));
+    const char* word = f.as_expected() ? (f.ok ? "ok" : "miss") : "FAIL";
+    out += fmt::format("  {:4}  {:<52} {:>12}   {}\n", word, what, value, bounds_text(e));
+    if (!e.known_miss.empty())
+      out += fmt::format("        {}: {}\n", f.ok ? "holds, and is marked as a known miss" : "known", e.known_miss);
   }
   return out;
 }
@@ -93,7 +96,8 @@ void Progress::end(const RunResult& result, const std::string& folder) {
                         {"body", f.body},
                         {"value", f.value},
                         {"reached", f.reached},
-                        {"ok", f.ok}});
+                        {"ok", f.ok},
+                        {"known_miss", !f.expectation.known_miss.empty()}});
     print_line({{"event", "end"},
                 {"end", run_end_word(result.end)},
                 {"folder", folder},

@@ -28,7 +28,7 @@ struct Options {
   std::string scene, folder, resume;
   std::int64_t frames = 0;
   int threads = 0;
-  bool check = false, json = false, force = false, quiet = false, view = false, profile = false;
+  bool check = false, json = false, force = false, edit = false, quiet = false, view = false, profile = false;
 };
 
 bool on_terminal() {
@@ -55,6 +55,7 @@ int run(const Options& o) {
   plan.frames = o.frames > 0 ? o.frames : scene.frames;
   plan.expect = scene.expect;
   plan.force = o.force;
+  plan.edit = o.edit;
   // Before the work of building, which may take a while.
   if (!plan.resume) check_run_folder(plan.folder, plan.force);
   if (o.view) viewer::find_page_folder();
@@ -76,6 +77,10 @@ int run(const Options& o) {
     return !interrupted();
   });
   progress.end(result, plan.folder);
+  if (result.started_over)
+    fmt::print(stderr,
+               "brim: {}: its process ended before the first frame was on disk, so the run was made from its start\n",
+               plan.folder);
   if (!o.json && (o.check || !result.findings.empty())) std::fputs(findings_table(result.findings).c_str(), stdout);
   if (o.profile) std::fputs(profile.text(thread_count()).c_str(), o.json ? stderr : stdout);
   if (live && result.end != RunEnd::Interrupted) {
@@ -107,7 +112,9 @@ void add_run(CLI::App& app, int& code) {
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{10000000}));
   command->add_option("--threads", o->threads, "use at most this many threads; default all cores")
       ->check(CLI::Range(1, 4096));
-  command->add_flag("--check", o->check, "exit with 1 when an expectation of the scene is not met");
+  command->add_flag(
+      "--check", o->check,
+      "exit with 1 when an expectation of the scene is not met, or one that is marked as a known miss is");
   command->add_flag("--json", o->json, "report progress as lines of JSON on standard output");
   command->add_flag("--quiet", o->quiet, "no progress bar");
   command->add_flag("--profile", o->profile,
@@ -117,6 +124,10 @@ void add_run(CLI::App& app, int& code) {
   CLI::Option* resume =
       command->add_option("--resume", o->resume, "go on with the run in this folder after its last frame");
   resume->excludes(folder)->excludes(force);
+  command
+      ->add_flag("--edit", o->edit,
+                 "with --resume: take the scene though it differs from that of the run, and record it")
+      ->needs(resume);
   command->callback([o, &code] { code = run(*o); });
 }
 

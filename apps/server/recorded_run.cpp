@@ -55,6 +55,10 @@ void add_pairs(const std::vector<PairReport>& pairs, ArrayMessage& message) {
   message.add("pairs/pressure", pressure.data(), pairs.size());
 }
 
+bool same_process(const ProcessMark& a, const ProcessMark& b) {
+  return a.pid == b.pid && a.host == b.host && a.started == b.started;
+}
+
 Json read_json(const fs::path& path) {
   std::ifstream in(path);
   Json value = in ? Json::parse(in, nullptr, false) : Json::object();
@@ -98,10 +102,13 @@ void RecordedRun::refresh() {
   }
   seen_ = now;
   progress_.frames = reader_->frames();
-  if (progress_.frames < before) {  // the run was started anew
+  // The run may have been started anew, with other bodies in as many frames.
+  if (progress_.frames < before || !same_process(reader_->writer(), writer_)) {
     warnings_.clear();
     warnings_read_ = 0;
+    world_stale_ = true;
   }
+  writer_ = reader_->writer();
 }
 
 bool RecordedRun::fixed(std::size_t body) const {
@@ -255,7 +262,9 @@ std::string RecordedRun::slice(std::int64_t frame, const SliceRequest& request) 
   const World* world = nullptr;
   {
     const std::lock_guard lock(mutex_);
-    if (!reader_ || frame >= reader_->frames()) refresh();
+    refresh();
+    if (world_stale_) world_.reset();
+    world_stale_ = false;
     if (!world_) world_ = std::make_unique<RebuiltWorld>(*reader_);
     world = &world_->at(*reader_, frame);
   }

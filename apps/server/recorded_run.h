@@ -44,6 +44,8 @@ class RecordedRun : public RunSource {
   Progress progress_;                       ///< last known
   std::vector<Warning> warnings_;           ///< of the frames read so far
   std::int64_t warnings_read_ = 0;          ///< frames whose warnings are in the list
+  ProcessMark writer_;                      ///< of the file as it is open: another one may have begun it anew
+  bool world_stale_ = false;                ///< world_ is of a run that has been replaced or gone on with since
   std::mutex world_mutex_;                  ///< taken before mutex_ where both are
   std::unique_ptr<RebuiltWorld> world_;     ///< made when the first slice is asked for
 };

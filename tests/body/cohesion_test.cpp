@@ -112,7 +112,9 @@ TEST(Cohesion, ACubicDropBecomesRoundAndKeepsItsMomentum) {
     const StepReport r = w.step();
     ASSERT_TRUE(r.ok);
     const double now = r.kinetic_energy + r.potential_energy;
-    if (s > 0) EXPECT_LT(now, energy + 1e-3 * std::abs(energy));
+    if (s > 0) {
+      EXPECT_LT(now, energy + 1e-3 * std::abs(energy));
+    }
     energy = now;
   }
   const Vec3 dp = w.body(0).linear_momentum(w.v(0)) - p, dl = w.body(0).angular_momentum(w.v(0)) - l;

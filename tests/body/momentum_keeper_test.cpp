@@ -62,7 +62,9 @@ TEST(MomentumKeeper, WhatAPieceLosesGoesToAllOrLeaves) {
     const Vec3 gone = keeper.restore(g, after.wet, after.mass, keep, after.v);
     EXPECT_LT((after.momentum(g) + gone - before.momentum(g)).norm(), 1e-12 * before.momentum(g).norm());
     EXPECT_EQ(gone.norm() > 0.0, !keep);
-    if (!keep) EXPECT_LT((gone - before.momentum(g, 7, 12)).norm(), 1e-12 * gone.norm());
+    if (!keep) {
+      EXPECT_LT((gone - before.momentum(g, 7, 12)).norm(), 1e-12 * gone.norm());
+    }
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <numeric>
 #include <string>
 #include <thread>
@@ -63,25 +65,29 @@ TEST(Profile, ThreadsAndKinds_AddUp) {
 }
 
 TEST(Profile, ScopesInside_TakeTheirTimeFromTheOuterOne) {
-  set_profile(true);
-  {
-    const ProfileScope outer("outer");
-    profile_bytes(1.0);
+  double least = 1.0;  // [s] of the outer scope: a machine with other work to do may stop it at any time
+  for (int attempt = 0; attempt < 20 && least >= 0.01; ++attempt) {
+    set_profile(true);
     {
-      const ProfileScope inner("inner");
-      wait(0.02);
-      profile_bytes(2.0);
+      const ProfileScope outer("outer");
+      profile_bytes(1.0);
+      {
+        const ProfileScope inner("inner");
+        wait(0.02);
+        profile_bytes(2.0);
+      }
+      profile_bytes(4.0);
     }
-    profile_bytes(4.0);
+    set_profile(false);
+    const auto entries = profile_entries();
+    const ProfileEntry *outer = find(entries, "outer", ""), *inner = find(entries, "inner", "");
+    ASSERT_TRUE(outer != nullptr && inner != nullptr);
+    EXPECT_GE(inner->seconds, 0.02);
+    EXPECT_EQ(outer->bytes, 5.0);
+    EXPECT_EQ(inner->bytes, 2.0);
+    least = std::min(least, outer->seconds);
   }
-  set_profile(false);
-  const auto entries = profile_entries();
-  const ProfileEntry *outer = find(entries, "outer", ""), *inner = find(entries, "inner", "");
-  ASSERT_TRUE(outer != nullptr && inner != nullptr);
-  EXPECT_GE(inner->seconds, 0.02);
-  EXPECT_LT(outer->seconds, 0.5 * inner->seconds);
-  EXPECT_EQ(outer->bytes, 5.0);
-  EXPECT_EQ(inner->bytes, 2.0);
+  EXPECT_LT(least, 0.01);
 }
 
 TEST(Profile, SetOnAgain_StartsFromZero) {

@@ -12,6 +12,7 @@
 #include "brim/body/changing_surface.h"
 #include "brim/core/error.h"
 #include "brim/record/runner.h"
+#include "brim/record/scene_change.h"
 #include "brim/scene/scene.h"
 #include "brim/world/report_fields.h"
 #include "support/made_run.h"
@@ -378,6 +379,57 @@ TEST_F(Run, ResumingAnotherSceneIsRefusedAndLeavesTheRunAsItWas) {
   p.resume = true;
   EXPECT_THROW(record_run(wrong_world, p, {}), InputError);
   EXPECT_EQ(RunReader(at("run")).frames(), 13);
+}
+
+TEST_F(Run, AChangedSceneIsGoneOnWithOnlyWhenThatIsAskedForAndIsRecorded) {
+  const Scene scene = parse_scene(kScene);
+  {
+    World world = build_world(scene);
+    record_run(world, plan(scene, at("run")), [](const RunProgress& p) { return p.frame < 7; });
+  }
+  std::string other = kScene;
+  other.replace(other.find("0.01}"), 4, "0.005");
+  const Scene changed = parse_scene(other);
+  World world = build_world(changed);
+  RunPlan p = plan(changed, at("run"));
+  p.resume = true;
+  EXPECT_THROW(record_run(world, p, {}), InputError);
+  EXPECT_EQ(RunReader(at("run")).frames(), 8);
+  EXPECT_EQ(text_of(folder_ / "run/scene.json"), kScene);
+  p.edit = true;
+  World again = build_world(changed);
+  record_run(again, p, {});
+  EXPECT_EQ(RunReader(at("run")).frames(), 13);
+  EXPECT_EQ(text_of(folder_ / "run/scene.json"), other);
+  EXPECT_EQ(text_of(folder_ / "run/scene_until_frame_7.json"), kScene);
+  // A new run in the folder forgets them.
+  World fresh = build_world(scene);
+  p = plan(scene, at("run"));
+  p.force = true;
+  record_run(fresh, p, {});
+  EXPECT_FALSE(fs::exists(folder_ / "run/scene_until_frame_7.json"));
+}
+
+TEST_F(Run, WhatOnlySaysHowLongAndWhatIsExpectedIsNoChangeOfAScene) {
+  std::string longer = kScene;
+  longer.replace(longer.find("\"frames\": 12"), 12, "/* more */ \"frames\": 90");
+  EXPECT_TRUE(same_scene(kScene, longer));
+  EXPECT_FALSE(same_scene(kScene, "{}"));
+  EXPECT_FALSE(same_scene(kScene, "not JSON"));
+}
+
+TEST_F(Run, AFirstStepThatIsRefusedLeavesNoFolder) {
+  std::string far = kScene;
+  far.replace(far.find("[0, 0, 0.51]"), 12, "[1e10, 0, 0.49]");
+  const Scene scene = parse_scene(far);
+  World world = build_world(scene);
+  EXPECT_THROW(record_run(world, plan(scene, at("run")), {}), InputError);
+  EXPECT_FALSE(fs::exists(folder_ / "run"));
+  // A folder of somebody's stays, without the files of the run.
+  fs::create_directories(folder_ / "empty");
+  World again = build_world(scene);
+  EXPECT_THROW(record_run(again, plan(scene, at("empty")), {}), InputError);
+  EXPECT_TRUE(fs::is_empty(folder_ / "empty"));
 }
 
 TEST_F(Run, SummarySaysWhatHappenedAndWhichExpectationsHold) {

@@ -15,6 +15,8 @@
 
 #include "brim/core/error.h"
 #include "brim/record/h5.h"
+#include "brim/record/runner.h"
+#include "brim/scene/scene.h"
 #include "brim/world/report_fields.h"
 
 namespace brim::viewer {
@@ -200,6 +202,32 @@ TEST_F(RecordedRunTest, InfoTopologyAndSeriesTellOfTheRun) {
   EXPECT_EQ(series.at("time").values, (std::vector<double>{0.1, 0.2}));
   EXPECT_EQ(series.at(report_fields()[2].name).values, (std::vector<double>{201, 202}));
   EXPECT_EQ(decode(run.series(99)).at("time").rows, 0u);
+}
+
+TEST_F(RecordedRunTest, SlicesAreThoseOfTheRunThatIsThereNow) {
+  const auto record = [&](double radius, const char* started) {
+    const Scene scene = parse_scene(fmt::format(
+        R"({{"brim": 1, "name": "a", "frames": 1, "bodies": [{{"kind": "rigid", "name": "ball",
+           "shape": {{"kind": "sphere", "radius": {}}}}}]}})",
+        radius));
+    World world = build_world(scene);
+    RunPlan plan;
+    plan.folder = folder_.string();
+    plan.info = {scene.name, scene.text, scene.frame_time(), scene.steps_per_frame};
+    plan.frames = plan.scene_frames = scene.frames;
+    plan.force = true;
+    record_run(world, plan, {});
+    h5::File((folder_ / "run.h5").string(), h5::File::Mode::Write)
+        .attribute("/", "writer_started", std::string(started));  // as by a process of its own
+  };
+  SliceRequest request;
+  request.step = 0.05;
+  record(0.5, "first");
+  RecordedRun run(folder_.string());
+  const auto wide = decode(run.slice(0, request)).at("nodes").values;
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  record(0.25, "second");
+  EXPECT_NE(decode(run.slice(0, request)).at("nodes").values, wide);
 }
 
 TEST_F(RecordedRunTest, AGrowingRunIsNoticedAndItsSummaryEndsIt) {

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "brim/core/error.h"
@@ -54,8 +55,9 @@ class ViewerServerTest : public testing::Test {
     port_ = server_->bind("127.0.0.1", 0);
     thread_ = std::thread([this] { server_->listen(); });
     client_ = std::make_unique<httplib::Client>("127.0.0.1", port_);
-    client_->set_connection_timeout(10);
-    for (int i = 0; i < 500 && !client_->Get("/api/run"); ++i)
+    client_->set_connection_timeout(60);
+    client_->set_read_timeout(120);
+    for (int i = 0; i < 5000 && !client_->Get("/api/run"); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   ~ViewerServerTest() override {
@@ -149,7 +151,8 @@ TEST_F(ViewerServerTest, ManyOpenPagesLeaveRoomForAnswers) {
   for (int i = 0; i < 20; ++i)
     pages.emplace_back([&] {
       httplib::Client page("127.0.0.1", port_);
-      page.set_read_timeout(20);
+      page.set_read_timeout(120);
+      bool first = true;  // a stream that is quiet for long says that it is still there
       const auto answer = page.Get(
           "/api/events",
           [&](const httplib::Response& head) {
@@ -158,11 +161,11 @@ TEST_F(ViewerServerTest, ManyOpenPagesLeaveRoomForAnswers) {
             return false;
           },
           [&](const char*, std::size_t) {
-            ++heard;
+            heard += std::exchange(first, false) ? 1 : 0;
             return !run_.complete;
           });
     });
-  for (int i = 0; i < 1000 && heard + refused < 20; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  for (int i = 0; i < 10000 && heard + refused < 20; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   EXPECT_EQ(heard, 16);
   EXPECT_EQ(refused, 4);
   EXPECT_EQ(status("/api/frame/1"), 200);
@@ -172,7 +175,7 @@ TEST_F(ViewerServerTest, ManyOpenPagesLeaveRoomForAnswers) {
 
 TEST_F(ViewerServerTest, EventsTellOfNewFrames) {
   std::string heard;
-  client_->set_read_timeout(20);
+  client_->set_read_timeout(120);
   client_->Get("/api/events", [&](const char* data, std::size_t size) {
     heard.append(data, size);
     if (run_.frames == 3)

@@ -15,7 +15,7 @@ namespace brim {
 /// @param x       centres, [m]
 /// @param radius  [m]  one per point, or a single one for all
 /// @param out     one block per tile, overwritten; source −1 where rho = 0
-/// Tests: tests/raster/raster_points_test.cpp
+/// Tests: tests/raster/raster_capsules_test.cpp
 void raster_points(std::span<const Vec3> x, std::span<const double> radius, std::span<const TileKey> tiles, double h,
                    double w, std::span<DensityBlock> out, RasterWorkspace& workspace);
 

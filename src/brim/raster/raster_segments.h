@@ -18,7 +18,7 @@ namespace brim {
 /// @param segments  pairs of indices into x; equal indices make a sphere
 /// @param radius    [m]  one per segment, or a single one for all
 /// @param out       one block per tile, overwritten; source −1 where rho = 0
-/// Tests: tests/raster/raster_segments_test.cpp
+/// Tests: tests/raster/raster_capsules_test.cpp
 void raster_segments(std::span<const Vec3> x, std::span<const std::array<std::int32_t, 2>> segments,
                      std::span<const double> radius, std::span<const TileKey> tiles, double h, double w,
                      std::span<DensityBlock> out, RasterWorkspace& workspace);

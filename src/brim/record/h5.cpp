@@ -4,9 +4,14 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <utility>
+
+#include "brim/record/h5_driver.h"
+#include "brim/record/journal.h"
 
 namespace brim::h5 {
 
@@ -243,6 +248,18 @@ void Dataset::overwrite(const void* data, Type type) {
        "cannot be written; is the disk full?");
 }
 
+bool never_flushed(const std::string& path) {
+  Journal waiting;
+  std::error_code error;
+  const auto length = std::filesystem::file_size(path, error);
+  if (error) return false;
+  waiting.find(path, length);
+  if (!waiting.empty()) return false;
+  std::array<char, 8> head{};
+  std::ifstream(path, std::ios::binary).read(head.data(), head.size());
+  return std::ranges::all_of(head, [](char c) { return c == 0; });
+}
+
 File::File(const std::string& path, Mode mode) : path_(path) {
   hush();
   if (mode != Mode::Create && !std::filesystem::exists(path)) throw InputError(path + ": no such file");
@@ -251,6 +268,7 @@ File::File(const std::string& path, Mode mode) : path_(path) {
   // crash.
   H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18);
   H5Pset_file_locking(access.id(), false, true);
+  need(H5Pset_driver(access.id(), journal_driver(), nullptr), path, "HDF5 refuses the driver of run files");
   if (mode != Mode::Read) {
     // Metadata reach the disk at flush() and at no other moment, so that the file on disk is always that of a flush.
     H5AC_cache_config_t cache;

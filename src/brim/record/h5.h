@@ -11,8 +11,9 @@
 /// A thin owner of HDF5 handles: the few calls that run files need, each failing with one message.
 ///
 /// Files that grow stay readable while they grow and after the program was killed, with everything up to the last
-/// flush(): metadata are written only there, compressed chunks are written once (one row each) and never move, and
-/// uncompressed ones are rewritten in place. What a file says is checked before room is made for it.
+/// flush(): metadata are written only there, all of them or none (journal_driver), compressed chunks are written once
+/// (one row each) and never move, and uncompressed ones are rewritten in place. What a file says is checked before room
+/// is made for it.
 namespace brim::h5 {
 
 using Id = std::int64_t;  ///< hid_t, without the library's header
@@ -76,6 +77,9 @@ class Dataset {
   Handle handle_;
   std::string path_;
 };
+
+/// True for a file whose writer was killed before its first flush: it has no head yet.
+bool never_flushed(const std::string& path);
 
 /// An HDF5 file, open for as long as it lives.
 class File {

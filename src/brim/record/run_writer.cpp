@@ -13,6 +13,7 @@
 #include "brim/record/process_mark.h"
 #include "brim/record/run_layout.h"
 #include "brim/record/run_tables.h"
+#include "brim/record/scene_change.h"
 #include "brim/record/xdmf.h"
 #include "brim/world/report_fields.h"
 
@@ -24,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-constexpr const char* kFiles[] = {"run.h5", "run.xdmf", "scene.json", "summary.json"};
+constexpr const char* kFiles[] = {"run.h5.journal", "run.h5", "run.xdmf", "scene.json", "summary.json"};
 constexpr std::uint64_t kRows = 256;          // of numbers in a chunk
 constexpr std::uint64_t kContactRows = 4096;  // in a chunk, and of what comes in other numbers:
 constexpr std::uint64_t kTileRows = 1024, kPairRows = 512, kTextRows = 4096;
@@ -111,6 +112,12 @@ void check_run_folder(const std::string& folder, bool force) {
     throw InputError(fmt::format("{}: holds a run already; --force replaces it, --resume goes on with it", folder));
 }
 
+void remove_run_files(const std::string& folder) {
+  std::error_code error;
+  for (const char* name : kFiles) fs::remove(fs::path(folder) / name, error);
+  for (const std::string& name : earlier_scenes(folder)) fs::remove(fs::path(folder) / name, error);
+}
+
 /// The surface of a body that is another one in every frame.
 struct Surface {
   std::size_t body = 0;
@@ -166,7 +173,7 @@ void RunWriter::Impl::make(const World& world, const RunInfo& info) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw InputError(fmt::format("{}: the folder cannot be made: {}", folder, error.message()));
-  for (const char* name : kFiles) fs::remove(fs::path(folder) / name, error);
+  remove_run_files(folder);
   file = std::make_unique<h5::File>((fs::path(folder) / "run.h5").string(), h5::File::Mode::Create);
   file->attribute("/", "format", std::string(run_layout::kFormat));
   file->attribute("/", "version", std::int64_t{run_layout::kVersion});
@@ -318,6 +325,7 @@ void RunWriter::Impl::cut_all(std::int64_t frames) {
     const bool offset = std::ranges::any_of(lists, [&](const Ragged* r) { return &r->offset == &c; });
     c.cut(list != nullptr ? static_cast<std::uint64_t>(list->total) : offset ? n + 1 : n);
   });
+  file->flush();
   times.resize(n);
   time.set().read(times.data(), n, 0, n, Type::Float64);
   for (XdmfModel::Item& item : xdmf.bodies)

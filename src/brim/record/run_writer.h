@@ -23,6 +23,9 @@ struct RunInfo {
 /// Touches nothing. @throws InputError
 void check_run_folder(const std::string& folder, bool force);
 
+/// Takes the files of a run out of a folder; others stay.
+void remove_run_files(const std::string& folder);
+
 /// Records a run into a folder: run.h5, run.xdmf and scene.json (docs/formats.md). The file can be read while it grows,
 /// and after the process was killed holds every frame up to the last flush, at most a second old.
 /// Tests: tests/record/run_test.cpp

@@ -9,7 +9,9 @@
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 #include "brim/record/folder_lock.h"
+#include "brim/record/h5.h"
 #include "brim/record/run_layout.h"
+#include "brim/record/scene_change.h"
 #include "brim/record/upgrade_run.h"
 #include "brim/world/report_fields.h"
 
@@ -40,6 +42,31 @@ class Rate {
   std::int64_t steps_ = 0;
 };
 
+/// True for the folder of a run whose process was killed before its first frame was on disk.
+bool never_began(const std::string& folder) {
+  const std::string file = (std::filesystem::path(folder) / "run.h5").string();
+  if (!std::filesystem::is_regular_file(file)) return false;
+  return h5::never_flushed(file) || RunReader(folder).frames() == 0;
+}
+
+/// Takes the files of a new run away again, unless it comes to its first frame.
+class NewRun {
+ public:
+  /// @param folder  locked by this process: what lies in it is nobody else's
+  /// @param made    it was not there before
+  NewRun(std::string folder, bool made) : folder_(std::move(folder)), made_(made) {}
+  void keep() { folder_.clear(); }
+  ~NewRun() {
+    std::error_code error;
+    if (!folder_.empty()) remove_run_files(folder_);
+    if (!folder_.empty() && made_) std::filesystem::remove(folder_, error);  // only when nothing else is in it
+  }
+
+ private:
+  std::string folder_;
+  bool made_;
+};
+
 /// The steps of one frame, joined.
 StepReport step_frame(World& world, int steps, int& taken) {
   StepReport frame = world.step();
@@ -55,50 +82,59 @@ StepReport step_frame(World& world, int steps, int& taken) {
 
 bool RunResult::ok() const {
   return end == RunEnd::Completed &&
-         std::all_of(findings.begin(), findings.end(), [](const Finding& f) { return f.ok; });
+         std::all_of(findings.begin(), findings.end(), [](const Finding& f) { return f.as_expected(); });
 }
 
 RunResult record_run(World& world, const RunPlan& plan, const std::function<bool(const RunProgress&)>& progress) {
   RunResult result;
   Measures measures(world, plan.expect, static_cast<double>(plan.scene_frames) * plan.info.frame_time);
+  FolderLock lock;              // held until all files are closed, or taken away again
+  std::optional<NewRun> fresh;  // outlives the writer
   std::optional<RunWriter> writer;
   std::int64_t frame = 0;
   const Clock::time_point start = Clock::now();
 
-  FolderLock lock;  // while the run is written
-  if (plan.resume) {
-    if (std::filesystem::is_directory(plan.folder)) lock = FolderLock(plan.folder);
+  if (plan.resume && std::filesystem::is_directory(plan.folder)) {
+    lock = FolderLock(plan.folder);
+    result.started_over = never_began(plan.folder);
+  }
+  const bool resume = plan.resume && !result.started_over;
+  if (resume) {
     bool older = false;
     {
       const RunReader found(plan.folder);
       check_same_world(found, world);
+      if (!plan.edit) need_same_scene(plan.folder, plan.info.scene_text);
       older = found.format_version() != run_layout::kVersion && found.frames() > 0;
     }
     if (older) upgrade_run(plan.folder, world);
     const RunReader old(plan.folder);
     frame = old.frames() - 1;
-    if (frame < 0) throw InputError(fmt::format("{}: holds no frame to go on from", plan.folder));
     // A failed frame is a report, not a state to go on from twice; its state is that before the failure.
     for (std::int64_t f = 0; f <= frame; ++f) {
       const StepReport report = old.report(f);
-      measures.restore(report, old.steps(f), report.warnings.size(), old.samples(f));
+      if (measures.needs_state()) world.set_state(old.state(f));
+      measures.restore(world, report, old.steps(f), report.warnings.size(), old.samples(f));
       result.totals.add(report, old.steps(f));
     }
     world.set_state(old.state(frame));
-  } else if (!plan.folder.empty()) {
+  } else if (!plan.folder.empty() && !plan.resume) {
     check_run_folder(plan.folder, plan.force);
     std::error_code error;
+    const bool made = !std::filesystem::exists(plan.folder, error);
     std::filesystem::create_directories(plan.folder, error);
     if (error) throw InputError(fmt::format("{}: the folder cannot be made: {}", plan.folder, error.message()));
     lock = FolderLock(plan.folder);
+    fresh.emplace(plan.folder, made);
   }
   if (!plan.folder.empty()) {
-    if (plan.resume)
+    if (resume) {
+      if (plan.edit) replace_scene(plan.folder, plan.info.scene_text, frame);
       writer.emplace(plan.folder, world, frame);
-    else
+    } else
       writer.emplace(plan.folder, world, plan.info);
   }
-  if (!plan.resume) {
+  if (!resume) {
     const StepReport nothing;
     measures.add(world, nothing, 0);
     result.totals.add(nothing, 0);
@@ -120,6 +156,7 @@ RunResult record_run(World& world, const RunPlan& plan, const std::function<bool
     report.seconds[static_cast<std::size_t>(Phase::Record)] += record_seconds;
     const Clock::time_point recording = Clock::now();
     ++frame;
+    if (fresh) fresh->keep();
     measures.add(world, report, taken);
     result.totals.add(report, taken);
     if (writer) writer->add(world, report, taken, measures.samples());

@@ -21,6 +21,7 @@ struct RunPlan {
   double build_wall = 0.0;          ///< [s]
   bool force = false;               ///< replace an old run
   bool resume = false;              ///< go on with the run in the folder
+  bool edit = false;                ///< where its scene was another one (same_scene): go on with the one given
   std::function<void()> started{};  ///< called once a first frame is on disk
 };
 
@@ -37,10 +38,12 @@ struct RunResult {
   RunEnd end = RunEnd::Completed;
   std::vector<Finding> findings;
   RunTotals totals;
-  bool ok() const;  ///< completed, and every finding is good
+  bool started_over = false;  ///< what was to be gone on with had no frame yet: the run was made from its start
+  bool ok() const;            ///< completed, and every finding as expected
 };
 
-/// Steps a world and records it. Nothing is created before everything that can be refused has been.
+/// Steps a world and records it. A run that is refused leaves nothing behind: what can be refused before its first step
+/// is, before a folder is made, and what the first step refuses takes a new folder with it.
 /// @param world     as built; with plan.resume it is set to the last recorded state
 /// @param progress  called after each frame; false ends the run with all frames kept
 /// @throws InputError  for folders that cannot be used and runs that do not fit

@@ -7,6 +7,7 @@
 #include "brim/scene/node.h"
 #include "brim/scene/repeat.h"
 #include "brim/scene/validate.h"
+#include "brim/world/shown_metric.h"
 
 namespace brim {
 
@@ -157,14 +158,22 @@ std::vector<Expectation> read_expect(const Node& list, const std::set<std::strin
     const Node n = list.at(i);
     Expectation e;
     e.metric = n.string("metric");
-    if (n.has("body")) {
-      e.body = n.string("body");
-      if (!bodies.contains(e.body)) {
-        const std::string near = nearest_word(e.body, bodies);
-        throw n.at("body").error(fmt::format("\"{}\" is not a body of this scene{}; must be the name of one", e.body,
-                                             near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
-      }
-    }
+    const auto read_body = [&](const char* key, std::string& name) {
+      if (!n.has(key)) return;
+      name = n.string(key);
+      if (bodies.contains(name)) return;
+      const std::string near = nearest_word(name, bodies);
+      throw n.at(key).error(fmt::format("\"{}\" is not a body of this scene{}; must be the name of one", name,
+                                        near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
+    };
+    read_body("body", e.body);
+    read_body("of", e.of);
+    if (ShownMetric::knows(e.metric) && e.body.empty())
+      throw n.error(fmt::format("{} is of one body; \"body\" must name it", e.metric));
+    if (ShownMetric::needs_other(e.metric) != n.has("of"))
+      throw n.error(fmt::format("{} {}", e.metric,
+                                n.has("of") ? "takes no other body; \"of\" must not be given"
+                                            : "is beside another body; \"of\" must name it"));
     e.from = n.number("from");
     if (e.from > end * (1 + 1e-9))
       throw n.at("from").error(fmt::format("{} s is after the end of the run; must be at most {:.6g}", e.from, end));
@@ -176,6 +185,7 @@ std::vector<Expectation> read_expect(const Node& list, const std::set<std::strin
     if (n.has("max")) e.max = n.number("max");
     if (e.min > e.max)
       throw n.at("min").error(fmt::format("{} is not allowed; must be at most \"max\", {}", e.min, e.max));
+    if (n.has("known_miss")) e.known_miss = n.string("known_miss");
     expect.push_back(e);
   }
   return expect;

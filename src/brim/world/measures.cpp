@@ -57,12 +57,14 @@ const std::map<std::string, WorldMetric>& final_metrics() {
   return table;
 }
 
-const std::vector<std::string> kOtherWorldMetrics = {"energy_rise",  "contact_share", "cg_iterations", "substeps",
-                                                     "step_seconds", "warnings",      "failed_steps",  "particles"};
+const std::vector<std::string> kOtherWorldMetrics = {
+    "energy_rise",   "energy_growth", "momentum_change", "angular_momentum_change",
+    "contact_share", "cg_iterations", "substeps",        "step_seconds",
+    "warnings",      "failed_steps",  "particles"};
 const std::vector<std::string> kBodyMetrics = {
-    "position_x",      "position_y",      "position_z", "displacement", "displacement_x", "displacement_y",
-    "displacement_z",  "tilt_degrees",    "speed",      "speed_kept",   "acceleration",   "contact_force_x",
-    "contact_force_y", "contact_force_z", "lowest",     "highest"};
+    "position_x",   "position_y", "position_z", "displacement", "displacement_x",  "displacement_y",  "displacement_z",
+    "tilt_degrees", "speed",      "speed_kept", "acceleration", "contact_force_x", "contact_force_y", "contact_force_z",
+    "lowest",       "highest",    "drift",      "impulse_x",    "impulse_y",       "impulse_z"};
 
 bool about_bodies(const std::string& metric) {
   return std::find(kBodyMetrics.begin(), kBodyMetrics.end(), metric) != kBodyMetrics.end();
@@ -88,6 +90,7 @@ std::vector<std::string> Measures::metrics() {
   for (const auto& [name, unused] : largest_metrics()) all.push_back(name);
   for (const auto& [name, unused] : final_metrics()) all.push_back(name);
   all.insert(all.end(), kBodyMetrics.begin(), kBodyMetrics.end());
+  all.insert(all.end(), ShownMetric::names().begin(), ShownMetric::names().end());
   return all;
 }
 
@@ -112,6 +115,11 @@ Measures::Measures(const World& world, std::vector<Expectation> expectations, do
       return about_bodies(e.metric) && (e.body.empty() ? movable : concerns(e.body, body.name()));
     };
     if (std::any_of(expectations_.begin(), expectations_.end(), asks)) watched_.push_back({body.name(), b, movable});
+  }
+  for (const Expectation& e : expectations_) {
+    asks_momentum_ = asks_momentum_ || e.metric == "momentum_change" || e.metric == "angular_momentum_change";
+    shown_of_.push_back(ShownMetric::knows(e.metric) ? static_cast<int>(shown_.size()) : -1);
+    if (shown_of_.back() >= 0) shown_.emplace_back(world, e);
   }
 }
 
@@ -157,14 +165,16 @@ void Measures::sample(const World& world, const StepReport& frame) {
 
 void Measures::add(const World& world, const StepReport& frame, int steps) {
   sample(world, frame);
-  keep(frame, steps, frame.warnings.size(), samples_);
+  keep(world, frame, steps, frame.warnings.size(), samples_);
 }
 
-void Measures::restore(const StepReport& frame, int steps, std::size_t warnings, std::span<const BodySample> bodies) {
-  keep(frame, steps, warnings, bodies);
+void Measures::restore(const World& world, const StepReport& frame, int steps, std::size_t warnings,
+                       std::span<const BodySample> bodies) {
+  keep(world, frame, steps, warnings, bodies);
 }
 
-void Measures::keep(const StepReport& frame, int steps, std::size_t warnings, std::span<const BodySample> bodies) {
+void Measures::keep(const World& world, const StepReport& frame, int steps, std::size_t warnings,
+                    std::span<const BodySample> bodies) {
   Frame f;
   f.report = frame;
   f.report.pairs.clear();
@@ -174,6 +184,12 @@ void Measures::keep(const StepReport& frame, int steps, std::size_t warnings, st
   f.steps = steps;
   f.warnings = warnings;
   for (const Watched& w : watched_) f.bodies.push_back(bodies[w.body]);
+  for (const ShownMetric& m : shown_) f.shown.push_back(m.now(world));
+  for (int b = 0; asks_momentum_ && b < world.body_count(); ++b) {
+    if (!std::isfinite(world.body(b).mass())) continue;
+    f.momentum += world.body(b).linear_momentum(world.v(b));
+    f.angular += world.body(b).angular_momentum(world.v(b));
+  }
   frames_.push_back(std::move(f));
 }
 
@@ -202,6 +218,18 @@ double Measures::world_metric(const std::string& metric, const Window& w) const 
       largest = std::max(largest, x);
     }
     return largest;
+  }
+  if (metric == "momentum_change") return (frames_[w.last].momentum - frames_[w.first].momentum).norm();
+  if (metric == "angular_momentum_change") return (frames_[w.last].angular - frames_[w.first].angular).norm();
+  if (metric == "energy_growth") {
+    double growth = 0.0, least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = std::min(std::max<std::size_t>(w.first, 1), w.last); i <= w.last; ++i) {
+      const double now = total_energy(frames_[i].report);
+      if (std::isnan(now)) return now;
+      least = std::min(least, now);
+      growth = std::max(growth, now - least);
+    }
+    return growth;
   }
   if (metric == "energy_rise") {
     // The first frame has no report of its own: the energy of the run's start is that after the first.
@@ -238,6 +266,12 @@ double Measures::world_metric(const std::string& metric, const Window& w) const 
   return below > 0.0 ? above / below : 0.0;
 }
 
+double Measures::shown_metric(std::size_t index, const Window& w) const {
+  std::vector<double> values;
+  for (std::size_t i = w.first; i <= w.last; ++i) values.push_back(frames_[i].shown[index]);
+  return shown_[index].over(values);
+}
+
 double Measures::body_metric(const std::string& metric, std::size_t i, const Window& w) const {
   const BodySample &a = frames_[w.first].bodies[i], &b = frames_[w.last].bodies[i];
   const Vec3 moved = b.center - a.center;
@@ -252,20 +286,26 @@ double Measures::body_metric(const std::string& metric, std::size_t i, const Win
     const double time = frames_[w.last].report.time - frames_[w.first].report.time;
     return (b.velocity - a.velocity).norm() / time;
   }
-  double lowest = a.lowest, highest = a.highest, force = 0.0;
+  double lowest = a.lowest, highest = a.highest, force = 0.0, drift = 0.0, impulse = 0.0;
   for (std::size_t f = w.first; f <= w.last; ++f) {
     const BodySample& s = frames_[f].bodies[i];
     lowest = std::min(lowest, s.lowest);
     highest = std::max(highest, s.highest);
     if (metric.starts_with("contact_force_")) force += s.force[axis()];
+    drift = std::max(drift, (s.center - a.center).norm());
+    if (f > w.first && metric.starts_with("impulse_"))
+      impulse += s.force[axis()] * (frames_[f].report.time - frames_[f - 1].report.time);
   }
   if (metric == "lowest") return lowest;
   if (metric == "highest") return highest;
+  if (metric == "drift") return drift;
+  if (metric.starts_with("impulse_")) return impulse;
   if (metric.starts_with("contact_force_")) return force / static_cast<double>(w.last - w.first + 1);
   throw ProgrammingError("no such metric: " + metric);
 }
 
-Finding Measures::find(const Expectation& e) const {
+Finding Measures::find(std::size_t expectation) const {
+  const Expectation& e = expectations_[expectation];
   Finding finding;
   finding.expectation = e;
   const Window w = window(e);
@@ -273,7 +313,9 @@ Finding Measures::find(const Expectation& e) const {
   if (frames_.empty()) return finding;
   const auto within = [&](double x) { return x >= e.min && x <= e.max; };
   if (!about_bodies(e.metric)) {
-    finding.value = world_metric(e.metric, w);
+    const int shown = shown_of_[expectation];
+    finding.value = shown < 0 ? world_metric(e.metric, w) : shown_metric(static_cast<std::size_t>(shown), w);
+    if (shown >= 0) finding.body = e.body;
     finding.ok = w.reached && within(finding.value);
     return finding;
   }
@@ -298,7 +340,7 @@ Finding Measures::find(const Expectation& e) const {
 
 std::vector<Finding> Measures::findings() const {
   std::vector<Finding> all;
-  for (const Expectation& e : expectations_) all.push_back(find(e));
+  for (std::size_t i = 0; i < expectations_.size(); ++i) all.push_back(find(i));
   return all;
 }
 

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "brim/world/display_measures.h"
+#include "brim/world/expectation.h"
+#include "brim/world/world.h"
+
+namespace brim {
+
+/// A metric of what one body shows, beside another one where it says so (`of`), found frame by frame:
+///   leak         vertices that have the sheet `of` above them and none of it below, the most in the window
+///   draft        [m] surface of the fluid `of` around the body over its lowest point, mean over the window
+///   level        [m] height of the upper side (surface_level), mean over the window
+///   volume_kept  volume inside the surface over that at the start of the run, that of the window farthest from 1
+///   front        [m] largest x of the vertices, at the end of the window
+/// Tests: tests/world/measures_test.cpp
+class ShownMetric {
+ public:
+  static const std::vector<std::string>& names();
+  static bool knows(const std::string& metric);
+  /// True for metrics that need an `of`.
+  static bool needs_other(const std::string& metric);
+
+  /// @throws InputError  when a body that is named is not there
+  ShownMetric(const World& world, const Expectation& expectation);
+
+  /// The value in the world's present state.
+  double now(const World& world) const;
+  /// @param values  of the frames of a window, at least one
+  double over(std::span<const double> values) const;
+
+ private:
+  std::string metric_;
+  int body_ = -1, other_ = -1;
+  double width_ = 0.0;         ///< [m] of the columns of a fluid's surface
+  double volume_start_ = 0.0;  ///< [m³]
+};
+
+}  // namespace brim

@@ -1,0 +1,182 @@
+#!/usr/bin/env python3
+"""Runs scenes and holds each to its expect block: ./dev scenes [NAME...].
+
+    tools/run_scenes.py                     every file of scenes/, the tables of pairs and the examples, two at a time
+    tools/run_scenes.py bounce box_stack    these alone
+    tools/run_scenes.py --fast              those of scenes/fast.txt
+    tools/run_scenes.py --list              names, one a line
+
+Prints a line for each when it ends: its processor time, the bounds that are met, those that are missed as their known_miss says, and
+those that surprise. Exit code 1 where a bound is missed that is not known to be, where a known miss holds, and where a run
+does not come to its end. Each run uses one thread; results lie in out/scenes/NAME.
+"""
+import argparse
+import concurrent.futures
+import json
+import os
+import pathlib
+import re
+import resource
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+FAST = ROOT / "scenes" / "fast.txt"
+PAIRS = ROOT / "scenes" / "pairs"
+RESPONSES = ("penalty", "constraint")
+
+
+def read_json(path):
+    """Comments are whole lines, as in all of brim's scenes."""
+    return json.loads(re.sub(r"^\s*//.*$", "", pathlib.Path(path).read_text(encoding="utf-8"), flags=re.M))
+
+
+def names_in(path):
+    """The first word of each line that is no comment."""
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    return [line.split()[0] for line in lines if line.strip() and not line.startswith("#")]
+
+
+def needs_data(path):
+    return "${BRIM_DATA}" in path.read_text(encoding="utf-8")
+
+
+def jobs(brim, out, plugin):
+    """Everything there is to run: {name: (command, function of the outcome)}."""
+    all_jobs = {}
+    for path in sorted((ROOT / "scenes").glob("*.json")):
+        all_jobs[path.stem] = (scene_command(brim, path, out / path.stem, []), path)
+    for path in sorted((ROOT / "examples").glob("*/*.json")):
+        if "bodies" in read_json(path):
+            all_jobs[path.stem] = (scene_command(brim, path, out / path.stem, ["--plugin", str(plugin)]), path)
+    for response in RESPONSES:
+        all_jobs[f"pairs_{response}"] = ([brim, "pairs", "--json", "--threads", "1", "--response", response], None)
+    return all_jobs
+
+
+def scene_command(brim, path, folder, more):
+    return [brim, "run", str(path), "-o", str(folder), "--force", "--check", "--quiet", "--threads", "1", *more]
+
+
+def judge(summary):
+    """Of a run's summary: ([met], [known misses], [surprises]), each in words."""
+    met, known, surprises = [], [], []
+    for e in summary["expect"]:
+        value = "nothing" if e.get("value") is None else f"{e['value']:.4g}"
+        bounds = " ".join(f"{k} {e[k]:g}" for k in ("min", "max") if k in e)
+        text = f"{e['metric']}{' of ' + e['body'] if 'body' in e else ''} is {value}, {bounds}"
+        if e["ok"] and "known_miss" in e:
+            surprises.append(f"holds, and is marked as a known miss: {text} ({e['known_miss']})")
+        elif e["ok"]:
+            met.append(text)
+        elif "known_miss" in e:
+            known.append(f"{text} ({e['known_miss']})")
+        else:
+            surprises.append(f"missed: {text}" + ("" if e.get("reached", True) else "; the run ended before its window"))
+    if summary["end"] != "completed":
+        surprises.append(f"the run {summary['end']}")
+    return met, known, surprises
+
+
+def judge_pairs(figures, misses):
+    """Of the figures of brim pairs and {"a on b": why} of those that are known to fail."""
+    met, known, surprises = [], [], []
+    for pair in figures["pairs"]:
+        if not pair["run"]:
+            continue
+        name = f"{pair['upper']} on {pair['lower']}"
+        if pair["ok"] and name in misses:
+            surprises.append(f"{name} holds, and is marked as a known miss ({misses[name]})")
+        elif pair["ok"]:
+            met.append(name)
+        elif name in misses:
+            known.append(f"{name} ({misses[name]})")
+        else:
+            surprises.append(f"{name} is missed")
+    return met, known, surprises
+
+
+def finish(command, limit):
+    """Runs a command. @return (exit code, or nothing where it did not end in time; processor seconds; output; errors)"""
+    with tempfile.TemporaryFile("w+") as output, tempfile.TemporaryFile("w+") as errors:
+        child = subprocess.Popen(command, cwd=ROOT, stdout=output, stderr=errors)
+        late = threading.Timer(limit, child.kill)
+        late.start()
+        _, status, used = os.wait4(child.pid, 0)
+        in_time = late.is_alive()
+        late.cancel()
+        output.seek(0), errors.seek(0)
+        code = os.waitstatus_to_exitcode(status) if in_time else None
+        child.returncode = code
+        return code, used.ru_utime + used.ru_stime, output.read(), errors.read()
+
+
+def run(name, command, path, out, limit):
+    """(name, seconds of processor time, met, known, surprises)"""
+    code, seconds, output, errors = finish(command, limit)
+    if code is None:
+        return name, seconds, [], [], [f"did not end within {limit:.0f} s"]
+    if code not in (0, 1):
+        return name, seconds, [], [], [f"ended with {code}: {errors.strip()[-300:]}"]
+    try:
+        if path is None:
+            response = name.removeprefix("pairs_")
+            return name, seconds, *judge_pairs(json.loads(output), read_json(PAIRS / "known_misses.json")[response])
+        return name, seconds, *judge(json.loads((out / name / "summary.json").read_text(encoding="utf-8")))
+    except (OSError, ValueError, KeyError) as error:
+        return name, seconds, [], [], [f"its figures cannot be read: {error!r}; {errors.strip()[-300:]}"]
+
+
+def line(name, seconds, met, known, surprises):
+    return f"{name:<24} {seconds:8.1f} s {len(met):4} met {len(known):4} known {len(surprises):4} UNEXPECTED" \
+        if surprises else f"{name:<24} {seconds:8.1f} s {len(met):4} met {len(known):4} known"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", metavar="NAME")
+    parser.add_argument("--brim", default=str(ROOT / "build/release/brim"))
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/scenes")
+    parser.add_argument("--fast", action="store_true", help="those of scenes/fast.txt")
+    parser.add_argument("--list", action="store_true", help="print the names and end")
+    parser.add_argument("--jobs", type=int, default=2, help="scenes at once, each on one thread")
+    parser.add_argument("--limit", type=float, default=3600.0, help="[s] for one scene")
+    options = parser.parse_args()
+
+    plugin = pathlib.Path(options.brim).parent / "examples/jelly.so"
+    everything = jobs(options.brim, options.out, plugin)
+    wanted = options.names or (names_in(FAST) if options.fast else list(everything))
+    unknown = [n for n in wanted if n not in everything]
+    if unknown:
+        sys.exit(f"no such scene: {', '.join(unknown)}; --list says what there is")
+    if options.list:
+        print("\n".join(wanted))
+        return 0
+    skipped = [n for n in wanted if everything[n][1] and needs_data(everything[n][1]) and not os.environ.get("BRIM_DATA")]
+    order = names_in(ROOT / "scenes" / "slow.txt")
+    todo = sorted((n for n in wanted if n not in skipped), key=lambda n: order.index(n) if n in order else len(order))
+
+    start = time.monotonic()
+    bad, details = 0, []
+    with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
+        running = [pool.submit(run, n, *everything[n], options.out, options.limit) for n in todo]
+        for outcome in concurrent.futures.as_completed(running):
+            name, _, _, known, surprises = result = outcome.result()
+            print(line(*result), flush=True)
+            details += [f"  {name}: known miss: {k}" for k in known] + [f"  {name}: {s}" for s in surprises]
+            bad += bool(surprises)
+    for text in details:
+        print(text)
+    for name in skipped:
+        print(f"  {name}: left out: it needs data; set BRIM_DATA to their folder")
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    print(f"{len(todo)} run in {time.monotonic() - start:.0f} s ({used.ru_utime + used.ru_stime:.0f} s of processor time), "
+          f"{bad} with something unexpected")
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,61 @@
+"""The runner of scenes tells misses, known misses and surprises apart."""
+
+import json
+import sys
+import unittest
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import run_scenes  # noqa: E402
+
+
+def summary(*expect, end="completed"):
+    return {"end": end, "expect": [{"metric": "contacts", "max": 1.0, "value": 0.5, **e} for e in expect]}
+
+
+class Judge(unittest.TestCase):
+    def counts(self, given):
+        return tuple(len(part) for part in run_scenes.judge(given))
+
+    def test_what_holds_is_met(self):
+        self.assertEqual(self.counts(summary({"ok": True}, {"ok": True})), (2, 0, 0))
+
+    def test_what_is_missed_surprises(self):
+        self.assertEqual(self.counts(summary({"ok": True}, {"ok": False, "value": None, "reached": False})), (1, 0, 1))
+
+    def test_a_known_miss_must_miss(self):
+        self.assertEqual(self.counts(summary({"ok": False, "known_miss": "2 for a reason"})), (0, 1, 0))
+        self.assertEqual(self.counts(summary({"ok": True, "known_miss": "2 for a reason"})), (0, 0, 1))
+
+    def test_a_run_without_its_end_surprises(self):
+        self.assertEqual(self.counts(summary({"ok": True}, end="failed")), (1, 0, 1))
+
+    def test_pairs_are_held_to_their_list(self):
+        figures = {"pairs": [{"upper": u, "lower": "b", "run": u != "d", "ok": u in "ac"} for u in "acdef"]}
+        met, known, surprises = run_scenes.judge_pairs(figures, {"c on b": "known", "e on b": "known"})
+        self.assertEqual((met, len(known), len(surprises)), (["a on b"], 1, 2))
+
+
+class Lists(unittest.TestCase):
+    def test_the_lists_name_scenes_that_are_there(self):
+        everything = run_scenes.jobs("brim", Path("out"), Path("plugin"))
+        for name in ("fast.txt", "slow.txt"):
+            for scene in run_scenes.names_in(run_scenes.ROOT / "scenes" / name):
+                self.assertIn(scene, everything)
+
+    def test_every_scene_expects_something(self):
+        for name, (_, path) in run_scenes.jobs("brim", Path("out"), Path("plugin")).items():
+            if path is not None:
+                self.assertTrue(run_scenes.read_json(path).get("expect"), f"{name} expects nothing")
+
+    def test_the_known_misses_of_pairs_name_pairs(self):
+        kinds = {k["name"] for k in run_scenes.read_json(run_scenes.PAIRS / "kinds.json")["kinds"]}
+        misses = json.loads((run_scenes.PAIRS / "known_misses.json").read_text(encoding="utf-8"))
+        for response in run_scenes.RESPONSES:
+            for pair, why in misses[response].items():
+                self.assertLessEqual(set(pair.split(" on ")), kinds)
+                self.assertTrue(why)
+
+
+if __name__ == "__main__":
+    unittest.main()
