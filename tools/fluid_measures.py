@@ -6,7 +6,7 @@
 
 Draft: height of the surface over the lowest point of each rigid body, mean over the second half of the run, beside that
 of a box of its mass and outline (Archimedes). The surface is that of the columns which the body's outline leaves free by
-a cell: zero of the level set, or the highest particle and half a spacing. Volume: of the cells, cut where the level
+a cell: zero of the level set, or the volume of the particles above a level. Volume: of the cells, cut where the level
 set says; of particles it is not known. Sheets: particles below them. Front: largest x over the column's length a, at
 T = t sqrt(2 g / a), beside Martin and Moyce (1952), figure 3, n² = 2. Needs h5py.
 """
@@ -41,13 +41,19 @@ class Particles:
         return self.run.positions(self.body, frame)
 
     def columns(self, frame):
-        """(x, y, height) of the surface, shape (n, 3)."""
+        """(x, y, height) of the surface, shape (n, 3): of a column, what its particles stand for above a level.
+
+        The level lies three spacings under the highest particles; the top layer is uneven, so that single columns mean
+        little, but their mean keeps the volume.
+        """
         x = self.positions(frame)
-        best = {}
-        for (i, j), z in zip(np.floor(x[:, :2] / self.step).astype(int), x[:, 2]):
-            best[i, j] = max(best.get((i, j), -np.inf), z)
-        return np.array([((i + 0.5) * self.step, (j + 0.5) * self.step, z + 0.5 * self.step)
-                         for (i, j), z in best.items()])
+        at, column = np.unique(np.floor(x[:, :2] / self.step).astype(int), axis=0, return_inverse=True)
+        column = column.ravel()
+        top = np.full(len(at), -np.inf)
+        np.maximum.at(top, column, x[:, 2])
+        level = np.median(top) - 3 * self.step
+        count = np.bincount(column[x[:, 2] > level], minlength=len(at))
+        return np.column_stack([(at + 0.5) * self.step, level + count * self.step])
 
     def volume(self, frame):
         return None
@@ -104,6 +110,27 @@ def draft(run, fluid, number, frame):
     away = np.maximum(lo[:2] - columns[:, :2], columns[:, :2] - hi[:2]).max(axis=1)
     free = columns[away > fluid.step]
     return free[:, 2].mean() - lo[2] if len(free) else None
+
+
+def immersed(run, fluid, number, frame, shape):
+    """Share of a box or ball under the surface; it may have turned. None where no column is free."""
+    lo, hi = outline(run, number, frame)
+    columns = fluid.columns(frame)
+    away = np.maximum(lo[:2] - columns[:, :2], columns[:, :2] - hi[:2]).max(axis=1)
+    free = columns[away > fluid.step]
+    if not len(free):
+        return None
+    surface = free[:, 2].mean()
+    body = run.bodies[number]
+    first, now = run.positions(body, 0), run.positions(body, frame)
+    centre = 0.5 * (first.min(axis=0) + first.max(axis=0))
+    turn = np.linalg.lstsq(np.column_stack([first - centre, np.ones(len(first))]), now, rcond=None)[0]
+    size = first.max(axis=0) - first.min(axis=0)
+    grid = np.stack(np.meshgrid(*[(np.arange(40) + 0.5) / 40 - 0.5] * 3), axis=-1).reshape(-1, 3)
+    if shape == "sphere":
+        grid = grid[(grid**2).sum(axis=1) < 0.25]
+    z = (grid * size) @ turn[:3, 2] + turn[3, 2]
+    return float((z < surface).mean())
 
 
 def under_sheet(run, fluid, number, frame):
@@ -165,6 +192,14 @@ def main():
                 continue
             lo, hi = outline(run, other, 0)
             mean = float(np.mean(found_drafts))
+            shape = specs[solid.name].get("shape", {}).get("kind") if solid.name in specs else None
+            if shape in ("box", "sphere"):
+                size = (hi - lo).prod() * (np.pi / 6 if shape == "sphere" else 1.0)
+                share = [immersed(run, fluid, other, f, shape) for f in range(frames // 2, frames)]
+                rest = float(solid.attrs["mass"]) / (spec.get("density", 1000.0) * size)
+                if rest < 1.0 and None not in share:
+                    print(f"{solid.name}: share under the surface of {name} {np.mean(share):.4f}; Archimedes {rest:.4f} "
+                          f"({100 * (np.mean(share) / rest - 1):+.1f} %)")
             if mean > (hi - lo)[2]:
                 continue  # it sank
             wanted = float(solid.attrs["mass"]) / (spec.get("density", 1000.0) * (hi - lo)[0] * (hi - lo)[1])

@@ -99,6 +99,63 @@ TEST(ParticleFluid, PressureForcesAreMinusTheDerivativeOfEnergy) {
   }
 }
 
+/// What particles near the plane z = 0 see of it.
+std::vector<Seen> seen_of_floor(const ParticleFluidBody& b) {
+  std::vector<Seen> seen;
+  const auto x = b.fill_places();
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    double slope = 0.0;
+    if (x[i].z() >= b.fill_reach()) continue;
+    const double fill = b.fill_of(x[i].z(), slope);
+    seen.push_back({static_cast<std::int32_t>(i), fill, Vec3(0, 0, slope)});
+  }
+  return seen;
+}
+
+TEST(ParticleFluid, WithAFloorInSightForcesAreMinusTheDerivativeOfEnergyToo) {
+  std::vector<Vec3> x = block(Vec3(0.3, 0.3, 0.3), 0.2);
+  for (Vec3& p : x) p *= 0.93;
+  Held f(x, options());
+  const auto see = [&](const std::vector<double>& q) {
+    f.set(q);
+    const std::vector<Seen> seen = seen_of_floor(f.body);
+    f.body.see(seen);
+    return seen;
+  };
+  const std::vector<Seen> seen = see(f.q);
+  ASSERT_GT(seen.size(), 30u);
+  std::vector<double> Q = forces(f.body), push(seen.size());
+  f.body.press(push);
+  for (std::size_t k = 0; k < seen.size(); ++k) Q[3 * seen[k].element + 2] -= push[k] * seen[k].slope.z();
+  const std::vector<double> d = random_vector(Q.size(), kSeed);
+  const double e = 1e-7;
+  std::vector<double> plus = f.q, minus = f.q;
+  for (std::size_t i = 0; i < d.size(); ++i) plus[i] += e * d[i], minus[i] -= e * d[i];
+  const Environment still{Vec3::Zero()};
+  see(plus);
+  const double up = f.body.potential_energy(still);
+  see(minus);
+  const double down = f.body.potential_energy(still);
+  EXPECT_NEAR(dot(Q, d), -(up - down) / (2 * e), 1e-5 * std::sqrt(dot(Q, Q) * dot(d, d)));
+}
+
+TEST(ParticleFluid, TheSystemIsSymmetricWithWhatMovesBesideIt) {
+  Held f(block(Vec3(0.3, 0.3, 0.3), 0.2), options(2.0));
+  const std::vector<Seen> seen = seen_of_floor(f.body);
+  f.body.see(seen);
+  std::vector<double> y[2], push[2], x[2], rate[2];
+  for (int k = 0; k < 2; ++k) {
+    x[k] = random_vector(f.v.size(), kSeed + k), rate[k] = random_vector(seen.size(), kSeed + 7 + k);
+    for (double& r : rate[k]) r *= 10.0;
+    y[k].assign(x[k].size(), 0.0), push[k].resize(seen.size());
+    f.body.apply_system_seeing(x[k], rate[k], y[k], push[k]);
+  }
+  // Work of each motion in the forces of the other; what the other side moves counts by its rate.
+  const double one = dot(x[0], y[1]) + dot(rate[0], push[1]), two = dot(x[1], y[0]) + dot(rate[1], push[0]);
+  EXPECT_NEAR(one, two, 1e-5 * std::sqrt(dot(y[0], y[0]) * dot(x[1], x[1])));
+  EXPECT_GT(std::abs(dot(rate[0], push[1])), 1e-3 * std::abs(one));
+}
+
 TEST(ParticleFluid, TheSystemIsSymmetricAndHeavierThanItsMass) {
   Held f(block(Vec3(0.3, 0.3, 0.3), 0.3), options(2.0));
   const std::vector<double> a = random_vector(f.v.size(), kSeed), b = random_vector(f.v.size(), kSeed + 1);

@@ -58,7 +58,8 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
   direction_.resize(n), normal_.resize(n), force_.resize(n), relative_.resize(n);
   lead_.resize(n), load_.resize(n), active_.resize(n), rate_.resize(n), stiffness_.resize(n), scale_.resize(n),
       drag_.resize(n), mu_.resize(n);
-  bend_.resize(contacts.pairs.size()), slip_.resize(contacts.pairs.size());
+  pressed_.assign(n, 0.0);
+  bend_.resize(contacts.pairs.size()), slip_.resize(contacts.pairs.size()), filled_.resize(contacts.pairs.size());
 
   choose_normals(contacts, pairs);
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
@@ -83,16 +84,18 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
     const double slack = 1.5 * options.slack / pair.w;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const double after = contacts.overlap[c] - lead_[c] * rate_[c];
-      active_[c] = scale_[c] > 0.0 && (contacts.overlap[c] > 0.0 || after + slack > 0.0);
+      active_[c] = pairs[p].filled || (scale_[c] > 0.0 && (contacts.overlap[c] > 0.0 || after + slack > 0.0));
       load_[c] = scale_[c] * after;
       set_friction(c, load_[c], relative_[c] - normal_[c] * normal_[c].dot(relative_[c]));
     }
     slip_[p] = {mean_slip(pair, {}), 0.0, 0.0};
+    filled_[p] = pairs[p].filled;
   });
   settle_actions();
 
   energy_ = 0.0;
-  idle_ = std::none_of(pairs.begin(), pairs.end(), [](const PairState& p) { return p.stiffness > 0.0; });
+  idle_ = std::none_of(pairs.begin(), pairs.end(), [](const PairState& p) { return p.stiffness > 0.0 || p.filled; });
+  settled_ = std::all_of(pairs.begin(), pairs.end(), [](const PairState& p) { return p.filled && p.friction == 0.0; });
   for (std::size_t p = 0; p < contacts.pairs.size(); ++p) {
     const ContactPair& pair = contacts.pairs[p];
     const double kv = pairs[p].stiffness * pair.h * pair.h * pair.h;
@@ -269,7 +272,13 @@ void Penalty::apply(std::span<const Vec3> delta, std::span<Vec3> force) const {
 
 Mat3 Penalty::block(std::size_t c) const {
   const Action& a = action_[c];
-  return a.across * a.n * a.n.transpose() + a.drag * Mat3::Identity();
+  return (a.across + pressed_[c]) * a.n * a.n.transpose() + a.drag * Mat3::Identity();
+}
+
+void Penalty::set_load(std::size_t c, double load) {
+  load_[c] = load;
+  set_friction(c, load, relative_[c] - normal_[c] * normal_[c].dot(relative_[c]));
+  action_[c] = {normal_[c], -options_.dt * drag_[c], options_.dt * drag_[c]};
 }
 
 double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> delta) {
@@ -283,9 +292,12 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
       const Vec3& n = normal_[c];
       const bool was_active = active_[c];
       const double separation = std::max(n.dot(relative_[c] + delta[c]), n.dot(relative_[c]));
-      load_[c] = scale_[c] * (contacts.overlap[c] - lead_[c] * rate_[c]) - lead_[c] * stiffness_[c] * n.dot(delta[c]);
+      // Loads of filled pairs are told, and their friction follows once: a fluid's is small, and its last load near.
+      if (!filled_[p])
+        load_[c] = scale_[c] * (contacts.overlap[c] - lead_[c] * rate_[c]) - lead_[c] * stiffness_[c] * n.dot(delta[c]);
       if (was_active) net += load_[c];
       if (was_active && load_[c] > 0.0) push += load_[c];
+      if (filled_[p]) continue;
       if (contacts.overlap[c] <= 0.0)
         active_[c] = load_[c] > 0.0;  // scale 0: no load
       else if (load_[c] < 0.0 && separation > options_.release_speed)
@@ -300,7 +312,7 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
       const Vec3 slip = after - normal_[c] * normal_[c].dot(after);
       const double before = drag_[c];
       set_friction(c, share * load_[c], jump * slip);
-      if (active_[c]) change[p] += std::abs(drag_[c] - before) * slip.norm();
+      if (active_[c] && !filled_[p]) change[p] += std::abs(drag_[c] - before) * slip.norm();
     }
   });
   settle_actions();

@@ -27,7 +27,8 @@ struct PairState {
   Vec3 carrier_b = Vec3::Zero();
   /// Sides that take the shape of the other, as fluids do: if it is one only, normals are the other's, unsmoothed.
   std::array<bool, 2> shapeless = {false, false};
-  bool rigid = false;  ///< neither part deforms: no node can be driven without all the others
+  bool rigid = false;   ///< neither part deforms: no node can be driven without all the others
+  bool filled = false;  ///< one part's own pressure answers the other: of this response there is friction alone
 };
 
 /// Penalty response (paper, section 4.2): contacts become forces at their points, equal and opposite on the two parts,
@@ -58,8 +59,13 @@ class Penalty {
     const Action& a = action_[c];
     return (a.across * a.n.dot(delta)) * a.n + a.drag * delta;
   }
-  /// The 3x3 matrix of apply at contact c.
+  /// The 3x3 matrix of apply at contact c, and what set_pressed has said besides: for preconditioners.
   Mat3 block(std::size_t c) const;
+
+  /// For contacts of filled pairs, after begin: stiffness along the normal in the step's system, [N·s²/m], which
+  /// another answers, and the normal force that friction works with, [N].
+  void set_pressed(std::size_t c, double stiffness) { pressed_[c] = stiffness; }
+  void set_load(std::size_t c, double load);
 
   /// After a solve: lets go of nodes that would pull, and sets the friction to the predicted loads.
   /// @param delta  relative velocity changes found by the solve
@@ -73,6 +79,8 @@ class Penalty {
   std::span<const std::uint8_t> acting() const { return active_; }
   /// True when no contact can have a force in this step: none is answered by this response.
   bool idle() const { return idle_; }
+  /// True when no contact can let go or have friction: what the next solve says is final.
+  bool settled() const { return settled_; }
   /// Smoothed unit normals, towards a, one per contact; known after begin.
   std::span<const Vec3> normals() const { return normal_; }
   /// Σ ½ k h³ ρ̄², [J].
@@ -112,7 +120,7 @@ class Penalty {
   std::unique_ptr<Workspaces> workspaces_;
   PenaltyOptions options_;
   double energy_ = 0.0;
-  bool idle_ = true;
+  bool idle_ = true, settled_ = false;
   // Per contact:
   std::vector<Vec3> direction_;       ///< ĝ, [1/m]
   std::vector<Vec3> normal_;          ///< n, unit
@@ -126,8 +134,10 @@ class Penalty {
   std::vector<double> load_;          ///< predicted normal force, [N]
   std::vector<double> drag_;          ///< C, friction per speed, [N·s/m]
   std::vector<double> mu_;
+  std::vector<double> pressed_;  ///< set_pressed
   std::vector<Action> action_;
   std::vector<SlipHistory> slip_;            ///< per pair
+  std::vector<std::uint8_t> filled_;         ///< per pair
   std::vector<std::array<double, 2>> bend_;  ///< per pair: how bent each part is at the patch, 0 flat to 1
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <memory>
 #include <span>
@@ -42,7 +43,13 @@ class ContactMaps {
   /// relative and add_forces, in one pass over the contacts.
   template <class F>
   void add_response(std::span<const double> x, const F& f, std::span<double> y) const {
-    row_velocities(x);
+    take_velocities(x);
+    answer(f, y);
+  }
+  /// add_response in two halves, between which others may look at what contacts see.
+  void take_velocities(std::span<const double> x) const { row_velocities(x); }
+  template <class F>
+  void answer(const F& f, std::span<double> y) const {
     parallel_for(
         chosen_.size(),
         [&](std::size_t i) {
@@ -52,6 +59,13 @@ class ContactMaps {
         },
         1024);
     add_row_forces(y);
+  }
+  /// After take_velocities: calls f(c, Δ) for the contacts from first on that count, in order.
+  template <class F>
+  void for_taken(std::size_t first, const F& f) const {
+    for (auto i = static_cast<std::size_t>(std::lower_bound(chosen_.begin(), chosen_.end(), first) - chosen_.begin());
+         i < chosen_.size(); ++i)
+      f(chosen_[i], Vec3(row_vector_[row_a_[i]] - row_vector_[row_b_[i]]));
   }
   /// Adds the diagonal blocks of Jᵀ K J, K given per contact.
   void add_block_diagonal(const std::function<Mat3(std::size_t)>& block, std::span<const std::size_t> first_block,

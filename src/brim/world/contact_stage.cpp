@@ -8,6 +8,7 @@
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/core/stopwatch.h"
+#include "brim/world/fill_stage.h"
 #include "brim/world/pair_laws.h"
 
 namespace brim {
@@ -150,7 +151,7 @@ void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<c
     for (std::size_t j = i + 1; j < entries.size() && entries[j].box.lo.x() <= entries[i].box.hi.x(); ++j) {
       if (!entries[i].box.overlaps(entries[j].box)) continue;
       const auto a = std::min(entries[i].part, entries[j].part), b = std::max(entries[i].part, entries[j].part);
-      if (!may_touch(parts[a], parts[b])) continue;
+      if (!may_touch(parts[a], parts[b]) || fills(parts[a], parts[b])) continue;
       touches.push_back({a, b, entries[i].box.intersection(entries[j].box)});
     }
   std::sort(touches.begin(), touches.end(),

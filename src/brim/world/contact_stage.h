@@ -39,6 +39,8 @@ class ContactStage {
             double dt, const WorldOptions& options, StepReport& report);
 
   const ContactSet& contacts() const { return contacts_; }
+  /// The same, for another search to add to.
+  ContactSet& contacts() { return contacts_; }
   /// Tiles in which both parts of some pair were sampled, and their steps.
   std::span<const std::pair<TileKey, double>> active_tiles() const;
 

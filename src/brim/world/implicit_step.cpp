@@ -29,7 +29,7 @@ constexpr double kExact = 1e-10;
 bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
                          std::span<const WorldPart> parts, const Environment& env, const ContactMaps& maps,
                          Penalty& response, const ContactSet& contact_set, std::span<const double> v,
-                         const Settings& settings, std::span<double> delta, StepReport& report,
+                         const Settings& settings, std::span<double> delta, StepReport& report, FillStage& fill,
                          std::span<const double> impulse, const Correct& correct) {
   const double dt = settings.dt;
   const std::size_t n = v.size();
@@ -49,7 +49,10 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     const ProfileScope scope("elements", *bodies[b]);
     bodies[b]->begin_solve(dt);
     bodies[b]->add_forces(env, slice(internal_, b));
-    bodies[b]->apply_stiffness(slice(v, b), slice(scratch_, b));
+    if (fill.handles(b))
+      fill.add_start_stiffness(b, slice(scratch_, b));
+    else
+      bodies[b]->apply_stiffness(slice(v, b), slice(scratch_, b));
   });
   for (std::size_t i = 0; i < n; ++i)
     internal_[i] = dt * (internal_[i] + dt * scratch_[i]) + (impulse.empty() ? 0.0 : impulse[i]);
@@ -72,17 +75,28 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     parallel_for(bodies.size(), [&](std::size_t b) { bodies[b]->filter(slice(x, b)); });
   };
   system.apply = [&](std::span<const double> x, std::span<double> y) {
+    if (contacts > 0) {
+      const ScopedSeconds contact_timer(contact_seconds);
+      acting_.take_velocities(x);
+      if (!fill.empty()) acting_.for_taken(fill.first(), [&](std::size_t c, const Vec3& d) { fill.see(c, d); });
+    }
     parallel_for(bodies.size(), [&](std::size_t b) {
       const ProfileScope scope("product", *bodies[b]);
       const auto yb = slice(y, b);
       std::fill(yb.begin(), yb.end(), 0.0);
-      bodies[b]->apply_system(slice(x, b), yb);
+      if (fill.handles(b))
+        fill.apply_system(b, slice(x, b), yb);
+      else
+        bodies[b]->apply_system(slice(x, b), yb);
     });
     if (contacts == 0) return;
     const ScopedSeconds contact_timer(contact_seconds);
     const ProfileScope scope("contact product");
-    acting_.add_response(
-        x, [&](std::size_t c, const Vec3& d) { return response.apply(c, d); }, y);
+    acting_.answer(
+        [&](std::size_t c, const Vec3& d) {
+          return fill.holds(c) ? Vec3(response.apply(c, d) - fill.impulse(c)) : response.apply(c, d);
+        },
+        y);
   };
   if (contacts > 0) {
     const ScopedSeconds contact_timer(contact_seconds);
@@ -133,7 +147,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   contact_delta_.assign(contact_set.size(), Vec3::Zero()), contact_force_.resize(contacts);
   std::fill(delta.begin(), delta.end(), 0.0);
   const int passes = contacts > 0 ? settings.passes : 1;
-  bool settled = false, near = false;
+  bool settled = contacts > 0 && response.settled(), near = false;
   for (int pass = 0; pass < passes; ++pass) {
     diagonal_ = bodies_diagonal_;
     rhs_ = internal_;
@@ -142,6 +156,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
       if (pass == 0 || !acting_.serves(response.acting()))
         acting_.build(parts, contact_set, first_v, maps, response.acting());
       response.right_hand_side(contact_force_);
+      fill.add_right_hand_side(contact_force_);
       for (Vec3& f : contact_force_) f *= dt;
       acting_.add_forces(contact_force_, rhs_);
       acting_.add_block_diagonal([&](std::size_t c) { return response.block(c); }, first_block_, diagonal_);
@@ -167,7 +182,9 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
            fmt::format("the solve stopped after {} iterations at relative residual {:.1e}", s.iterations, s.residual)});
     const ScopedSeconds contact_timer(contact_seconds);
     if (contacts > 0) maps.relative(delta, contact_delta_);
+    if (contacts > 0) fill.finish(first_v, delta, contact_delta_);
     if (!kept) {
+      fill.give_loads(response);
       const double change = response.update_loads(contact_set, contact_delta_);
       settled = change < settings.load_tolerance;
       near = change < kNear * settings.load_tolerance;
@@ -203,7 +220,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
       correct([&](std::span<const double> b,
                   std::span<double> x) { return cg_.solve(system, b, settings.tolerance, settings.max_iterations, x); },
               delta);
-  if (contacts > 0) maps.relative(delta, contact_delta_);
+  if (contacts > 0) maps.relative(delta, contact_delta_), fill.finish(first_v, delta, contact_delta_);
   rows_timer.reset();
   contact_seconds = before + within;
   return finite;

@@ -10,6 +10,7 @@
 #include "brim/solve/conjugate_gradient.h"
 #include "brim/world/contact_factor.h"
 #include "brim/world/contact_maps.h"
+#include "brim/world/fill_stage.h"
 #include "brim/world/rigid_modes.h"
 #include "brim/world/step_report.h"
 
@@ -38,13 +39,14 @@ class ImplicitStep {
   using Correct = std::function<bool(const Respond&, std::span<double> delta)>;
 
   /// @param v   velocities at the start; Δv is written to `delta`
+  /// @param fill  begun; has the forces of its contacts afterwards
   /// @param impulse  [N s] that acts besides, shape (nv) or empty
   /// @param correct  called after the last solve, may be empty
   /// @return false when the result is not finite
   bool solve(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
              std::span<const WorldPart> parts, const Environment& env, const ContactMaps& maps, Penalty& response,
              const ContactSet& contact_set, std::span<const double> v, const Settings& settings,
-             std::span<double> delta, StepReport& report, std::span<const double> impulse = {},
+             std::span<double> delta, StepReport& report, FillStage& fill, std::span<const double> impulse = {},
              const Correct& correct = {});
 
   /// Relative velocity changes at the contacts, of the last solve.

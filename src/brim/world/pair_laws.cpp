@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brim/world/fill_stage.h"
+
 namespace brim {
 
 namespace {
@@ -78,15 +80,19 @@ void PairLaws::choose(std::span<const WorldPart> parts, std::span<const double> 
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const WorldPart &a = parts[pairs[i].part_a], &b = parts[pairs[i].part_b];
     const PairMaterial m = material_of(a.info, b.info, options);
-    const bool constrained = m.response == Response::Constraint;
+    const bool filled = fills(a, b);
+    // What takes the shape of another has no few points to hold it by: rows are for what keeps its own.
+    const bool shapeless = a.info.shapeless || b.info.shapeless;
+    const bool constrained = !shapeless && m.response == Response::Constraint;
     constraints_[i] = {constrained, m.friction, m.restitution, is_rigid(a) && is_rigid(b)};
     const bool rigid = std::isinf(a.info.modulus) && std::isinf(b.info.modulus);
-    penalties_[i] = {constrained ? 0.0 : m.stiffness,
+    penalties_[i] = {constrained || filled ? 0.0 : m.stiffness,
                      m.friction,
                      a.body->carrier_velocity(a.index, velocities_of(a, v, first_v)),
                      b.body->carrier_velocity(b.index, velocities_of(b, v, first_v)),
                      {a.info.shapeless, b.info.shapeless},
-                     rigid};
+                     rigid,
+                     filled};
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "brim/body/filling.h"
 #include "brim/body/walled.h"
 #include "brim/core/parallel.h"
 
@@ -24,7 +25,9 @@ void RigidModes::take_modes(const Body& body, std::size_t n, Modes& m) const {
   if (const auto* walled = dynamic_cast<const Walled*>(&body); walled && walled->confined()) return;
   const Aabb box = body.bounds(0);
   const Vec3 center = box.lo.allFinite() && box.hi.allFinite() ? box.center() : Vec3::Zero();
-  for (int k = 0; k < kModes; ++k) {
+  // A fluid turns as a whole hardly ever, and its vectors are long.
+  const bool fluid = dynamic_cast<const Filling*>(&body) != nullptr;
+  for (int k = 0; k < (fluid ? 3 : kModes); ++k) {
     const Vec3 w = k < 3 ? Vec3::Zero() : Vec3(Vec3::Unit(k - 3));
     const Vec3 t = k < 3 ? Vec3(Vec3::Unit(k)) : Vec3(-w.cross(center));
     Eigen::Map<Eigen::VectorXd> x(m.columns.data() + m.count * n, static_cast<Eigen::Index>(n));
@@ -47,7 +50,11 @@ void RigidModes::take_modes(const Body& body, std::size_t n, Modes& m) const {
   for (int k = 0; k < m.count; ++k) {
     const std::span<const double> x(m.columns.data() + k * n, n);
     std::fill(image.begin(), image.end(), 0.0);
-    body.apply_system(x, image);
+    // Nothing within it resists a rigid motion.
+    if (fluid)
+      body.apply_mass(x, image);
+    else
+      body.apply_system(x, image);
     const Eigen::Map<const Eigen::VectorXd> y(image.data(), static_cast<Eigen::Index>(n));
     for (int j = 0; j < m.count; ++j)
       m.system(j, k) = y.dot(Eigen::Map<const Eigen::VectorXd>(m.columns.data() + j * n, y.size()));

@@ -13,6 +13,7 @@
 #include "brim/world/constraint_step.h"
 #include "brim/world/contact_maps.h"
 #include "brim/world/contact_stage.h"
+#include "brim/world/fill_stage.h"
 #include "brim/world/implicit_step.h"
 #include "brim/world/momentum_check.h"
 #include "brim/world/pair_laws.h"
@@ -38,6 +39,7 @@ struct World::Impl {
   PairLaws laws;
 
   ContactStage stage;
+  FillStage fill;
   ContactMaps maps;
   Penalty response;
   ImplicitStep implicit;
@@ -210,7 +212,11 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
   }
 
   stage.find(parts, state.v, first_v, dt, options, report);
-  const ContactSet& contacts = stage.contacts();
+  ContactSet& contacts = stage.contacts();
+  {
+    const ScopedSeconds timer(seconds(Phase::Detect));
+    fill.find(bodies, parts, options, contacts);
+  }
   velocity_a.resize(contacts.size()), velocity_b.resize(contacts.size());
   {
     const ScopedSeconds timer(seconds(Phase::Respond));
@@ -226,6 +232,7 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
     p.release_speed = 0.2 * g * dt;
     p.slack = g * dt * dt;
     response.begin(contacts, laws.penalties(), p, velocity_a, velocity_b);
+    fill.begin(bodies, first_v, state.v, velocity_a, velocity_b, dt, response);
   }
 
   {
@@ -252,7 +259,7 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
       return constraints.correct(solve, change, report);
     };
   return implicit.solve(bodies, first_v, parts, options.environment, maps, response, contacts, state.v, settings, delta,
-                        report, constraints.impulse(), rows);
+                        report, fill, constraints.impulse(), rows);
 }
 
 double World::Impl::substep(double left, StepReport& report) {
@@ -298,6 +305,7 @@ double World::Impl::substep(double left, StepReport& report) {
     const ScopedSeconds timer(seconds(Phase::Respond));
     normal_force.resize(contacts.size()), friction_force.resize(contacts.size());
     response.forces(implicit.contact_delta(), normal_force, friction_force);
+    fill.add_forces(normal_force);
     report_pairs(parts, contacts, normal_force, friction_force, state.time, report, samples);
     if (last) {
       for (std::size_t c = 0; c < contacts.size(); ++c) normal_force[c] += friction_force[c];

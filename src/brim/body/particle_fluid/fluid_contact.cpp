@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "brim/body/filling.h"
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 #include "brim/core/wide.h"
@@ -125,8 +126,16 @@ void FluidContact::make_map(std::span<const std::int32_t> sources, FluidMap& map
   std::vector<FluidMap::Row> rows(n);
   parallel_for(blocks, [&](std::size_t b) {
     for (std::size_t p = b * kBlock; p < std::min(n, (b + 1) * kBlock); ++p) {
-      const Vec3 node = node_of(sources[p]);
       const std::size_t before = entries[b].size();
+      if (sources[p] < -1) {
+        // The particle itself.
+        const std::int32_t particle = Filling::element_of(sources[p]);
+        entries[b].push_back({particle, 1.0f, 0.0f});
+        rows[p] = {(*places_)[particle], Vec3::UnitZ(), 1.0, 0.0, 1.0};
+        length[p] = 1;
+        continue;
+      }
+      const Vec3 node = node_of(sources[p]);
       Vec3 slope = Vec3::Zero();
       double value = 0.0;
       cells_->near(node, H, [&](std::int32_t first, std::int32_t last) {

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kSupport = 2.0;  ///< H over the spacing
 constexpr double kSurfaceFill = 0.90, kInsideFill = 0.98;
+constexpr double kFullAtSurface = 0.98;
 constexpr std::size_t kParticleGrain = 1024;
 
 void require(const char* name, double value, bool good, const char* allowed) {
@@ -51,7 +52,8 @@ ParticleFluidBody::ParticleFluidBody(std::vector<Vec3> x, ParticleFluidOptions o
       kernel_(kSupport * options_.spacing),
       cohesion_(kernel_.support(), options_.spacing, options_.surface_tension),
       volume_(1.0 / lattice_sum(kernel_, options_.spacing)),
-      contact_(kernel_, volume_) {
+      contact_(kernel_, volume_),
+      wall_(kernel_, options_.spacing, volume_) {
   const ParticleFluidOptions& o = options_;
   require("spacing [m]", o.spacing, o.spacing > 0.0, "positive");
   require("density [kg/m³]", o.density, o.density > 0.0, "positive");
@@ -110,13 +112,66 @@ void ParticleFluidBody::update(double, std::span<const double> q, std::span<cons
   std::copy(q.begin(), q.end(), x_.front().data());
   cells_.build(x_, kernel_.support());
   pairs_.build(cells_, kernel_, volume_, options_.viscosity);
-  const auto fill = pairs_.fill();
-  inside_.resize(x_.size());
+  slot_.resize(x_.size());
+  for (std::size_t k = 0; k < x_.size(); ++k) slot_[cells_.order()[k]] = static_cast<std::int32_t>(k);
+  seen_.clear();
+  judge_fill();
+  contact_.begin(cells_, pairs_.fill());
+}
+
+void ParticleFluidBody::see(std::span<const Seen> seen) {
+  seen_.assign(seen.begin(), seen.end());
+  judge_fill();
+}
+
+void ParticleFluidBody::judge_fill() {
+  fill_.assign(pairs_.fill().begin(), pairs_.fill().end());
+  for (const Seen& s : seen_) fill_[slot_[s.element]] += s.fill;
+  inside_.resize(x_.size()), excess_.resize(x_.size());
   for (std::size_t i = 0; i < inside_.size(); ++i) {
-    const double t = std::clamp((fill[i] - kSurfaceFill) / (kInsideFill - kSurfaceFill), 0.0, 1.0);
+    const double t = std::clamp((fill_[i] - kSurfaceFill) / (kInsideFill - kSurfaceFill), 0.0, 1.0);
     inside_[i] = static_cast<float>(t * t * (3.0 - 2.0 * t));
+    excess_[i] = std::max(0.0, fill_[i] - 1.0);
   }
-  contact_.begin(cells_, fill);
+}
+
+void ParticleFluidBody::foresee(double dt, std::span<const double> v, std::span<const double> rate) {
+  approach_.assign(x_.size(), 0.0);
+  for (std::size_t k = 0; k < seen_.size(); ++k) approach_[slot_[seen_[k].element]] += rate[k];
+  for (const Seen& s : seen_) {
+    const std::int32_t i = slot_[s.element];
+    double closing = approach_[i];
+    const Vec3 own = particle_at(v, s.element);
+    pairs_.for_neighbours(static_cast<std::size_t>(i), [&](std::int32_t j, const Vec4& g) {
+      closing += (own - particle_at(v, cells_.order()[j])).dot(g.head<3>().matrix().cast<double>());
+    });
+    // A surface pushes and does not pull: only what is full or will be by the end of the step is kept from changing.
+    const double after = std::max(excess_[i] > 0.0 ? 1.0 : 0.0, fill_[i] + dt * closing);
+    const double t = std::clamp((after - kFullAtSurface) / (1.0 - kFullAtSurface), 0.0, 1.0);
+    inside_[i] = static_cast<float>(t * t * (3.0 - 2.0 * t));
+    // What is not full yet may close up to there.
+    if (after > 1.0) excess_[i] = fill_[i] - 1.0;
+  }
+}
+
+void ParticleFluidBody::press(std::span<double> push) const {
+  for (std::size_t k = 0; k < seen_.size(); ++k) push[k] = fill_energy() * excess_[slot_[seen_[k].element]];
+}
+
+double ParticleFluidBody::fill_stiffness(std::size_t k) const {
+  return dt_ * dt_ * fill_energy() * double{inside_[slot_[seen_[k].element]]};
+}
+
+void ParticleFluidBody::apply_stiffness_seeing(std::span<const double> x, std::span<const double> rate,
+                                               std::span<double> y, std::span<double> push) const {
+  multiply(-1.0, 0.0, x, y, rate, push);
+  for (double& p : push) p = -p;
+}
+
+void ParticleFluidBody::apply_system_seeing(std::span<const double> x, std::span<const double> rate,
+                                            std::span<double> y, std::span<double> push) const {
+  apply_mass(x, y);
+  multiply(dt_ * dt_, dt_, x, y, rate, push);
 }
 
 void ParticleFluidBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
@@ -145,16 +200,17 @@ void ParticleFluidBody::scatter(const Product& p, double scale, std::span<double
 }
 
 void ParticleFluidBody::multiply(double pressure_factor, double viscous_factor, std::span<const double> x,
-                                 std::span<double> y) const {
+                                 std::span<double> y, std::span<const double> rate, std::span<double> push) const {
   auto p = products_.borrow();
   gather(x, *p);
   const bool viscous = viscous_factor != 0.0 && options_.viscosity > 0.0;
   if (viscous) pairs_.add_viscosity(viscous_factor, p->v, p->rate, p->y);
   if (pressure_factor != 0.0) {
     if (!viscous) pairs_.rates(p->v, inside_, p->rate);
-    const double kappa = bulk_modulus_ * particle_mass_ / options_.density;
+    for (std::size_t k = 0; k < rate.size(); ++k) p->rate[slot_[seen_[k].element]] += static_cast<float>(rate[k]);
     for (std::size_t i = 0; i < p->rate.size(); ++i)
-      p->pressure[i] = static_cast<float>(pressure_factor * kappa * inside_[i]) * p->rate[i];
+      p->pressure[i] = static_cast<float>(pressure_factor * fill_energy() * inside_[i]) * p->rate[i];
+    for (std::size_t k = 0; k < push.size(); ++k) push[k] = p->pressure[slot_[seen_[k].element]];
     pairs_.add_pressure(p->pressure, p->y);
   }
   scatter(*p, 1.0, y);
@@ -163,10 +219,7 @@ void ParticleFluidBody::multiply(double pressure_factor, double viscous_factor, 
 void ParticleFluidBody::add_forces(const Environment& env, std::span<double> Q) const {
   auto p = products_.borrow();
   gather(v_, *p);
-  const auto fill = pairs_.fill();
-  const double kappa = bulk_modulus_ * particle_mass_ / options_.density;
-  for (std::size_t i = 0; i < fill.size(); ++i)
-    p->pressure[i] = static_cast<float>(-kappa * std::max(0.0, fill[i] - 1.0));
+  for (std::size_t i = 0; i < fill_.size(); ++i) p->pressure[i] = static_cast<float>(-fill_energy() * excess_[i]);
   pairs_.add_pressure(p->pressure, p->y);
   if (options_.viscosity > 0.0) pairs_.add_viscosity(-1.0, p->v, p->y);
   if (cohesion_.acts()) cohesion_.add_forces(cells_.positions(), pairs_, p->y);
@@ -193,7 +246,14 @@ void ParticleFluidBody::apply_system(std::span<const double> x, std::span<double
 
 void ParticleFluidBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) const {
   const auto order = cells_.order();
-  const float kappa = static_cast<float>(dt_ * dt_ * bulk_modulus_ * particle_mass_ / options_.density);
+  const float kappa = static_cast<float>(dt_ * dt_ * fill_energy());
+  std::vector<Eigen::Vector3f> slope(order.size(), Eigen::Vector3f::Zero());
+  std::vector<Eigen::Matrix3f> apart(order.size(), Eigen::Matrix3f::Zero());
+  for (const Seen& s : seen_) {
+    const Eigen::Vector3f g = s.slope.cast<float>();
+    slope[slot_[s.element]] += g;
+    apart[slot_[s.element]] += g * g.transpose();
+  }
   parallel_blocks(order.size(), kParticleGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Eigen::Vector3f own = Eigen::Vector3f::Zero();
@@ -203,7 +263,9 @@ void ParticleFluidBody::add_system_diagonal(std::size_t first, BlockDiagonal& D)
         own += g;
         others += (kappa * inside_[j] + static_cast<float>(dt_) * e[3]) * g * g.transpose();
       });
-      others += (kappa * inside_[i]) * own * own.transpose();
+      // What contact adds itself of each thing seen is left out.
+      own += slope[i];
+      others += (kappa * inside_[i]) * (own * own.transpose() - apart[i]);
       D.block(first + order[i]) += particle_mass_ * Mat3::Identity() + others.cast<double>();
     }
   });
@@ -247,9 +309,8 @@ void ParticleFluidBody::make_map(int, std::span<const Vec3> points, std::span<co
 }
 
 double ParticleFluidBody::potential_energy(const Environment& env) const {
-  const double kappa = bulk_modulus_ * particle_mass_ / options_.density;
   double e = 0.0;
-  for (const double fill : pairs_.fill()) e += 0.5 * kappa * std::max(0.0, fill - 1.0) * std::max(0.0, fill - 1.0);
+  for (const double fill : fill_) e += 0.5 * fill_energy() * std::max(0.0, fill - 1.0) * std::max(0.0, fill - 1.0);
   for (const Vec3& x : x_) e -= particle_mass_ * env.gravity.dot(x);
   if (cohesion_.acts()) e += cohesion_.energy(cells_.positions(), pairs_);
   return e;
@@ -279,7 +340,7 @@ void ParticleFluidBody::display_positions(std::span<Vec3f> x) const {
 
 std::vector<double> ParticleFluidBody::fill() const {
   std::vector<double> out(start_.size());
-  for (std::size_t k = 0; k < out.size(); ++k) out[cells_.order()[k]] = pairs_.fill()[k];
+  for (std::size_t k = 0; k < out.size(); ++k) out[cells_.order()[k]] = fill_[k];
   return out;
 }
 

@@ -4,9 +4,11 @@
 #include <vector>
 
 #include "brim/body/body.h"
+#include "brim/body/filling.h"
 #include "brim/body/particle_fluid/cohesion.h"
 #include "brim/body/particle_fluid/fluid_contact.h"
 #include "brim/body/particle_fluid/fluid_pairs.h"
+#include "brim/body/particle_fluid/wall_fill.h"
 
 namespace brim {
 
@@ -35,7 +37,7 @@ struct ParticleFluidOptions {
 /// step of divergence-free SPH does (Bender and Koschier 2017); E takes compression back. Both are linearly implicit
 /// (energy and its treatment: Weiler, Koschier and Bender 2016), so κ does not limit the time step.
 /// Tests: tests/body/particle_fluid_test.cpp
-class ParticleFluidBody final : public Body {
+class ParticleFluidBody final : public Body, public Filling {
  public:
   /// @param x  particles at the start, world frame, [m]
   /// @throws InputError  when a number is out of range or there are no particles
@@ -65,6 +67,19 @@ class ParticleFluidBody final : public Body {
   void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
                 std::unique_ptr<Map>& map) const override;
 
+  std::span<const Vec3> fill_places() const override { return x_; }
+  double fill_reach() const override { return wall_.reach(); }
+  double fill_of(double d, double& slope) const override { return wall_(d, slope); }
+  double fill_gap() const override { return 0.5 * options_.spacing; }
+  void see(std::span<const Seen> seen) override;
+  void foresee(double dt, std::span<const double> v, std::span<const double> rate) override;
+  void press(std::span<double> push) const override;
+  void apply_stiffness_seeing(std::span<const double> x, std::span<const double> rate, std::span<double> y,
+                              std::span<double> push) const override;
+  void apply_system_seeing(std::span<const double> x, std::span<const double> rate, std::span<double> y,
+                           std::span<double> push) const override;
+  double fill_stiffness(std::size_t k) const override;
+
   double mass() const override { return particle_mass_ * static_cast<double>(start_.size()); }
   double potential_energy(const Environment& env) const override;
   Vec3 linear_momentum(std::span<const double> v) const override;
@@ -77,7 +92,7 @@ class ParticleFluidBody final : public Body {
   // ---- for tests and tools ---------------------------------------------------------------------------------------
   double bulk_modulus() const { return bulk_modulus_; }
   double particle_mass() const { return particle_mass_; }
-  /// φ of the last updated state in the order of the particles, [-].
+  /// φ of the last updated state in the order of the particles, what is seen of others included, [-].
   std::vector<double> fill() const;
   /// Pressure κ (φ − 1)₊ likewise, [Pa].
   std::vector<double> pressure() const;
@@ -92,7 +107,12 @@ class ParticleFluidBody final : public Body {
   void gather(std::span<const double> x, Product& p) const;
   void scatter(const Product& p, double scale, std::span<double> y) const;
   /// y += scale (pressure_factor κ-part + viscous_factor viscous part) x
-  void multiply(double pressure_factor, double viscous_factor, std::span<const double> x, std::span<double> y) const;
+  /// @param rate  of what is seen, and push = pressure_factor κ V s dφ there; both of shape (seen) or empty
+  void multiply(double pressure_factor, double viscous_factor, std::span<const double> x, std::span<double> y,
+                std::span<const double> rate = {}, std::span<double> push = {}) const;
+  void judge_fill();
+  /// ∂²E/∂φ², [J].
+  double fill_energy() const { return bulk_modulus_ * particle_mass_ / options_.density; }
 
   std::vector<Vec3> start_;
   ParticleFluidOptions options_;
@@ -107,7 +127,13 @@ class ParticleFluidBody final : public Body {
   ParticleCells cells_;
   FluidPairs pairs_;
   FluidContact contact_;
-  std::vector<float> inside_;  ///< s_i, cell order
+  WallFill wall_;
+  std::vector<Seen> seen_;
+  std::vector<std::int32_t> slot_;  ///< place in cell order of each particle
+  std::vector<double> fill_;        ///< φ, cell order, what is seen included
+  std::vector<double> approach_;
+  std::vector<double> excess_;  ///< φ − 1 that has a pressure, cell order; below 0 where a surface will be met
+  std::vector<float> inside_;   ///< s_i, cell order
   mutable WorkspacePool<Product> products_;
 };
 

@@ -1,0 +1,259 @@
+#include "brim/world/fill_stage.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "brim/body/distance_bound.h"
+#include "brim/body/posed_shape.h"
+#include "brim/core/parallel.h"
+#include "brim/core/profile.h"
+#include "brim/math/ramp.h"
+
+namespace brim {
+
+namespace {
+
+constexpr std::size_t kGrain = 512;
+/// Step of central differences of a distance, over the reach.
+constexpr double kDifference = 1e-3;
+
+const Filling* filling(const WorldPart& p) { return p.info.shapeless ? dynamic_cast<const Filling*>(p.body) : nullptr; }
+
+bool inside(const Aabb& box, const Vec3& x) {
+  return (x.array() >= box.lo.array()).all() && (x.array() <= box.hi.array()).all();
+}
+
+/// The tile whose own nodes hold the cell of x; node: its lowest corner within the tile.
+TileKey tile_of(const Vec3& x, double h, Vec3i& node) {
+  TileKey t;
+  std::int32_t* key[3] = {&t.x, &t.y, &t.z};
+  for (int a = 0; a < 3; ++a) {
+    const auto i = static_cast<std::int64_t>(std::floor(x[a] / h));
+    const std::int64_t tile = i >= 0 ? i / kTileSize : -((kTileSize - 1 - i) / kTileSize);
+    *key[a] = static_cast<std::int32_t>(tile);
+    node[a] = static_cast<int>(i - tile * kTileSize);
+  }
+  return t;
+}
+
+}  // namespace
+
+bool fills(const WorldPart& a, const WorldPart& b) {
+  return a.info.shapeless != b.info.shapeless && (filling(a) != nullptr || filling(b) != nullptr);
+}
+
+void FillStage::find(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts,
+                     const WorldOptions& options, ContactSet& set) {
+  filler_.assign(bodies.size(), {});
+  first_ = set.size();
+  contact_.clear(), seen_.clear();
+  for (std::size_t f = 0; f < parts.size(); ++f) {
+    if (filling(parts[f]) == nullptr) continue;
+    Filler& filler = filler_[parts[f].body_index];
+    filler.body = dynamic_cast<Filling*>(bodies[parts[f].body_index].get());
+    filler.begin = contact_.size();
+    const ProfileScope scope("fill", *parts[f].body);
+    const auto places = filler.body->fill_places();
+    const double reach = filler.body->fill_reach();
+    const Aabb box = parts[f].body->bounds(parts[f].index).inflated(reach);
+    for (std::size_t o = 0; o < parts.size(); ++o) {
+      if (o == f || !fills(parts[f], parts[o]) || !box.overlaps(parts[o].body->bounds(parts[o].index))) continue;
+      const double h = std::min(parts[f].h, parts[o].h);
+      found_.clear();
+      const auto* bound = dynamic_cast<const DistanceBound*>(parts[o].body);
+      const PosedShape* solid = bound != nullptr ? bound->solid(parts[o].index) : nullptr;
+      if (solid != nullptr && solid->known_distance() != nullptr)
+        find_in_solid(*solid, parts[o].body->bounds(parts[o].index).inflated(reach), *filler.body);
+      else
+        find_on_grid(parts[o], h, box, *filler.body);
+      if (found_.empty()) continue;
+      const bool fluid_first = f < o;
+      ContactPair pair{static_cast<std::int32_t>(std::min(f, o)),
+                       static_cast<std::int32_t>(std::max(f, o)),
+                       h,
+                       options.ramp_voxels * h,
+                       0.0,
+                       set.size(),
+                       set.size() + found_.size()};
+      std::size_t c = set.size();
+      set.resize(pair.end);
+      for (const Found& s : found_) {
+        const Vec3 slope = -s.slope * s.n;
+        Contact contact{};
+        contact.point = places[s.element] - s.distance * s.n;
+        contact.node = (contact.point / h).array().round().cast<int>();
+        contact.depth = static_cast<float>(filler.body->fill_gap() - s.distance);
+        (fluid_first ? contact.gradient_b : contact.gradient_a) = slope.cast<float>();
+        (fluid_first ? contact.source_a : contact.source_b) = Filling::source_of(s.element);
+        (fluid_first ? contact.source_b : contact.source_a) = s.source;
+        set.set(c++, contact);
+        contact_.push_back({fluid_first ? s.n : Vec3(-s.n), s.slope});
+        seen_.push_back({s.element, s.fill, slope});
+      }
+      set.pairs.push_back(pair);
+    }
+    filler.end = contact_.size();
+    filler.body->see(std::span(seen_).subspan(filler.begin, filler.end - filler.begin));
+  }
+}
+
+void FillStage::find_in_solid(const PosedShape& solid, const Aabb& bounds, const Filling& filler) {
+  const auto places = filler.fill_places();
+  const double reach = filler.fill_reach(), step = kDifference * reach;
+  piece_.resize((places.size() + kGrain - 1) / kGrain);
+  const Shape& shape = solid.shape();
+  const Pose& pose = solid.pose();
+  const KnownDistance& known = *solid.known_distance();
+  parallel_for(piece_.size(), [&](std::size_t b) {
+    std::vector<Found>& out = piece_[b];
+    out.clear();
+    for (std::size_t i = b * kGrain; i < std::min(places.size(), (b + 1) * kGrain); ++i) {
+      if (!inside(bounds, places[i])) continue;
+      const Vec3 p = pose.to_local(places[i]);
+      if (known.rough_distance(p) > reach + known.slack()) continue;
+      const double d = shape.distance(p);
+      if (!(d < reach)) continue;
+      Vec3 n;
+      for (int a = 0; a < 3; ++a) {
+        const Vec3 e = step * Vec3::Unit(a);
+        n[a] = shape.distance(p + e) - shape.distance(p - e);
+      }
+      const double length = n.norm();
+      if (!(length > 0.0)) continue;
+      Found s{static_cast<std::int32_t>(i), d, 0.0, 0.0, pose.rotation * (n / length), 0};
+      double slope = 0.0;
+      s.fill = filler.fill_of(d, slope);
+      s.slope = -slope;
+      out.push_back(s);
+    }
+  });
+  for (const auto& out : piece_) found_.insert(found_.end(), out.begin(), out.end());
+}
+
+void FillStage::find_on_grid(const WorldPart& part, double h, const Aabb& region, const Filling& filler) {
+  const auto places = filler.fill_places();
+  const double reach = filler.fill_reach();
+  // Distances are read from the ramp of the density, which must reach as far as is seen.
+  const double w = std::max(3.0 * h, 2.0 * reach + h);
+  const Aabb bounds = part.body->bounds(part.index).inflated(0.5 * w).intersection(region);
+  present_.clear(), binned_.clear();
+  part.body->presence(part.index, h, w, bounds, present_);
+  std::sort(present_.begin(), present_.end());
+  present_.erase(std::unique(present_.begin(), present_.end()), present_.end());
+  Vec3i node;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (!inside(bounds, places[i])) continue;
+    const TileKey t = tile_of(places[i], h, node);
+    if (std::binary_search(present_.begin(), present_.end(), t)) binned_.emplace_back(t, static_cast<std::int32_t>(i));
+  }
+  if (binned_.empty()) return;
+  std::sort(binned_.begin(), binned_.end());
+  tiles_.clear(), first_in_tile_.clear();
+  for (std::size_t i = 0; i < binned_.size(); ++i)
+    if (i == 0 || binned_[i].first != binned_[i - 1].first)
+      tiles_.push_back(binned_[i].first), first_in_tile_.push_back(i);
+  first_in_tile_.push_back(binned_.size());
+  if (blocks_.size() < tiles_.size()) blocks_.resize(tiles_.size());
+  const auto blocks = std::span(blocks_).subspan(0, tiles_.size());
+  for (DensityBlock& b : blocks) b.octants = kAllOctants;
+  part.body->rasterize(part.index, h, w, tiles_, blocks);
+
+  piece_.resize(tiles_.size());
+  parallel_for(tiles_.size(), [&](std::size_t t) {
+    std::vector<Found>& out = piece_[t];
+    out.clear();
+    const DensityBlock& block = blocks[t];
+    for (std::size_t k = first_in_tile_[t]; k < first_in_tile_[t + 1]; ++k) {
+      const std::int32_t i = binned_[k].second;
+      Vec3i lo;
+      tile_of(places[i], h, lo);
+      const Vec3 f = places[i] / h - (places[i] / h).array().floor().matrix();
+      // Trilinear in the distances; the source of the fullest corner.
+      double d = 0.0, best = 0.0;
+      Vec3 n = Vec3::Zero();
+      std::int32_t source = -1;
+      for (int corner = 0; corner < 8; ++corner) {
+        const int a = corner & 1, b = corner >> 1 & 1, c = corner >> 2;
+        const int at = block_index(lo[0] + a + kHalo, lo[1] + b + kHalo, lo[2] + c + kHalo);
+        const double rho = block.rho[at], dist = ramp_inverse(rho, w);
+        const double wx = a ? f[0] : 1.0 - f[0], wy = b ? f[1] : 1.0 - f[1], wz = c ? f[2] : 1.0 - f[2];
+        d += wx * wy * wz * dist;
+        n += dist / h * Vec3((a ? 1.0 : -1.0) * wy * wz, wx * (b ? 1.0 : -1.0) * wz, wx * wy * (c ? 1.0 : -1.0));
+        if (rho > best && block.source[at] >= 0) best = rho, source = block.source[at];
+      }
+      const double length = n.norm();
+      if (!(d < reach) || !(best > 0.0) || !(length > 1e-6)) continue;
+      Found s{i, d, 0.0, 0.0, n / length, source};
+      double slope = 0.0;
+      s.fill = filler.fill_of(d, slope);
+      s.slope = -slope;
+      out.push_back(s);
+    }
+  });
+  for (const auto& out : piece_) found_.insert(found_.end(), out.begin(), out.end());
+}
+
+void FillStage::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+                      std::span<const double> v, std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b,
+                      double dt, Penalty& response) {
+  dt_ = dt;
+  const std::size_t n = contact_.size();
+  start_push_.resize(n), start_change_.resize(n), load_.resize(n), rate_.resize(n), push_.resize(n);
+  start_stiffness_.assign(first_v.back(), 0.0);
+  first_v_.assign(first_v.begin(), first_v.end());
+  for (std::size_t i = 0; i < n; ++i) see(first_ + i, velocity_a[first_ + i] - velocity_b[first_ + i]);
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const Filler& f = filler_[b];
+    if (f.body == nullptr) continue;
+    const auto mine = [&](auto& x) { return std::span(x).subspan(f.begin, f.end - f.begin); };
+    f.body->foresee(dt, v.subspan(first_v[b], first_v[b + 1] - first_v[b]), mine(rate_));
+    f.body->press(mine(start_push_));
+    f.body->apply_stiffness_seeing(v.subspan(first_v[b], first_v[b + 1] - first_v[b]), mine(rate_),
+                                   std::span(start_stiffness_).subspan(first_v[b], first_v[b + 1] - first_v[b]),
+                                   mine(start_change_));
+    for (std::size_t k = f.begin; k < f.end; ++k) {
+      const double s = contact_[k].slope;
+      load_[k] = s * (start_push_[k] + dt * start_change_[k]);
+      response.set_pressed(first_ + k, s * s * f.body->fill_stiffness(k - f.begin));
+    }
+  }
+  give_loads(response);
+}
+
+void FillStage::add_start_stiffness(std::size_t body, std::span<double> y) const {
+  for (std::size_t i = 0; i < y.size(); ++i) y[i] += start_stiffness_[first_v_[body] + i];
+}
+
+void FillStage::add_right_hand_side(std::span<Vec3> force) const {
+  for (std::size_t k = 0; k < contact_.size(); ++k)
+    force[first_ + k] += (contact_[k].slope * (start_push_[k] + dt_ * start_change_[k])) * contact_[k].n;
+}
+
+void FillStage::apply_system(std::size_t body, std::span<const double> x, std::span<double> y) const {
+  const Filler& f = filler_[body];
+  f.body->apply_system_seeing(x, std::span<const double>(rate_).subspan(f.begin, f.end - f.begin), y,
+                              std::span(push_).subspan(f.begin, f.end - f.begin));
+}
+
+void FillStage::finish(std::span<const std::size_t> first_v, std::span<const double> delta,
+                       std::span<const Vec3> contact_delta) {
+  for (std::size_t k = 0; k < contact_.size(); ++k) see(first_ + k, contact_delta[first_ + k]);
+  for (std::size_t b = 0; b < filler_.size(); ++b) {
+    if (filler_[b].body == nullptr) continue;
+    const std::size_t n = first_v[b + 1] - first_v[b];
+    scratch_.assign(n, 0.0);
+    apply_system(b, delta.subspan(first_v[b], n), scratch_);
+  }
+  for (std::size_t k = 0; k < contact_.size(); ++k)
+    load_[k] = contact_[k].slope * (start_push_[k] + dt_ * start_change_[k] + push_[k] / dt_);
+}
+
+void FillStage::add_forces(std::span<Vec3> force) const {
+  for (std::size_t k = 0; k < contact_.size(); ++k) force[first_ + k] += load_[k] * contact_[k].n;
+}
+
+void FillStage::give_loads(Penalty& response) const {
+  for (std::size_t k = 0; k < contact_.size(); ++k) response.set_load(first_ + k, load_[k]);
+}
+
+}  // namespace brim

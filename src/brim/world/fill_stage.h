@@ -1,0 +1,99 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "brim/body/body.h"
+#include "brim/body/filling.h"
+#include "brim/contact/contact_set.h"
+#include "brim/response/penalty.h"
+#include "brim/world/contact_maps.h"
+#include "brim/world/contact_stage.h"
+
+namespace brim {
+
+/// Contacts of bodies that fill what solids leave (Filling): one for each element within reach of a surface, answered
+/// by the body's pressure in the common solve. A surface is known by its distance, of solids from themselves, of all
+/// else from the density that they write on the grid.
+///
+/// Their force on part a is f n, n the contact's normal, f = p |∇λ|, and the rate of fill −|∇λ| n·Δ.
+/// Same bits for any number of threads.  Tests: tests/world/fill_stage_test.cpp
+class FillStage {
+ public:
+  /// Finds the contacts, appends them to the set, pair after pair, and tells them to the bodies.
+  void find(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts,
+            const WorldOptions& options, ContactSet& set);
+  /// Takes the state at the start of the step: pressures and rates, which response is told for friction.
+  /// @param velocity_a, velocity_b  [m/s] matter of each part at all contacts
+  void begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+             std::span<const double> v, std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b, double dt,
+             Penalty& response);
+
+  bool empty() const { return contact_.empty(); }
+  bool holds(std::size_t c) const { return c >= first_; }
+  std::size_t first() const { return first_; }  ///< the first of these contacts in the set; all that follow are
+  bool handles(std::size_t body) const { return body < filler_.size() && filler_[body].body != nullptr; }
+
+  /// y += ∂Q/∂q v of a body at the start.
+  void add_start_stiffness(std::size_t body, std::span<double> y) const;
+  /// force_c += force on part a that the start state gives, pressure and its change by the motion at the start, [N].
+  void add_right_hand_side(std::span<Vec3> force) const;
+  /// Takes the relative velocity of contact c for the products that follow.
+  void see(std::size_t c, const Vec3& delta) const {
+    const Pressed& p = contact_[c - first_];
+    rate_[c - first_] = -p.slope * p.n.dot(delta);
+  }
+  /// y += A x of a body, after see.
+  void apply_system(std::size_t body, std::span<const double> x, std::span<double> y) const;
+  /// Force times dt of contact c on part a, of the last product, [N s].
+  Vec3 impulse(std::size_t c) const {
+    return (push_[c - first_] * contact_[c - first_].slope) * contact_[c - first_].n;
+  }
+
+  /// Takes the solution in: forces follow. @param delta  velocity changes @param contact_delta  at all contacts
+  void finish(std::span<const std::size_t> first_v, std::span<const double> delta, std::span<const Vec3> contact_delta);
+  /// Normal force on part a at the end of the step, [N], after finish.
+  void add_forces(std::span<Vec3> force) const;
+  /// Loads of these contacts after finish, for friction.
+  void give_loads(Penalty& response) const;
+
+ private:
+  struct Filler {
+    Filling* body = nullptr;
+    std::size_t begin = 0, end = 0;  ///< its contacts, from first_
+  };
+  struct Pressed {
+    Vec3 n;        ///< towards part a
+    double slope;  ///< |∇λ|, [1/m]
+  };
+  struct Found {
+    std::int32_t element;
+    double distance, fill, slope;
+    Vec3 n;  ///< from the surface to the element
+    std::int32_t source;
+  };
+  void find_in_solid(const PosedShape& solid, const Aabb& bounds, const Filling& filler);
+  void find_on_grid(const WorldPart& part, double h, const Aabb& region, const Filling& filler);
+
+  std::vector<Filler> filler_;  ///< per body
+  std::size_t first_ = 0;
+  std::vector<Pressed> contact_;
+  std::vector<Seen> seen_;
+  std::vector<Found> found_;
+  std::vector<std::vector<Found>> piece_;
+  std::vector<std::pair<TileKey, std::int32_t>> binned_;
+  std::vector<TileKey> tiles_, present_;
+  std::vector<std::size_t> first_in_tile_;
+  std::vector<DensityBlock> blocks_;
+  std::vector<double> start_push_, start_change_, load_, scratch_;
+  std::vector<double> start_stiffness_;
+  std::vector<std::size_t> first_v_;
+  mutable std::vector<double> rate_, push_;
+  double dt_ = 0.0;
+};
+
+/// True when one of two parts fills what the other leaves, so that grid contacts between them are not looked for.
+bool fills(const WorldPart& a, const WorldPart& b);
+
+}  // namespace brim

@@ -1,0 +1,147 @@
+#include "brim/world/fill_stage.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "brim/core/parallel.h"
+#include "support/particle_fluids.h"
+#include "support/worlds.h"
+
+namespace brim {
+namespace {
+
+using namespace testing::fluids;
+
+std::unique_ptr<Body> fluid(std::vector<Vec3> x, double viscosity = 1.0) {
+  ParticleFluidOptions o = options(viscosity);
+  o.material.friction = 0.0;
+  auto b = std::make_unique<ParticleFluidBody>(std::move(x), o);
+  b->set_name("fluid");
+  return b;
+}
+
+/// Walls that stand on a floor around a square, with water in between.
+World tank(double depth, double side = 0.4) {
+  WorldOptions o;
+  o.time_step = 0.005;
+  o.voxel_size = 0.025;
+  World w(o);
+  w.add(testing::obstacle("floor", make_half_space(), 0.0));
+  w.add(testing::obstacle("west", make_box(Vec3(0.1, 0.8, 0.6)), 0.0, Vec3(-0.5 * side - 0.05, 0, 0.3)));
+  w.add(testing::obstacle("east", make_box(Vec3(0.1, 0.8, 0.6)), 0.0, Vec3(0.5 * side + 0.05, 0, 0.3)));
+  w.add(testing::obstacle("south", make_box(Vec3(0.8, 0.1, 0.6)), 0.0, Vec3(0, -0.5 * side - 0.05, 0.3)));
+  w.add(testing::obstacle("north", make_box(Vec3(0.8, 0.1, 0.6)), 0.0, Vec3(0, 0.5 * side + 0.05, 0.3)));
+  w.add(fluid(block(Vec3(side, side, depth), 0.0, Vec3(-0.5 * side, -0.5 * side, 0))));
+  return w;
+}
+
+TEST(FillStage, WallsOnAFloorCarryNoneOfTheWeightAndTheHydrostaticForceAcross) {
+  const double depth = 0.3;
+  World w = tank(depth);
+  testing::run(w, 1.0);
+  Vec3 force[5];
+  for (Vec3& f : force) f.setZero();
+  double height = 0.0, error = 0.0;
+  const int steps = 100;
+  for (int i = 0; i < steps; ++i) {
+    const StepReport r = w.step();
+    ASSERT_TRUE(r.ok);
+    error = std::max(error, r.momentum_error);
+    for (const PairReport& p : r.pairs) force[p.part_a] -= p.force_on_a / steps;
+    const auto q = w.q(5);
+    for (std::size_t k = 2; k < q.size(); k += 3) height += 2.0 * q[k] * 3.0 / static_cast<double>(q.size()) / steps;
+  }
+  for (Vec3& f : force) f = -f;  // on the obstacle, which is a
+  const double weight = 9.81 * w.body(5).mass();
+  EXPECT_NEAR(-force[0].z(), weight, 0.01 * weight);
+  for (int b = 1; b < 5; ++b) EXPECT_NEAR(force[b].z(), 0.0, 1e-3 * weight);
+  EXPECT_NEAR(height, depth, 0.02 * depth);  // twice that of the centre of mass
+  const double across = 0.5 * 1000.0 * 9.81 * 0.4 * height * height;
+  for (int b = 1; b < 5; ++b) {
+    const Vec3 out = Vec3((b == 2) - (b == 1), (b == 4) - (b == 3), 0.0);
+    EXPECT_NEAR(force[b].dot(out), across, 0.03 * across) << b;
+  }
+  EXPECT_LT(error, 1e-12);
+}
+
+TEST(FillStage, WhatFluidAndSolidGiveEachOtherIsTheSame) {
+  WorldOptions o;
+  o.environment.gravity.setZero();
+  o.time_step = 0.002;
+  o.voxel_size = 0.025;
+  o.cg_tolerance = 1e-10;
+  World w(o);
+  w.add(fluid(block(Vec3(0.3, 0.3, 0.2), 0.1, Vec3(-0.15, -0.15, -0.2))));
+  testing::Start s;
+  s.x = Vec3(0.03, -0.02, 0.13), s.v = Vec3(0.3, 0, -2.0), s.w = Vec3(1, 2, 3);
+  w.add(testing::box("box", s, 0.0, 0.2, 600.0));
+  const auto momentum = [&](Vec3& p, Vec3& l) {
+    p.setZero(), l.setZero();
+    for (int b = 0; b < 2; ++b) p += w.body(b).linear_momentum(w.v(b)), l += w.body(b).angular_momentum(w.v(b));
+  };
+  Vec3 p0, l0, p1, l1;
+  momentum(p0, l0);
+  const double mine = w.body(1).linear_momentum(w.v(1)).z();
+  for (int i = 0; i < 50; ++i) {
+    const StepReport r = w.step();
+    ASSERT_TRUE(r.ok);
+    EXPECT_LT(r.momentum_error, 1e-12);
+    EXPECT_LT(r.angular_error, 1e-12);
+  }
+  momentum(p1, l1);
+  const double given = std::abs(w.body(1).linear_momentum(w.v(1)).z() - mine);
+  EXPECT_GT(given, 0.1 * std::abs(mine));
+  EXPECT_LT((p1 - p0).norm(), 1e-7 * given);
+}
+
+TEST(FillStage, AFloatingBoxDisplacesItsWeight) {
+  // Wide and low, so that it floats upright; 4 spacings wide, 3 high, two thirds of the density.
+  const double side = 0.6;
+  World w = tank(0.3, side);
+  RigidModel m;
+  const Vec3 size(0.2, 0.2, 0.15);
+  m.shape = make_box(size);
+  m.mass = 1000.0 * 2.0 / 3.0 * size.prod();
+  m.inertia = m.mass / 12.0 *
+              Vec3(size.y() * size.y() + size.z() * size.z(), size.x() * size.x() + size.z() * size.z(),
+                   size.x() * size.x() + size.y() * size.y())
+                  .asDiagonal()
+                  .toDenseMatrix();
+  m.position = Vec3(0, 0, 0.3);
+  m.part.material.friction = 0.0;
+  auto box = std::make_unique<RigidBody>(m);
+  box->set_name("box");
+  w.add(std::move(box));
+  testing::run(w, 2.0);
+  double lift = 0.0, bottom = 0.0;
+  const int steps = 200;
+  for (int i = 0; i < steps; ++i) {
+    const StepReport r = w.step();
+    ASSERT_TRUE(r.ok);
+    for (const PairReport& p : r.pairs)
+      if (p.part_b == 6) lift -= p.force_on_a.z() / steps;
+    bottom += (testing::position(w, 6).z() - 0.5 * size.z()) / steps;
+  }
+  EXPECT_NEAR(lift, 9.81 * m.mass, 0.02 * 9.81 * m.mass);
+  // The surface of a pool that keeps its volume: water and what lies in it, over the floor.
+  const double surface = (w.body(5).mass() + m.mass) / 1000.0 / (side * side);
+  EXPECT_NEAR(surface - bottom, 0.1, 0.1 * 0.1);
+}
+
+TEST(FillStage, OneThreadAndThreeGiveTheSameBits) {
+  std::uint64_t hash[2];
+  for (int k = 0; k < 2; ++k) {
+    const ThreadLimit limit(k == 0 ? 1 : 3);
+    World w = tank(0.2);
+    testing::Start s;
+    s.x = Vec3(0, 0, 0.22);
+    w.add(testing::ball("ball", s, 0.0, 0.07, 300.0));
+    testing::run(w, 0.05);
+    hash[k] = w.hash();
+  }
+  EXPECT_EQ(hash[0], hash[1]);
+}
+
+}  // namespace
+}  // namespace brim
