@@ -25,9 +25,8 @@ void RigidModes::take_modes(const Body& body, std::size_t n, Modes& m) const {
   if (const auto* walled = dynamic_cast<const Walled*>(&body); walled && walled->confined()) return;
   const Aabb box = body.bounds(0);
   const Vec3 center = box.lo.allFinite() && box.hi.allFinite() ? box.center() : Vec3::Zero();
-  // A fluid turns as a whole hardly ever, and its vectors are long.
   const bool fluid = dynamic_cast<const Filling*>(&body) != nullptr;
-  for (int k = 0; k < (fluid ? 3 : kModes); ++k) {
+  for (int k = 0; k < kModes; ++k) {
     const Vec3 w = k < 3 ? Vec3::Zero() : Vec3(Vec3::Unit(k - 3));
     const Vec3 t = k < 3 ? Vec3(Vec3::Unit(k)) : Vec3(-w.cross(center));
     Eigen::Map<Eigen::VectorXd> x(m.columns.data() + m.count * n, static_cast<Eigen::Index>(n));
