@@ -51,6 +51,11 @@ class ImplicitStep {
   std::span<const Vec3> contact_delta() const { return contact_delta_; }
 
  private:
+  /// Where all bodies are rigid frames and nothing couples them: Δv from their own masses and inertias.
+  /// @return false where some are not
+  bool solve_frames(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+                    const Environment& env, double dt, std::span<const double> impulse, std::span<double> delta);
+
   std::vector<double> internal_, rhs_, scratch_;
   std::vector<Vec3> contact_delta_, contact_force_;
   std::vector<std::size_t> first_block_;
