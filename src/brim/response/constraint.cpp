@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace brim {
 
@@ -28,28 +29,64 @@ constexpr double kUnseen = 0.05;
 /// [voxels] corners nearer to another point than this say nothing new.
 constexpr double kApart = 1.0;
 
+/// At an edge the point goes with the matter of the sharper surface, as on a curvature of one voxel; the other is flat.
+Constraint::Bend sharp_bend(const ContactSet& s, std::size_t c, double h) {
+  const double a = s.curvature_a(c).norm() * s.gradient_b[c].norm(),
+               b = s.curvature_b(c).norm() * s.gradient_a[c].norm();
+  Constraint::Bend bend;
+  (a > b ? bend.a : bend.b) = Mat3::Identity() / h;
+  return bend;
+}
+
 }  // namespace
 
 void Constraint::gather(const ContactSet& contacts, std::span<const Vec3> normals,
-                        std::span<const ConstraintPair> pairs, const ConstraintOptions& options) {
+                        std::span<const ConstraintPair> pairs, const ConstraintOptions& options,
+                        const GatheredRows& gathered) {
   points_.resize(0);
-  points_.pairs = contacts.pairs;
-  normal_.clear(), friction_.clear(), restitution_.clear();
-  for (std::size_t p = 0; p < contacts.pairs.size(); ++p) {
-    points_.pairs[p].begin = points_.size();
+  points_.pairs.clear();
+  normal_.clear(), friction_.clear(), restitution_.clear(), bend_.clear();
+  std::size_t next = 0;
+  for (std::size_t p = 0; p <= contacts.pairs.size(); ++p) {
+    const bool last = p == contacts.pairs.size();
+    // Both lists are ordered by part numbers, and so is what they make together.
+    const auto comes_first = [&](const PairRows& r) {
+      return last || std::pair(r.part_a, r.part_b) < std::pair(contacts.pairs[p].part_a, contacts.pairs[p].part_b);
+    };
+    for (; next < gathered.pairs.size() && comes_first(gathered.pairs[next]); ++next)
+      take_rows(gathered.pairs[next], gathered.rows);
+    if (last) break;
+    points_.pairs.push_back(contacts.pairs[p]);
+    points_.pairs.back().begin = points_.size();
     if (pairs[p].constrained && contacts.pairs[p].begin < contacts.pairs[p].end)
       gather_pair(contacts, normals, contacts.pairs[p], pairs[p], options);
-    points_.pairs[p].end = points_.size();
+    points_.pairs.back().end = points_.size();
   }
+}
+
+void Constraint::take_rows(const PairRows& pair, std::span<const RowPoint> rows) {
+  const std::size_t first = points_.size(), n = pair.end - pair.begin;
+  points_.pairs.push_back({pair.part_a, pair.part_b, pair.h, pair.w, 0.0, first, first + n});
+  points_.resize(first + n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const RowPoint& r = rows[pair.begin + i];
+    points_.point[first + i] = r.point;
+    points_.depth[first + i] = static_cast<float>(-r.gap);
+    normal_.push_back(r.normal);
+  }
+  bend_.resize(first + n);
+  friction_.resize(first + n, pair.friction), restitution_.resize(first + n, pair.restitution);
 }
 
 void Constraint::gather_pair(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                              const ConstraintPair& law, const ConstraintOptions& options) {
   order_.clear();
   std::size_t best = pair.begin;
+  double most = facing(contacts, best);
   for (std::size_t c = pair.begin; c < pair.end; ++c) {
     if (tells_distances(contacts, c, pair)) order_.push_back(c);
-    if (facing(contacts, c) > facing(contacts, best)) best = c;
+    const double f = facing(contacts, c);
+    if (f > most) best = c, most = f;
   }
   const std::size_t first = points_.size();
   const std::span<const EdgePoint> edges =
@@ -58,7 +95,8 @@ void Constraint::gather_pair(const ContactSet& contacts, std::span<const Vec3> n
   std::stable_sort(order_.begin(), order_.end(),
                    [&](std::size_t i, std::size_t j) { return contacts.depth[i] > contacts.depth[j]; });
   if (options.every_node)
-    for (const std::size_t c : order_) add_point(contacts, c, contacts.point[c], normals[c], -contacts.depth[c], law);
+    for (const std::size_t c : order_)
+      add_point(contacts, c, contacts.point[c], normals[c], -contacts.depth[c], law, {});
   else if (law.stiff)
     gather_stiff(contacts, normals, pair, law);
   else
@@ -68,7 +106,7 @@ void Constraint::gather_pair(const ContactSet& contacts, std::span<const Vec3> n
     bool against = false;
     for (std::size_t i = first; i < points_.size(); ++i)
       against = against || (normal_[i].dot(e.normal) < 0.0 && (points_.point[i] - e.point).norm() < kAround * pair.h);
-    if (!against) add_point(contacts, e.node, e.point, e.normal, e.gap, law);
+    if (!against) add_point(contacts, e.node, e.point, e.normal, e.gap, law, sharp_bend(contacts, e.node, pair.h));
   }
   if (law.stiff && !options.every_node) deepen(contacts, normals, pair, law, first);
 }
@@ -92,7 +130,9 @@ void Constraint::deepen(const ContactSet& contacts, std::span<const Vec3> normal
       points_.depth[best] = contacts.depth[c];
     }
   }
-  if (alone < pair.end) add_point(contacts, alone, contacts.point[alone], normals[alone], -contacts.depth[alone], law);
+  if (alone < pair.end)
+    add_point(contacts, alone, contacts.point[alone], normals[alone], -contacts.depth[alone], law,
+              sharp_bend(contacts, alone, pair.h));
 }
 
 void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
@@ -165,7 +205,8 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
         model.least_point = deepest, model.least_gap = -contacts.depth[around_.front()];
     }
     const std::size_t center = points_.size();
-    add_point(contacts, around_.front(), model.least_point, model.n, model.least_gap, law);
+    add_point(contacts, around_.front(), model.least_point, model.n, model.least_gap, law,
+              {model.bend_a, model.bend_b});
     if (!law.stiff) return;
     add_corners(contacts, pair, law, model, first, center);
     // What lies nearer than the model says has points of its own.
@@ -207,7 +248,7 @@ void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair
     if (!fresh) continue;
     // The gaps are the model's: bodies would rock on the noise of each node.
     const double gap = model.gap_at(y);
-    add_point(contacts, c, y, model.n, gap, law);
+    add_point(contacts, c, y, model.n, gap, law, {model.bend_a, model.bend_b});
     least = std::min(least, gap);
   }
   // Between three corners or four the first point says nothing new, unless it lies deeper.
@@ -217,12 +258,13 @@ void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair
 void Constraint::remove_point(std::size_t i) {
   const auto drop = [i](auto& v) { v.erase(v.begin() + static_cast<std::ptrdiff_t>(i)); };
   points_.erase(i);
-  drop(normal_), drop(friction_), drop(restitution_);
+  drop(normal_), drop(friction_), drop(restitution_), drop(bend_);
 }
 
 void Constraint::add_point(const ContactSet& contacts, std::size_t c, const Vec3& x, const Vec3& n, double gap,
-                           const ConstraintPair& law) {
+                           const ConstraintPair& law, const Bend& bend) {
   points_.append(contacts, c, x, -gap);
+  bend_.push_back(bend);
   normal_.push_back(n), friction_.push_back(law.friction), restitution_.push_back(law.restitution);
 }
 

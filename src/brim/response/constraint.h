@@ -7,6 +7,7 @@
 #include "brim/contact/contact_set.h"
 #include "brim/math/types.h"
 #include "brim/response/edge_points.h"
+#include "brim/response/moved_rows.h"
 #include "brim/response/node_places.h"
 #include "brim/response/patch_model.h"
 
@@ -45,12 +46,18 @@ class Constraint {
   /// Gathers the contacts to points.
   /// @param normals  unit, towards a, one per contact
   /// @param pairs    one per pair of the contacts
+  /// @param gathered rows of other pairs, which are gathered already
   void gather(const ContactSet& contacts, std::span<const Vec3> normals, std::span<const ConstraintPair> pairs,
-              const ConstraintOptions& options);
+              const ConstraintOptions& options, const GatheredRows& gathered = {});
   /// The points as contacts, depth = −φ; pairs without points have empty ranges.
   const ContactSet& points() const { return points_; }
   std::span<const Vec3> normals() const { return normal_; }
   std::span<const double> friction() const { return friction_; }
+  /// Curvatures of the two surfaces at the points that gather has found itself, [1/m].
+  struct Bend {
+    Mat3 a = Mat3::Zero(), b = Mat3::Zero();
+  };
+  std::span<const Bend> bends() const { return bend_; }
 
   /// @param start, free  [m/s] relative velocity a − b at each point: at the start, and of the motion without contact
   void set_targets(const ConstraintOptions& options, std::span<const Vec3> start, std::span<const Vec3> free);
@@ -65,6 +72,7 @@ class Constraint {
  private:
   void gather_pair(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                    const ConstraintPair& law, const ConstraintOptions& options);
+  void take_rows(const PairRows& pair, std::span<const RowPoint> rows);
   /// Patches of small reach, for parts that deform; patches as far as they hang together, for parts that do not.
   void gather_soft(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                    const ConstraintPair& law);
@@ -82,11 +90,12 @@ class Constraint {
               const ConstraintPair& law, std::size_t first);
   void remove_point(std::size_t i);
   void add_point(const ContactSet& contacts, std::size_t c, const Vec3& x, const Vec3& n, double gap,
-                 const ConstraintPair& law);
+                 const ConstraintPair& law, const Bend& bend);
 
   ContactSet points_;
   std::vector<Vec3> normal_;
   std::vector<double> friction_, restitution_;
+  std::vector<Bend> bend_;
   std::vector<double> velocity_target_, travel_target_;
   bool travels_apart_ = false, bounces_ = false;
   std::vector<std::size_t> order_, patch_, rest_, around_, flat_;

@@ -27,11 +27,17 @@ void EdgePoints::read(const ContactSet& s, const ContactPair& pair, std::span<co
   place_.reset(pair.h);
   for (const std::size_t c : faces) place_.set(s.node_at(c, pair.h), c);
   const auto belongs_to_face = [&](const Reading& r) {
-    return place_.any_around(s.node_at(r.node, pair.h), kBesideFace,
-                             [&](std::size_t face) { return -s.depth[face] <= r.gap + kNearer * pair.h; });
+    const auto owns = [&](std::size_t face) { return -s.depth[face] <= r.gap + kNearer * pair.h; };
+    const Vec3 at = s.node_at(r.node, pair.h);
+    return place_.any_around(at, 1, owns) || place_.any_around(at, kBesideFace, owns);
   };
+  std::size_t next = 0;  // of the faces
   for (std::size_t c = pair.begin; c < pair.end; ++c) {
-    if (tells_distances(s, c, pair) || !on_ramps(s, c, pair) || facing(s, c) < kLeastFacing) continue;
+    if (next < faces.size() && faces[next] == c) {
+      ++next;
+      continue;
+    }
+    if (!on_ramps(s, c, pair) || facing(s, c) < kLeastFacing) continue;
     const Vec3 away_a = -s.gradient_a[c].normalized(), away_b = -s.gradient_b[c].normalized();
     const double bend_a = s.curvature_a(c).norm() / s.gradient_a[c].norm(),
                  bend_b = s.curvature_b(c).norm() / s.gradient_b[c].norm();

@@ -28,7 +28,8 @@ struct EdgePoint {
 /// Tests: tests/response/constraint_test.cpp
 class EdgePoints {
  public:
-  /// @param faces  contacts of the pair that patches take; nodes within two voxels of one are theirs, unless they tell
+  /// @param faces  contacts of the pair that patches take, ascending: those that tell distances; nodes within two
+  /// voxels of one are theirs, unless they tell
   ///               of a smaller gap
   std::span<const EdgePoint> find(const ContactSet& contacts, const ContactPair& pair,
                                   std::span<const std::size_t> faces);

@@ -1,31 +1,44 @@
 #pragma once
 
+#include <algorithm>
+#include <bit>
 #include <cstdint>
-#include <unordered_map>
+#include <vector>
 
 #include "brim/math/types.h"
 
 namespace brim {
 
-/// Numbers kept by node of the grid, to go from a node to those around it.
+/// Numbers kept by node of the grid, to go from a node to those around it. A table with open addressing, whose memory
+/// is kept. Tests: tests/response/node_places_test.cpp
 class NodePlaces {
  public:
   /// Forgets all. @param h  [m] step of the grid
   void reset(double h) {
-    h_ = h;
-    number_.clear();
+    h_ = h, count_ = 0;
+    // Slots of earlier generations count as empty.
+    if (++generation_ == 0) slots_.assign(slots_.size(), {}), generation_ = 1;
   }
   /// @param node  [m], within 1e6 steps of the origin
-  void set(const Vec3& node, std::size_t number) { number_[key_of(node, 0, 0, 0)] = number; }
+  void set(const Vec3& node, std::size_t number) {
+    if (2 * (count_ + 1) > slots_.size()) grow();
+    const std::int64_t key = key_of(node);
+    Slot& s = slot_of(key);
+    count_ += s.generation != generation_;
+    s = {key, static_cast<std::uint32_t>(number), generation_};
+  }
 
   /// True as soon as f(number) is for a node at most so many steps away along each axis; always in the same order.
   template <class F>
   bool any_around(const Vec3& node, int steps, const F& f) const {
-    if (number_.empty()) return false;
-    for (int dx = -steps; dx <= steps; ++dx)
-      for (int dy = -steps; dy <= steps; ++dy)
-        for (int dz = -steps; dz <= steps; ++dz)
-          if (const auto it = number_.find(key_of(node, dx, dy, dz)); it != number_.end() && f(it->second)) return true;
+    if (count_ == 0) return false;
+    const std::int64_t middle = key_of(node);
+    for (std::int64_t dx = -steps; dx <= steps; ++dx)
+      for (std::int64_t dy = -steps; dy <= steps; ++dy)
+        for (std::int64_t dz = -steps; dz <= steps; ++dz) {
+          const Slot& s = slot_of(middle + dx * kX + dy * kY + dz);
+          if (s.generation == generation_ && f(std::size_t{s.number})) return true;
+        }
     return false;
   }
   /// f(number) for all of them.
@@ -38,15 +51,40 @@ class NodePlaces {
   }
 
  private:
-  std::int64_t key_of(const Vec3& node, int dx, int dy, int dz) const {
+  struct Slot {
+    std::int64_t key = 0;
+    std::uint32_t number = 0, generation = 0;
+  };
+  static constexpr std::int64_t kX = std::int64_t{1} << 42, kY = std::int64_t{1} << 21;
+
+  std::int64_t key_of(const Vec3& node) const {
     const Vec3 i = (node / h_).array().round();
     constexpr std::int64_t kBias = 1 << 20;
-    return ((static_cast<std::int64_t>(i.x()) + dx + kBias) << 42) +
-           ((static_cast<std::int64_t>(i.y()) + dy + kBias) << 21) + static_cast<std::int64_t>(i.z()) + dz + kBias;
+    return (static_cast<std::int64_t>(i.x()) + kBias) * kX + (static_cast<std::int64_t>(i.y()) + kBias) * kY +
+           static_cast<std::int64_t>(i.z()) + kBias;
+  }
+  /// That of the key, or the empty one where it would be.
+  const Slot& slot_of(std::int64_t key) const {
+    // Only the highest bits of the product depend on all of the key.
+    const std::size_t mask = slots_.size() - 1;
+    auto at = static_cast<std::size_t>((static_cast<std::uint64_t>(key) * 0x9e3779b97f4a7c15ull) >> shift_);
+    while (slots_[at].generation == generation_ && slots_[at].key != key) at = (at + 1) & mask;
+    return slots_[at];
+  }
+  Slot& slot_of(std::int64_t key) { return const_cast<Slot&>(static_cast<const NodePlaces&>(*this).slot_of(key)); }
+  void grow() {
+    std::vector<Slot> old(std::max<std::size_t>(64, 2 * slots_.size()));
+    old.swap(slots_);
+    shift_ = 64 - std::countr_zero(slots_.size());
+    for (const Slot& s : old)
+      if (s.generation == generation_) slot_of(s.key) = s;
   }
 
   double h_ = 1.0;
-  std::unordered_map<std::int64_t, std::size_t> number_;
+  std::vector<Slot> slots_;  ///< a power of two, half of them empty at least
+  std::size_t count_ = 0;
+  std::uint32_t generation_ = 1;
+  int shift_ = 58;  ///< 64 less the binary logarithm of the slots
 };
 
 }  // namespace brim

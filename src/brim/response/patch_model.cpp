@@ -225,6 +225,7 @@ PatchModel PatchFitter::fit(const ContactSet& contacts, std::span<const Vec3> no
   const Vec3 found = normal_at(n, shift, away_a, away_b, curvature_a, curvature_b);
   PatchModel model;
   model.x = x, model.n = found, model.gap = gap, model.slope = slope, model.curvature = curvature;
+  model.bend_a = curvature_a, model.bend_b = curvature_b;
   model.least_point = x + shift, model.least_gap = gap + change;
   return model;
 }

@@ -22,13 +22,14 @@ double facing(const ContactSet& contacts, std::size_t c);
 /// The gap between two surfaces over a patch of nodes, φ(y) = gap + slope·d + ½ d·curvature d with d the tangential
 /// part of y − x, and where it is least (docs/constraint.md).
 struct PatchModel {
-  Vec3 x = Vec3::Zero();            ///< [m] middle of the nodes that count
-  Vec3 n = Vec3::UnitZ();           ///< towards a, at the point of least gap
-  double gap = 0.0;                 ///< [m] at x
-  Vec3 slope = Vec3::Zero();        ///< [-]
-  Mat3 curvature = Mat3::Zero();    ///< [1/m]
-  Vec3 least_point = Vec3::Zero();  ///< [m]
-  double least_gap = 0.0;           ///< [m]
+  Vec3 x = Vec3::Zero();                              ///< [m] middle of the nodes that count
+  Vec3 n = Vec3::UnitZ();                             ///< towards a, at the point of least gap
+  double gap = 0.0;                                   ///< [m] at x
+  Vec3 slope = Vec3::Zero();                          ///< [-]
+  Mat3 curvature = Mat3::Zero();                      ///< [1/m] of the gap: the sum of both surfaces'
+  Mat3 bend_a = Mat3::Zero(), bend_b = Mat3::Zero();  ///< [1/m] of each; zero where it is a plane
+  Vec3 least_point = Vec3::Zero();                    ///< [m]
+  double least_gap = 0.0;                             ///< [m]
 
   /// φ(y), [m].
   double gap_at(const Vec3& y) const;

@@ -5,33 +5,16 @@
 
 #include "brim/core/parallel.h"
 #include "brim/core/workspace_pool.h"
-#include "brim/response/patch_average.h"
+#include "brim/response/patch_normals.h"
 
 namespace brim {
 
 namespace {
 
-/// Weight of a node that does not overlap yet, so that patches before touch have normals too.
-constexpr double kLeastWeight = 1e-9;
 /// Curvature times h below which a surface counts as flat: the stencil reads up to 0.005 on tilted planes.
 constexpr double kCurvatureOfNoise = 0.005;
 
-double weight_of(const ContactSet& contacts, std::size_t c) {
-  return std::max(double{contacts.overlap[c]}, kLeastWeight);
-}
-
-/// Force, and the two curvature tensors as xx, yy, zz, xy, xz, yz, of a neighbourhood; the last is nothing.
-using PatchSample = Eigen::Array<float, 16, 1>;
-using PatchDirection = Eigen::Array<float, 4, 1>;
-
-/// Frobenius norm of the tensor M stored at `at`, projected across n: of T M T with T = 1 − n nᵀ.
-float curvature(const PatchSample& s, int at, const Vec3f& n) {
-  const Vec3f diagonal = s.segment<3>(at), off = s.segment<3>(at + 3);
-  const Vec3f Mn(diagonal[0] * n[0] + off[0] * n[1] + off[1] * n[2], off[0] * n[0] + diagonal[1] * n[1] + off[2] * n[2],
-                 off[1] * n[0] + off[2] * n[1] + diagonal[2] * n[2]);
-  const float nMn = n.dot(Mn), all = diagonal.squaredNorm() + 2.0f * off.squaredNorm();
-  return std::sqrt(std::max(0.0f, all - 2.0f * Mn.squaredNorm() + nMn * nMn));
-}
+double weight_of(const ContactSet& contacts, std::size_t c) { return PatchNormals::weight_of(contacts, c); }
 
 /// Frobenius norm of a packed tensor (tangent_tensor).
 double size_of(const std::array<float, 3>& t) {
@@ -40,13 +23,7 @@ double size_of(const std::array<float, 3>& t) {
 
 }  // namespace
 
-/// Lattice and fields of one patch.
-struct Penalty::PatchWorkspace {
-  PatchLattice lattice;
-  PatchField<PatchSample> average;
-  PatchField<PatchDirection> direction;
-};
-struct Penalty::Workspaces : WorkspacePool<PatchWorkspace> {};
+struct Penalty::Workspaces : WorkspacePool<PatchNormals> {};
 
 Penalty::Penalty() : workspaces_(std::make_unique<Workspaces>()) {}
 Penalty::~Penalty() = default;
@@ -122,49 +99,9 @@ void Penalty::choose_normals(const ContactSet& contacts, std::span<const PairSta
       bend_[p] = {0.0, 0.0};
       return;
     }
-    smooth_normals(contacts, pair, p);
+    workspaces_->borrow()->find(contacts, pair, direction_, normal_);
+    bend_of_patch(contacts, pair, p);
   });
-}
-
-void Penalty::smooth_normals(const ContactSet& contacts, const ContactPair& pair, std::size_t p) {
-  // The lattice hangs on the patch's own nodes: moving a scene by whole voxels changes nothing.
-  Vec3i first = contacts.node[pair.begin];
-  for (std::size_t c = pair.begin; c < pair.end; ++c) first = first.cwiseMin(contacts.node[c]);
-  auto workspace = workspaces_->borrow();
-  PatchLattice& lattice = workspace->lattice;
-  lattice.place(std::span(contacts.point).subspan(pair.begin, pair.end - pair.begin), 3.0 * pair.h,
-                pair.h * first.cast<double>());
-  auto& average = workspace->average;
-  average.clear(lattice.size());
-  for (std::size_t c = pair.begin; c < pair.end; ++c) {
-    const Vec3f &ga = contacts.gradient_a.raw(c), &gb = contacts.gradient_b.raw(c);
-    PatchSample s;
-    s.head<3>() = (ga - gb).array();
-    s.segment<6>(3) = unpack_tensor_entries(ga, contacts.bend_a[c]).array();
-    s.segment<6>(9) = unpack_tensor_entries(gb, contacts.bend_b[c]).array();
-    s[15] = 0.0f;
-    average.add(lattice[c - pair.begin], static_cast<float>(weight_of(contacts, c)) * s);
-  }
-  bend_of_patch(contacts, pair, p);
-  // The flatter part gives the direction; the direction so found is smoothed once more for the normal.
-  auto& direction = workspace->direction;
-  direction.clear(lattice.size());
-  for (std::size_t c = pair.begin; c < pair.end; ++c) {
-    const PatchSample s = average.at(lattice[c - pair.begin]);
-    const Vec3f n = Vec3f(s.head<3>()).normalized();
-    const double ka = curvature(s, 3, n), kb = curvature(s, 9, n);
-    const double alpha = ka + kb > 0.0 ? ka / (ka + kb) : 0.5;
-    direction_[c] = (1.0 - alpha) * contacts.gradient_a[c] - alpha * contacts.gradient_b[c];
-    const Vec3f weighted = (weight_of(contacts, c) * direction_[c]).cast<float>();
-    direction.add(lattice[c - pair.begin], PatchDirection(weighted[0], weighted[1], weighted[2], 0.0f));
-  }
-  for (std::size_t c = pair.begin; c < pair.end; ++c) {
-    const PatchDirection d = direction.at(lattice[c - pair.begin]);
-    const Vec3 n(d[0], d[1], d[2]);
-    const double length = n.norm();
-    normal_[c] = length > 0.0 ? Vec3(n / length) : direction_[c].normalized();
-    if (!normal_[c].allFinite()) normal_[c] = Vec3::UnitZ();
-  }
 }
 
 void Penalty::bend_of_patch(const ContactSet& contacts, const ContactPair& pair, std::size_t p) {

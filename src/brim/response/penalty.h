@@ -94,8 +94,6 @@ class Penalty {
   };
   void settle_actions();
   void choose_normals(const ContactSet& contacts, std::span<const PairState> pairs);
-  /// Directions and normals of a patch, by averages over 3h.
-  void smooth_normals(const ContactSet& contacts, const ContactPair& pair, std::size_t p);
   /// The normals of a surface that something shapeless lies against.
   void take_normals_of(bool side_b, const ContactSet& contacts, const ContactPair& pair);
   /// Judges a patch by the harmonic mean of its curvature: a patch with any flat middle is flat, whatever its edges.
@@ -115,7 +113,6 @@ class Penalty {
     double found_before = 0.0;    ///< by the solve before
   };
 
-  struct PatchWorkspace;
   struct Workspaces;
   std::unique_ptr<Workspaces> workspaces_;
   PenaltyOptions options_;

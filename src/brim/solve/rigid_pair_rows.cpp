@@ -1,5 +1,7 @@
 #include "brim/solve/rigid_pair_rows.h"
 
+#include <algorithm>
+
 #include "brim/solve/contact_cone.h"
 
 namespace brim {
@@ -91,25 +93,34 @@ double RigidPairRows::relax(std::size_t pair, bool backward, int rounds, double 
   Vec3 linear = a.linear - b.linear, angular = a.angular - b.angular;
   Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
   double worst = 0.0;
+  bool changed = false;
   const std::size_t n = p.end - p.begin;
   if (n == 1) rounds = 1;
   for (int round = 0; round < rounds; ++round) {
+    bool any = false;
     for (std::size_t k = 0; k < n; ++k) {
       const std::size_t i = backward ? n - 1 - k : k;
       const Row& r = row_[p.begin + i];
       if (!(r.local(0, 0) > 0.0)) continue;
-      Vec3 u = r.frame * (linear + angular.cross(r.arm)) + offset[i];
+      const Vec3 relative = linear + angular.cross(r.arm);
+      // What carries nothing and parts fast enough stays as it is: most rows of a pile only wait.
+      if (impulse[i].x() == 0.0 && r.frame.row(0).dot(relative) + offset[i].x() >= target[i]) continue;
+      Vec3 u = r.frame * relative + offset[i];
       u.x() -= target[i];
       const Vec3 next = relax_contact(r.local, r.local_inverse, friction * p.friction, u, impulse[i]);
       const Vec3 change = next - impulse[i];
+      if (change == Vec3::Zero()) continue;
+      any = true;
       impulse[i] = next;
       if (round == 0) worst = std::max(worst, (r.local * change).cwiseAbs().maxCoeff());
       const Vec3 push = r.frame.transpose() * change;
       force += push, torque += r.arm.cross(push);
       linear += r.twist.topRows<3>() * change, angular += r.twist.bottomRows<3>() * change;
     }
+    if (!any) break;
+    changed = true;
   }
-  add_wrench(p, force, torque, v);
+  if (changed) add_wrench(p, force, torque, v);
   return worst;
 }
 

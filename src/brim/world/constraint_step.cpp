@@ -17,10 +17,10 @@ constexpr int kMostRefinements = 40, kTravelRefinements = 4;
 /// With more points of rigid pairs sweeps become fewer in proportion, down to this share: warm starts carry the rest
 /// from step to step, and the cost stays linear. Their residual is worth a warning where it reaches the motion of a
 /// free fall.
-constexpr double kManyPoints = 100.0, kLeastSweeps = 0.2, kLarge = 1.0;
+constexpr double kManyPoints = 100.0, kLeastSweeps = 0.1, kLarge = 1.0;
 /// Sweeps that push overlaps apart: what they miss is left to the next step.
 constexpr double kPushTolerance = 1e-2;
-constexpr int kPushSweeps = 20;
+constexpr int kPushSweeps = 10;
 /// Least part of a direction that is gone.
 constexpr double kLeastWay = 0.02;
 /// Share of a direction's curvature that must be left once it is made conjugate to the last: below it, the two are
@@ -47,18 +47,18 @@ Mat3 frame_along(const Vec3& n) {
 
 void ConstraintStep::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
                            std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const Vec3> normals,
-                           std::span<const ConstraintPair> pairs, std::span<const double> v, const Settings& settings,
-                           std::span<const double> memory) {
+                           std::span<const ConstraintPair> pairs, const GatheredRows& gathered,
+                           std::span<const double> v, const Settings& settings, std::span<const double> memory) {
   bodies_ = bodies, first_v_ = first_v, parts_ = parts, settings_ = settings;
   travel_.clear();
-  rows_.gather(contacts, normals, pairs, settings.rows);
+  rows_.gather(contacts, normals, pairs, settings.rows, gathered);
   const ContactSet& points = rows_.points();
   const std::size_t n = points.size();
   impulse_.assign(v.size(), 0.0);
   lambda_.assign(n, Vec3::Zero());
   if (n == 0) return;
 
-  mark_bodies(contacts, pairs);
+  mark_bodies(contacts, pairs, gathered);
   if (mapped_) maps_.build(parts, points, first_v);
   frame_.resize(n), offset_.resize(n);
   for (std::size_t c = 0; c < n; ++c) frame_[c] = frame_along(rows_.normals()[c]);
@@ -69,7 +69,8 @@ void ConstraintStep::begin(std::span<const std::unique_ptr<Body>> bodies, std::s
   add_forces(force_on_a_, impulse_);
 }
 
-void ConstraintStep::mark_bodies(const ContactSet& contacts, std::span<const ConstraintPair> pairs) {
+void ConstraintStep::mark_bodies(const ContactSet& contacts, std::span<const ConstraintPair> pairs,
+                                 const GatheredRows& gathered) {
   if (rigid_.size() != bodies_.size()) {
     rigid_.resize(bodies_.size());
     for (std::size_t b = 0; b < bodies_.size(); ++b) rigid_[b] = dynamic_cast<const RigidFrame*>(bodies_[b].get());
@@ -87,6 +88,9 @@ void ConstraintStep::mark_bodies(const ContactSet& contacts, std::span<const Con
       if (general) touched_[parts_[part].body_index] = 1;
     }
   }
+  for (const PairRows& pair : gathered.pairs)
+    for (const std::int32_t part : {pair.part_a, pair.part_b})
+      if (!parts_[part].body->immobile()) held_[parts_[part].body_index] = 1;
 }
 
 template <class F>

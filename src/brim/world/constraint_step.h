@@ -35,11 +35,13 @@ class ConstraintStep {
     double scale = 0.0;  ///< [m/s] a velocity that matters: that of a free fall over the step
   };
 
-  /// Gathers rows from the contacts and the impulses of the last step. @param memory  of the last step (World::State)
+  /// Gathers rows from the contacts and the impulses of the last step.
+  /// @param gathered  rows of rigid pairs that are not among the contacts
+  /// @param memory    rows of the last step (World::State)
   void begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
              std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const Vec3> normals,
-             std::span<const ConstraintPair> pairs, std::span<const double> v, const Settings& settings,
-             std::span<const double> memory);
+             std::span<const ConstraintPair> pairs, const GatheredRows& gathered, std::span<const double> v,
+             const Settings& settings, std::span<const double> memory);
   bool empty() const { return rows_.points().size() == 0; }
   /// Jᵀ λ of the first guess, [N s], shape (nv).
   std::span<const double> impulse() const { return impulse_; }
@@ -56,7 +58,7 @@ class ConstraintStep {
 
  private:
   /// Notes which bodies have rows, of which form, and which have other contacts too.
-  void mark_bodies(const ContactSet& contacts, std::span<const ConstraintPair> pairs);
+  void mark_bodies(const ContactSet& contacts, std::span<const ConstraintPair> pairs, const GatheredRows& gathered);
   bool rigid(const ContactPair& pair) const {
     return frame_of(pair.part_a) != nullptr && frame_of(pair.part_b) != nullptr;
   }

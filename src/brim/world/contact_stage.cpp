@@ -104,6 +104,7 @@ void ContactStage::find(std::span<const WorldPart> parts, std::span<const double
     rasterize(parts, options.ramp_voxels, report);
   }
   const ScopedSeconds timer(seconds(Phase::Detect));
+  rigid_.find(held_, options.constraint_every_node);
   plan_work();
   parallel_for(work_count_, [&](std::size_t i) { search(work_[i]); });
   collect(report);
@@ -120,6 +121,61 @@ void ContactStage::access(std::span<const WorldPart> parts) {
   }
 }
 
+void ContactStage::outline(std::span<const WorldPart> parts, std::span<const double> v,
+                           std::span<const std::size_t> first_v, double ramp) {
+  if (rigid_.any()) rigid_.follow();
+  outline_.resize(parts.size());
+  parallel_for(
+      parts.size(),
+      [&](std::size_t p) {
+        const WorldPart& part = parts[p];
+        const auto vb = v.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
+        Outline& o = outline_[p];
+        o.box = part.body->bounds(part.index).inflated(0.5 * ramp * part.h);
+        o.swept = o.box;
+        if (rigid_.any() && rigid_.follows(static_cast<std::int32_t>(p)))
+          o.swept.extend(rigid_.box(static_cast<std::int32_t>(p)));
+        o.velocity = part.body->carrier_velocity(part.index, vb);
+        o.spread = part.body->relative_speed_bound(part.index, vb);
+      },
+      64);
+}
+
+void ContactStage::sweep_boxes() {
+  // Along the axis on which the boxes' middles lie farthest apart.
+  const std::size_t n = outline_.size();
+  Aabb middles;
+  for (const Outline& o : outline_)
+    if (o.swept.lo.allFinite() && o.swept.hi.allFinite()) middles.extend(o.swept.center());
+  int axis = 0;
+  if (!middles.empty()) middles.extent().maxCoeff(&axis);
+  order_.resize(n);
+  for (std::size_t p = 0; p < n; ++p) order_[p] = static_cast<std::int32_t>(p);
+  std::sort(order_.begin(), order_.end(), [&](std::int32_t i, std::int32_t j) {
+    const double a = outline_[i].swept.lo[axis], b = outline_[j].swept.lo[axis];
+    return a != b ? a < b : i < j;
+  });
+  near_.clear();
+  first_touch_.assign(n + 1, 0);
+  swept_.clear();
+  for (const std::int32_t p : order_) swept_.push_back(outline_[p].swept);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Aabb one = swept_[i];
+    for (std::size_t j = i + 1; j < n && swept_[j].lo[axis] <= one.hi[axis]; ++j) {
+      if (!one.overlaps(swept_[j])) continue;
+      near_.emplace_back(std::min(order_[i], order_[j]), std::max(order_[i], order_[j]));
+      ++first_touch_[near_.back().first + 1];
+    }
+  }
+  // Ordered: sorted by the first part by counting, then each part's own.
+  for (std::size_t p = 0; p < n; ++p) first_touch_[p + 1] += first_touch_[p];
+  touching_.resize(near_.size());
+  std::vector<std::int32_t> next(first_touch_.begin(), first_touch_.end() - 1);
+  for (const auto& pair : near_) touching_[next[pair.first]++] = pair;
+  for (std::size_t p = 0; p < n; ++p)
+    std::sort(touching_.begin() + first_touch_[p], touching_.begin() + first_touch_[p + 1]);
+}
+
 void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<const double> v,
                                    std::span<const std::size_t> first_v, double dt, const WorldOptions& options) {
   const double ramp = options.ramp_voxels;
@@ -129,52 +185,36 @@ void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<c
     layers_[l].needed.clear();
   }
   layer_count_ = candidate_count_ = 0;
+  held_.clear();
 
-  // The root of the hierarchy: boxes of whole parts, swept along x.
-  struct Entry {
-    Aabb box;
-    std::int32_t part;
-  };
-  std::vector<Entry> entries(parts.size());
-  for (std::size_t p = 0; p < parts.size(); ++p)
-    entries[p] = {parts[p].body->bounds(parts[p].index).inflated(0.5 * ramp * parts[p].h),
-                  static_cast<std::int32_t>(p)};
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-    return a.box.lo.x() != b.box.lo.x() ? a.box.lo.x() < b.box.lo.x() : a.part < b.part;
-  });
-  struct Touch {
-    std::int32_t a, b;
-    Aabb region;
-  };
-  std::vector<Touch> touches;
-  for (std::size_t i = 0; i < entries.size(); ++i)
-    for (std::size_t j = i + 1; j < entries.size() && entries[j].box.lo.x() <= entries[i].box.hi.x(); ++j) {
-      if (!entries[i].box.overlaps(entries[j].box)) continue;
-      const auto a = std::min(entries[i].part, entries[j].part), b = std::max(entries[i].part, entries[j].part);
-      if (!may_touch(parts[a], parts[b]) || fills(parts[a], parts[b])) continue;
-      touches.push_back({a, b, entries[i].box.intersection(entries[j].box)});
+  // The root of the hierarchy: boxes of whole parts.
+  outline(parts, v, first_v, ramp);
+  sweep_boxes();
+  for (const auto& [pa, pb] : touching_) {
+    const WorldPart &a = parts[pa], &b = parts[pb];
+    if (!may_touch(a, b) || fills(a, b)) continue;
+    const bool held = rigid_.any() && rigid_.holds(pa, pb);
+    const Aabb &box_a = held ? rigid_.box(pa) : outline_[pa].box, &box_b = held ? rigid_.box(pb) : outline_[pb].box;
+    if (!box_a.overlaps(box_b)) continue;
+    const Aabb region = box_a.intersection(box_b);
+    const double h = std::min(a.h, b.h);  // they meet at the finer of their two steps
+    // Nodes whose gap may close within the step count as contacts that wait.
+    const double speed =
+        (outline_[pa].velocity - outline_[pb].velocity).norm() + outline_[pa].spread + outline_[pb].spread;
+    const double least = held || meet_by_rigid_rows(a, b, options) ? kRowMargin : 0.0;
+    const double margin = std::clamp(1.5 * (speed + fall) * dt / (ramp * h), least, 0.4);
+    require_near(a, b, region, h);
+    if (held) {
+      if (rigid_.leaves_room(pa, pb, widest_gap(margin) * ramp * h)) held_.push_back({pa, pb, h, ramp * h, margin});
+      continue;
     }
-  std::sort(touches.begin(), touches.end(),
-            [](const Touch& s, const Touch& t) { return s.a != t.a ? s.a < t.a : s.b < t.b; });
-
-  for (const Touch& t : touches) {
-    const double h = std::min(parts[t.a].h, parts[t.b].h);  // they meet at the finer of their two steps
     if (candidate_count_ == candidates_.size()) candidates_.emplace_back();
     Candidate& c = candidates_[candidate_count_++];
-    // Nodes whose gap may close within the step count as contacts that wait.
-    const WorldPart &a = parts[t.a], &b = parts[t.b];
-    const auto va = v.subspan(first_v[a.body_index], first_v[a.body_index + 1] - first_v[a.body_index]);
-    const auto vb = v.subspan(first_v[b.body_index], first_v[b.body_index + 1] - first_v[b.body_index]);
-    const double speed = (a.body->carrier_velocity(a.index, va) - b.body->carrier_velocity(b.index, vb)).norm() +
-                         a.body->relative_speed_bound(a.index, va) + b.body->relative_speed_bound(b.index, vb);
-    const double least = meet_by_rigid_rows(a, b, options) ? kRowMargin : 0.0;
-    const double margin = std::clamp(1.5 * (speed + fall) * dt / (ramp * h), least, 0.4);
-    c.pair = ContactPair{t.a, t.b, h, ramp * h, margin, 0, 0};
-    c.region = t.region;
-    require_near(a, b, t.region, h);
+    c.pair = ContactPair{pa, pb, h, ramp * h, margin, 0, 0};
+    c.region = region;
     c.tiles.clear(), c.octants.clear();
-    c.layer_a = access_[t.a].is_solid() ? -1 : layer_of(t.a, h, t.region);
-    c.layer_b = access_[t.b].is_solid() ? -1 : layer_of(t.b, h, t.region);
+    c.layer_a = access_[pa].is_solid() ? -1 : layer_of(pa, h, region);
+    c.layer_b = access_[pb].is_solid() ? -1 : layer_of(pb, h, region);
   }
   for (std::size_t l = 0; l < layer_count_; ++l) require_few(parts[layers_[l].part], layers_[l].region, layers_[l].h);
 }
@@ -318,21 +358,26 @@ void ContactStage::collect(StepReport& report) {
     pieces_.push_back({contacts_.pairs.size() - 1, &w.finds});
   }
   gather(pieces_, contacts_);
+  contacts_.engulfed += rigid_.engulfed();
+  rigid_.count_work(report);
 }
 
 std::span<const std::pair<TileKey, double>> ContactStage::active_tiles() const {
   if (active_known_) return active_;
   active_known_ = true;
   active_.clear();
+  std::vector<std::pair<NodeBox, double>> boxes;
   for (std::size_t i = 0; i < work_count_; ++i)
-    for (const NodeBox& box : work_[i].finds.boxes)
-      for (int corner = 0; corner < 8; ++corner) {
-        const auto tile = [&](int axis) {
-          const int node = corner >> axis & 1 ? box.hi[axis] : box.lo[axis];
-          return node >= 0 ? node / kTileSize : -((kTileSize - 1 - node) / kTileSize);
-        };
-        active_.emplace_back(TileKey{tile(0), tile(1), tile(2)}, candidates_[work_[i].candidate].pair.h);
-      }
+    for (const NodeBox& box : work_[i].finds.boxes) boxes.emplace_back(box, candidates_[work_[i].candidate].pair.h);
+  rigid_.append_boxes(boxes);
+  for (const auto& [box, h] : boxes)
+    for (int corner = 0; corner < 8; ++corner) {
+      const auto tile = [&](int axis) {
+        const int node = corner >> axis & 1 ? box.hi[axis] : box.lo[axis];
+        return node >= 0 ? node / kTileSize : -((kTileSize - 1 - node) / kTileSize);
+      };
+      active_.emplace_back(TileKey{tile(0), tile(1), tile(2)}, h);
+    }
   std::sort(active_.begin(), active_.end(), [](const auto& s, const auto& t) {
     return s.second != t.second ? s.second < t.second : s.first < t.first;
   });

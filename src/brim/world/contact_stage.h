@@ -8,26 +8,13 @@
 #include "brim/body/body.h"
 #include "brim/body/octant_presence.h"
 #include "brim/contact/cube_contacts.h"
+#include "brim/world/rigid_contacts.h"
 #include "brim/world/step_report.h"
 #include "brim/world/tile_room.h"
 #include "brim/world/world.h"
+#include "brim/world/world_part.h"
 
 namespace brim {
-
-/// A part as the world numbers it.
-struct WorldPart {
-  const Body* body = nullptr;
-  int body_index = 0;
-  int index = 0;   ///< within the body
-  double h = 0.0;  ///< [m] its own grid step, h0 2^l
-  PartInfo info;
-};
-
-/// False for pairs that are never looked at: nothing moves, or their body says that they do not touch.
-inline bool may_touch(const WorldPart& a, const WorldPart& b) {
-  if (a.body == b.body && !a.body->parts_collide(a.index, b.index)) return false;
-  return !(a.body->immobile() && b.body->immobile());
-}
 
 /// Finds the contacts of all parts of a world (paper, section 6). Solids are sampled pair by pair, only at the nodes
 /// that a contact needs. Other parts are rasterized tile by tile, once for all their pairs: presence, refinement,
@@ -38,9 +25,13 @@ class ContactStage {
   void find(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
             double dt, const WorldOptions& options, StepReport& report);
 
+  /// Contacts of all pairs but those that are held below.
   const ContactSet& contacts() const { return contacts_; }
   /// The same, for another search to add to.
   ContactSet& contacts() { return contacts_; }
+  /// Pairs of rigid solids that rows hold; none until it is started.
+  RigidContacts& rigid() { return rigid_; }
+  const RigidContacts& rigid() const { return rigid_; }
   /// Tiles in which both parts of some pair were sampled, and their steps.
   std::span<const std::pair<TileKey, double>> active_tiles() const;
 
@@ -61,6 +52,13 @@ class ContactStage {
     std::vector<Octants> octants;     ///< of those, where some pair may have contacts
     std::size_t first_block = 0;
   };
+  /// What the first sweep needs to know of a part.
+  struct Outline {
+    Aabb box;    ///< [m] as of now, ramp included
+    Aabb swept;  ///< [m] the same and that at its reference, of rigid solids that rows may hold
+    Vec3 velocity = Vec3::Zero();
+    double spread = 0.0;  ///< [m/s] bound of speeds relative to that
+  };
   struct Candidate {
     std::int32_t layer_a = -1, layer_b = -1;  ///< of the sides that are no solids
     ContactPair pair;
@@ -77,6 +75,10 @@ class ContactStage {
   void access(std::span<const WorldPart> parts);
   void find_candidates(std::span<const WorldPart> parts, std::span<const double> v,
                        std::span<const std::size_t> first_v, double dt, const WorldOptions& options);
+  void outline(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
+               double ramp);
+  /// Pairs of parts whose swept boxes overlap, ordered.
+  void sweep_boxes();
   std::int32_t layer_of(std::int32_t part, double h, const Aabb& region);
   void find_presence(std::span<const WorldPart> parts, double ramp, StepReport& report);
   void refine(const WorldOptions& options);
@@ -85,6 +87,12 @@ class ContactStage {
   void search(Work& work) const;
   void collect(StepReport& report);
 
+  RigidContacts rigid_;
+  std::vector<RigidContacts::Touch> held_;
+  std::vector<Outline> outline_;  ///< per part
+  std::vector<Aabb> swept_;       ///< in the order of the sweep
+  std::vector<std::int32_t> order_, first_touch_;
+  std::vector<std::pair<std::int32_t, std::int32_t>> near_, touching_;
   std::vector<PartAccess> access_;  ///< per part
   std::vector<Layer> layers_;
   std::vector<Candidate> candidates_;

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <optional>
 
+#include "brim/body/rigid_frame.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/core/stopwatch.h"
@@ -26,6 +27,29 @@ constexpr double kExact = 1e-10;
 
 }  // namespace
 
+bool ImplicitStep::solve_frames(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+                                const Environment& env, double dt, std::span<const double> impulse,
+                                std::span<double> delta) {
+  for (const auto& body : bodies)
+    if (dynamic_cast<const RigidFrame*>(body.get()) == nullptr) return false;
+  parallel_for(
+      bodies.size(),
+      [&](std::size_t b) {
+        const ProfileScope scope("elements", *bodies[b]);
+        using Six = Eigen::Matrix<double, 6, 1>;
+        Six force = Six::Zero();
+        bodies[b]->begin_solve(dt);
+        bodies[b]->add_forces(env, {force.data(), 6});
+        force *= dt;
+        if (!impulse.empty()) force += Eigen::Map<const Six>(impulse.data() + first_v[b]);
+        const RigidFrame::Frame f = dynamic_cast<const RigidFrame&>(*bodies[b]).rigid_frame();
+        Eigen::Map<Six> change(delta.data() + first_v[b]);
+        change << f.inverse_mass * force.head<3>(), f.inverse_inertia * force.tail<3>();
+      },
+      64);
+  return true;
+}
+
 bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
                          std::span<const WorldPart> parts, const Environment& env, const ContactMaps& maps,
                          Penalty& response, const ContactSet& contact_set, std::span<const double> v,
@@ -45,6 +69,13 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   const auto slice = [&](auto& x, std::size_t b) {
     return std::span(x).subspan(first_v[b], first_v[b + 1] - first_v[b]);
   };
+  if (alone && solve_frames(bodies, first_v, env, dt, impulse, delta)) {
+    // Each body by its own mass and inertia; what rows do besides is theirs.
+    contact_delta_.assign(contact_set.size(), Vec3::Zero());
+    ++report.solves;
+    const ScopedSeconds rows_timer(contact_seconds);
+    return !correct || correct([](std::span<const double>, std::span<double>) { return SolveReport{}; }, delta);
+  }
   parallel_for(bodies.size(), [&](std::size_t b) {
     const ProfileScope scope("elements", *bodies[b]);
     bodies[b]->begin_solve(dt);

@@ -55,6 +55,10 @@ class ImplicitStep {
  private:
   /// Factors what contact touches, with the stiffness of the contacts as it is.
   void factor_contacts(const Penalty& response);
+  /// Where all bodies are rigid frames and nothing couples them: Δv from their own masses and inertias.
+  /// @return false where some are not
+  bool solve_frames(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+                    const Environment& env, double dt, std::span<const double> impulse, std::span<double> delta);
 
   std::vector<double> internal_, rhs_, scratch_;
   std::vector<Vec3> contact_delta_, contact_force_;

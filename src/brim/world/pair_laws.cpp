@@ -73,6 +73,11 @@ PairMaterial PairLaws::material_of(const PartInfo& a, const PartInfo& b, const W
   return m;
 }
 
+ConstraintPair PairLaws::constraint_between(const WorldPart& a, const WorldPart& b, const WorldOptions& options) const {
+  const PairMaterial m = material_of(a.info, b.info, options);
+  return {m.response == Response::Constraint, m.friction, m.restitution, is_rigid(a) && is_rigid(b)};
+}
+
 void PairLaws::choose(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
                       const WorldOptions& options, std::span<const ContactPair> pairs) {
   penalties_.resize(pairs.size());

@@ -33,6 +33,8 @@ class PairLaws {
   /// What the responses need to know of every pair of a contact set, at the velocities v.
   void choose(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
               const WorldOptions& options, std::span<const ContactPair> pairs);
+  /// How rows would act between two parts.
+  ConstraintPair constraint_between(const WorldPart& a, const WorldPart& b, const WorldOptions& options) const;
   std::span<const PairState> penalties() const { return penalties_; }
   std::span<const ConstraintPair> constraints() const { return constraints_; }
 

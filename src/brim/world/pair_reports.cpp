@@ -8,6 +8,15 @@
 
 namespace brim {
 
+void warn_of_saturation(std::span<const WorldPart> parts, const PairReport& r, double time, StepReport& report) {
+  if (r.worst_pressure > 0.6 && report.warnings.size() < 16)
+    report.warnings.push_back(
+        {time, "saturation",
+         fmt::format("'{}' and '{}' overlap by {:.2f} of full density: contact pressure is near its limit of k/2; "
+                     "raise the stiffness or lower the time step",
+                     parts[r.part_a].body->name(), parts[r.part_b].body->name(), r.worst_pressure)});
+}
+
 void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const Vec3> normal,
                   std::span<const Vec3> friction, double time, StepReport& report,
                   std::vector<ContactSample>& samples) {
@@ -38,12 +47,7 @@ void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, 
     }
     r.center = load > 0.0 ? Vec3(r.center / load) : contacts.point[pair.begin];
     report.worst_overlap = std::max(report.worst_overlap, r.worst_overlap);
-    if (r.worst_pressure > 0.6 && report.warnings.size() < 16)
-      report.warnings.push_back(
-          {time, "saturation",
-           fmt::format("'{}' and '{}' overlap by {:.2f} of full density: contact pressure is near its limit of k/2; "
-                       "raise the stiffness or lower the time step",
-                       parts[pair.part_a].body->name(), parts[pair.part_b].body->name(), r.worst_pressure)});
+    warn_of_saturation(parts, r, time, report);
     report.pairs.push_back(r);
   }
   if (contacts.engulfed > 0 && report.warnings.size() < 16)

@@ -12,4 +12,7 @@ namespace brim {
 void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const Vec3> normal,
                   std::span<const Vec3> friction, double time, StepReport& report, std::vector<ContactSample>& samples);
 
+/// The warning of a pair whose densities saturate, if they do.
+void warn_of_saturation(std::span<const WorldPart> parts, const PairReport& pair, double time, StepReport& report);
+
 }  // namespace brim

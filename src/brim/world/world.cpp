@@ -123,6 +123,7 @@ void World::set_state(State state) {
                                  state.q.size(), state.v.size(), w.state.q.size(), w.state.v.size()));
   w.start();  // what is chosen from the initial state stays as it was chosen there
   w.state = std::move(state);
+  w.stage.rigid().restore(w.state.memory);
   w.update_bodies();
 }
 
@@ -160,6 +161,8 @@ void World::Impl::start() {
     p.h = std::ldexp(h0, level);
   }
   laws.start(parts, state.v, first_v, options, h0);
+  stage.rigid().start(parts, laws, options);
+  stage.rigid().restore(state.memory);
 }
 
 void World::Impl::update_bodies() {
@@ -243,8 +246,8 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
     s.tolerance = options.constraint_tolerance;
     s.max_sweeps = options.constraint_sweeps;
     s.scale = std::max(g * dt, 1e-6);
-    constraints.begin(bodies, first_v, parts, contacts, response.normals(), laws.constraints(), state.v, s,
-                      state.memory);
+    constraints.begin(bodies, first_v, parts, contacts, response.normals(), laws.constraints(), stage.rigid().gather(),
+                      state.v, s, ReferencePoses::rows_of(state.memory));
   }
 
   ImplicitStep::Settings settings;
@@ -290,7 +293,7 @@ double World::Impl::substep(double left, StepReport& report) {
   ++report.substeps;
   const bool last = left - dt <= 1e-9 * options.time_step;
   const ContactSet& contacts = stage.contacts();
-  report.contacts = static_cast<std::int64_t>(contacts.size());
+  report.contacts = static_cast<std::int64_t>(contacts.size()) + stage.rigid().contacts();
   if (!finite) {
     state.q = before_q;
     state.v = before_v;
@@ -307,6 +310,7 @@ double World::Impl::substep(double left, StepReport& report) {
     response.forces(implicit.contact_delta(), normal_force, friction_force);
     fill.add_forces(normal_force);
     report_pairs(parts, contacts, normal_force, friction_force, state.time, report, samples);
+    stage.rigid().report(parts, state.time, report);
     if (last) {
       for (std::size_t c = 0; c < contacts.size(); ++c) normal_force[c] += friction_force[c];
       check_momentum(bodies, first_v, parts, contacts, maps, normal_force, report);
@@ -331,6 +335,7 @@ double World::Impl::substep(double left, StepReport& report) {
 void World::Impl::measure(StepReport& report) {
   const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Advance)]);
   update_bodies();
+  stage.rigid().keep(state.memory);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     report.kinetic_energy += bodies[b]->kinetic_energy(v(b));
     report.potential_energy += bodies[b]->potential_energy(options.environment);

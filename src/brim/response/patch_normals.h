@@ -1,0 +1,36 @@
+#pragma once
+
+#include <span>
+
+#include "brim/contact/contact_set.h"
+#include "brim/math/types.h"
+#include "brim/response/patch_average.h"
+
+namespace brim {
+
+/// Finds the directions and normals of a patch of contacts, by averages over 3h:
+///   ĝ = (1−α) ∇ρ_a − α ∇ρ_b,  α = κ_a / (κ_a + κ_b): the direction comes from the flatter of the two parts
+///   n = ĝ smoothed once more, unit, towards a
+/// Holds work space only. Tests: tests/response/penalty_test.cpp
+class PatchNormals {
+ public:
+  /// @param direction  [1/m] ĝ, per contact of the set; those of the pair are written
+  /// @param normal     n, likewise
+  void find(const ContactSet& contacts, const ContactPair& pair, std::span<Vec3> direction, std::span<Vec3> normal);
+
+  /// Weight of a contact in averages over its patch: its overlap, or a little where there is none yet, so that patches
+  /// before touch have normals too.
+  static double weight_of(const ContactSet& contacts, std::size_t c);
+
+ private:
+  /// Force, and the two curvature tensors as xx, yy, zz, xy, xz, yz, of a neighbourhood; the last is nothing.
+  using Sample = Eigen::Array<float, 16, 1>;
+  using Direction = Eigen::Array<float, 4, 1>;
+  static float curvature(const Sample& s, int at, const Vec3f& n);
+
+  PatchLattice lattice_;
+  PatchField<Sample> average_;
+  PatchField<Direction> direction_;
+};
+
+}  // namespace brim

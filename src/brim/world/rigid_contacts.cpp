@@ -1,0 +1,251 @@
+#include "brim/world/rigid_contacts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "brim/body/distance_bound.h"
+#include "brim/body/posed_shape.h"
+#include "brim/body/rigid_frame.h"
+#include "brim/core/parallel.h"
+#include "brim/core/profile.h"
+#include "brim/core/workspace_pool.h"
+#include "brim/response/patch_normals.h"
+#include "brim/world/pair_laws.h"
+#include "brim/world/pair_reports.h"
+
+namespace brim {
+
+namespace {
+
+/// The solid of a part whose body is one rigid frame, or null.
+const PosedShape* rigid_solid(const WorldPart& part) {
+  if (part.body->part_count() != 1 || dynamic_cast<const RigidFrame*>(part.body) == nullptr) return nullptr;
+  const auto* bound = dynamic_cast<const DistanceBound*>(part.body);
+  const PosedShape* solid = bound != nullptr ? bound->solid(part.index) : nullptr;
+  return solid != nullptr && solid->known_distance() != nullptr ? solid : nullptr;
+}
+
+/// A curvature in tangents_of(n), [1/m]. Hollow directions count as flat: the other surface is bent more than they are.
+std::array<float, 3> pack_bend(const Mat3& bend, const Vec3& n) {
+  if (bend == Mat3::Zero()) return {};
+  const Eigen::Matrix<double, 3, 2> t = tangents_of(n);
+  const Eigen::Matrix2d b = t.transpose() * bend * t;
+  const double mean = 0.5 * (b(0, 0) + b(1, 1)), half = 0.5 * (b(0, 0) - b(1, 1)), spread = std::hypot(half, b(0, 1));
+  const auto pack = [](double uu, double uv, double vv) {
+    return std::array<float, 3>{static_cast<float>(uu), static_cast<float>(uv), static_cast<float>(vv)};
+  };
+  if (mean >= spread) return pack(b(0, 0), b(0, 1), b(1, 1));
+  if (mean + spread <= 0.0) return {};
+  const double most = 0.5 * (mean + spread), x = most / spread;
+  return pack(most + x * half, x * b(0, 1), most - x * half);
+}
+
+bool before(std::int32_t a, std::int32_t b, const RigidContacts::Touch& t) {
+  return a != t.part_a ? a < t.part_a : b < t.part_b;
+}
+
+}  // namespace
+
+/// Contacts of one pair on their way to rows.
+struct RigidContacts::Workspace {
+  CubeFinds finds;
+  ContactSet contacts;
+  std::vector<Vec3> direction, normal;
+  PatchNormals normals;
+  Constraint rows;
+};
+struct RigidContacts::Workspaces : WorkspacePool<Workspace> {};
+
+RigidContacts::RigidContacts() : workspaces_(std::make_unique<Workspaces>()) {}
+RigidContacts::~RigidContacts() = default;
+
+void RigidContacts::start(std::span<const WorldPart> parts, const PairLaws& laws, const WorldOptions& options) {
+  class_.assign(parts.size(), -1), solid_.assign(parts.size(), nullptr);
+  half_ramp_.assign(parts.size(), 0.0), reach_.assign(parts.size(), 0.0);
+  side_.assign(parts.size(), {}), box_.assign(parts.size(), {});
+  pairs_.clear(), kept_.clear();
+  references_.reset(parts.size());
+  std::map<std::tuple<std::string, double, double, Response>, std::int32_t> known;
+  std::vector<std::size_t> example;
+  finest_ = std::numeric_limits<double>::infinity();
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    finest_ = std::min(finest_, parts[p].h);
+    half_ramp_[p] = 0.5 * options.ramp_voxels * parts[p].h;
+    solid_[p] = rigid_solid(parts[p]);
+    if (solid_[p] == nullptr) continue;
+    side_[p].solid = solid_[p]->known_distance();
+    reach_[p] = solid_[p]->reach(Vec3::Zero());
+    if (reach_[p] > 0.0) reach_[p] += side_[p].solid->slack() + 1e-6 * finest_;
+    const Material& m = parts[p].info.material;
+    const auto [it, fresh] =
+        known.try_emplace({m.name, m.friction, m.restitution, m.response}, static_cast<std::int32_t>(known.size()));
+    if (fresh) example.push_back(p);
+    class_[p] = it->second;
+  }
+  classes_ = static_cast<std::int32_t>(example.size());
+  laws_.clear();
+  any_ = false;
+  for (const std::size_t a : example)
+    for (const std::size_t b : example) {
+      laws_.push_back(laws.constraint_between(parts[a], parts[b], options));
+      laws_.back().constrained = laws_.back().constrained && laws_.back().stiff;
+      any_ = any_ || laws_.back().constrained;
+    }
+}
+
+void RigidContacts::restore(std::span<const double> memory) {
+  references_.restore(memory, class_.size());
+  box_.assign(class_.size(), {});
+  pairs_.clear(), kept_.clear();
+}
+
+void RigidContacts::follow() {
+  for (std::size_t p = 0; p < solid_.size(); ++p) {
+    if (solid_[p] == nullptr) continue;
+    const std::uint64_t before = references_.stamp(p);
+    references_.follow(p, solid_[p]->pose(), solid_[p]->shape().bounds(), reach_[p], finest_);
+    if (references_.stamp(p) == before && !box_[p].empty()) continue;
+    side_[p].pose = references_.pose(p);
+    box_[p] = solid_[p]->shape().placed_bounds(side_[p].pose).inflated(half_ramp_[p]);
+  }
+}
+
+void RigidContacts::find(std::span<const Touch> touches, bool every_node) {
+  std::swap(pairs_, kept_);
+  pairs_.resize(touches.size());
+  fresh_.clear();
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    const Touch& t = touches[i];
+    while (next < kept_.size() && before(kept_[next].touch.part_a, kept_[next].touch.part_b, t)) ++next;
+    if (next < kept_.size() && kept_[next].touch.part_a == t.part_a && kept_[next].touch.part_b == t.part_b)
+      std::swap(pairs_[i], kept_[next++]);
+    Pair& p = pairs_[i];
+    const std::uint64_t a = references_.stamp(static_cast<std::size_t>(t.part_a)),
+                        b = references_.stamp(static_cast<std::size_t>(t.part_b));
+    // Stamps belong to one part each and are never given twice.
+    const bool same = p.stamp_a == a && p.stamp_b == b && p.touch.margin == t.margin;
+    if (same) continue;
+    p.touch = t, p.stamp_a = a, p.stamp_b = b;
+    fresh_.push_back(i);
+  }
+  parallel_for(
+      fresh_.size(), [&](std::size_t i) { sample(pairs_[fresh_[i]], *workspaces_->borrow(), every_node); }, 4);
+  profile_count("rigid pairs sampled", static_cast<double>(fresh_.size()));
+  profile_count("rigid pairs kept", static_cast<double>(touches.size() - fresh_.size()));
+  contacts_ = engulfed_ = 0;
+  for (const Pair& p : pairs_) contacts_ += p.contacts, engulfed_ += p.engulfed;
+}
+
+bool RigidContacts::apart(std::int32_t a, std::int32_t b, double gap) const {
+  // d_a(x) + d_b(x) >= d_a(c) − |x − c| + |x − c| − reach at every x, with c the place of b.
+  const CubeSide& side = side_[a];
+  return reach_[b] > 0.0 &&
+         side.solid->rough_distance(side.pose.to_local(side_[b].pose.translation)) - side.solid->slack() >
+             reach_[b] + gap;
+}
+
+void RigidContacts::sample(Pair& pair, Workspace& ws, bool every_node) const {
+  const Touch& t = pair.touch;
+  pair.rows.clear(), pair.boxes.clear();
+  pair.contacts = 0, pair.engulfed = 0, pair.nodes = 0, pair.most_overlap = 0.0f;
+  ContactPair contact_pair{t.part_a, t.part_b, t.h, t.w, t.margin, 0, 0};
+  const double gap = widest_gap(t.margin) * t.w;
+  if (apart(t.part_a, t.part_b, gap) || apart(t.part_b, t.part_a, gap)) return;
+  const Aabb region = box_[t.part_a].intersection(box_[t.part_b]);
+  const Vec3i lo = (region.lo / t.h).array().ceil().cast<int>(), hi = (region.hi / t.h).array().floor().cast<int>();
+  if (!(lo.array() <= hi.array()).all()) return;
+  ws.finds.clear();
+  find_between_solids(side_[t.part_a], side_[t.part_b], contact_pair, {lo, hi}, ws.finds);
+  pair.boxes.assign(ws.finds.boxes.begin(), ws.finds.boxes.end());
+  pair.engulfed = ws.finds.engulfed, pair.nodes = ws.finds.nodes;
+  if (ws.finds.contacts.empty()) return;
+  ContactSet& set = ws.contacts;
+  set.pairs.assign(1, contact_pair);
+  const PairFinds piece{0, &ws.finds};
+  brim::gather(std::span(&piece, 1), set);
+  const std::size_t n = set.size();
+  pair.contacts = static_cast<std::int32_t>(n);
+  ws.direction.resize(n), ws.normal.resize(n);
+  ws.normals.find(set, set.pairs[0], ws.direction, ws.normal);
+  std::size_t deepest = 0;
+  for (std::size_t c = 0; c < n; ++c) {
+    if (set.depth[c] > set.depth[deepest]) deepest = c;
+    pair.most_overlap = std::max(pair.most_overlap, set.overlap[c]);
+  }
+  pair.deepest = {set.point[deepest], ws.normal[deepest], -set.depth[deepest], {}, {}};
+  ConstraintOptions options;
+  options.every_node = every_node;
+  ws.rows.gather(set, ws.normal, std::span(&law(t.part_a, t.part_b), 1), options);
+  const ContactSet& points = ws.rows.points();
+  for (std::size_t c = 0; c < points.size(); ++c) {
+    const Vec3& normal = ws.rows.normals()[c];
+    const Constraint::Bend& bend = ws.rows.bends()[c];
+    pair.rows.push_back(
+        {points.point[c], normal, -points.depth[c], pack_bend(bend.a, normal), pack_bend(bend.b, normal)});
+  }
+}
+
+GatheredRows RigidContacts::gather() {
+  pair_rows_.clear(), rows_.clear();
+  for (const Pair& p : pairs_) {
+    if (p.rows.empty()) continue;
+    const Touch& t = p.touch;
+    const RigidMotion &a = references_.motion(static_cast<std::size_t>(t.part_a)),
+                      &b = references_.motion(static_cast<std::size_t>(t.part_b));
+    const ConstraintPair& l = law(t.part_a, t.part_b);
+    pair_rows_.push_back(
+        {t.part_a, t.part_b, t.h, t.w, l.friction, l.restitution, rows_.size(), rows_.size() + p.rows.size()});
+    for (const RowPoint& r : p.rows) rows_.push_back(moved(r, a, b, t.h));
+  }
+  return {pair_rows_, rows_};
+}
+
+void RigidContacts::report(std::span<const WorldPart> parts, double time, StepReport& report) const {
+  const std::size_t others = report.pairs.size();
+  for (const Pair& p : pairs_) {
+    if (p.contacts == 0) continue;
+    const RowPoint deepest = moved(p.deepest, references_.motion(static_cast<std::size_t>(p.touch.part_a)),
+                                   references_.motion(static_cast<std::size_t>(p.touch.part_b)), p.touch.h);
+    PairReport r;
+    r.part_a = p.touch.part_a, r.part_b = p.touch.part_b;
+    r.contacts = p.contacts;
+    r.worst_overlap = std::max(0.0, -deepest.gap / p.touch.h);
+    r.worst_pressure = std::max(0.0, double{p.most_overlap});
+    r.center = deepest.point;
+    report.worst_overlap = std::max(report.worst_overlap, r.worst_overlap);
+    warn_of_saturation(parts, r, time, report);
+    report.pairs.push_back(r);
+  }
+  std::inplace_merge(report.pairs.begin(), report.pairs.begin() + static_cast<std::ptrdiff_t>(others),
+                     report.pairs.end(), [](const PairReport& r, const PairReport& s) {
+                       return r.part_a != s.part_a ? r.part_a < s.part_a : r.part_b < s.part_b;
+                     });
+}
+
+void RigidContacts::count_work(StepReport& report) const {
+  for (const std::size_t i : fresh_) {
+    report.voxels += pairs_[i].nodes;
+    report.tiles += 2 * static_cast<std::int64_t>(pairs_[i].boxes.size());
+  }
+}
+
+void RigidContacts::append_boxes(std::vector<std::pair<NodeBox, double>>& out) const {
+  for (const Pair& p : pairs_)
+    for (const NodeBox& box : p.boxes) out.emplace_back(box, p.touch.h);
+}
+
+void RigidContacts::keep(std::vector<double>& memory) const {
+  std::vector<std::int32_t> elsewhere;
+  for (std::size_t p = 0; p < solid_.size(); ++p) {
+    if (references_.stamp(p) == 0) continue;
+    const Pose &now = solid_[p]->pose(), &then = references_.pose(p);
+    if (now.rotation != then.rotation || now.translation != then.translation)
+      elsewhere.push_back(static_cast<std::int32_t>(p));
+  }
+  references_.keep(elsewhere, memory);
+}
+
+}  // namespace brim

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "brim/contact/cube_contacts.h"
+#include "brim/response/constraint.h"
+#include "brim/response/moved_rows.h"
+#include "brim/world/reference_poses.h"
+#include "brim/world/step_report.h"
+#include "brim/world/world_part.h"
+
+namespace brim {
+
+struct WorldOptions;
+class PairLaws;
+class PosedShape;
+
+/// Pairs of rigid solids that rows hold. They are sampled where their references are (ReferencePoses), gathered to rows
+/// at once, and kept: while both references and the margin stay, a pair costs no more than to move its rows along.
+/// What is kept follows from references and margin alone, so that nothing depends on how long it has been kept.
+/// Tests: tests/world/rigid_contacts_test.cpp
+class RigidContacts {
+ public:
+  RigidContacts();
+  ~RigidContacts();
+
+  /// Finds the parts that are rigid solids, and how they act on each other.
+  void start(std::span<const WorldPart> parts, const PairLaws& laws, const WorldOptions& options);
+  /// Takes the references of a state over and forgets what was kept.
+  void restore(std::span<const double> memory);
+  /// True when rows hold the two parts apart and both are rigid solids.
+  bool holds(std::int32_t a, std::int32_t b) const { return class_[a] >= 0 && class_[b] >= 0 && law(a, b).constrained; }
+  bool any() const { return any_; }
+
+  /// Takes in where solids lie.
+  void follow();
+  /// Box of what contact may see of a part at its reference, [m]; for parts that holds knows.
+  const Aabb& box(std::int32_t part) const { return box_[part]; }
+  bool follows(std::int32_t part) const { return class_[part] >= 0; }
+  /// False where the references' boxes without ramp are farther apart than a gap, [m].
+  bool leaves_room(std::int32_t a, std::int32_t b, double gap) const {
+    const Vec3 apart = (box_[a].lo - box_[b].hi).cwiseMax(box_[b].lo - box_[a].hi);
+    return apart.maxCoeff() + half_ramp_[a] + half_ramp_[b] <= gap;
+  }
+
+  /// Two parts whose boxes overlap. @param margin  as in ContactPair
+  struct Touch {
+    std::int32_t part_a, part_b;
+    double h, w, margin;
+  };
+  /// Samples the pairs of which nothing is kept. @param touches  ordered by part numbers, those that holds knows
+  void find(std::span<const Touch> touches, bool every_node);
+  /// All rows, where they are now.
+  GatheredRows gather();
+
+  std::int64_t contacts() const { return contacts_; }  ///< nodes of all pairs
+  std::int64_t engulfed() const { return engulfed_; }
+  /// Adds the reports of pairs, in order, and the work of the last find.
+  void report(std::span<const WorldPart> parts, double time, StepReport& report) const;
+  void count_work(StepReport& report) const;
+  /// Appends the nodes that were looked at in both parts, with their steps.
+  void append_boxes(std::vector<std::pair<NodeBox, double>>& out) const;
+  /// Puts the references that differ from where solids lie before what memory holds.
+  void keep(std::vector<double>& memory) const;
+
+ private:
+  /// What was found at the references.
+  struct Pair {
+    Touch touch;
+    std::uint64_t stamp_a = 0, stamp_b = 0;
+    std::int32_t contacts = 0;
+    std::int64_t engulfed = 0, nodes = 0;
+    float most_overlap = 0.0f;  ///< [-] ρ̄
+    RowPoint deepest;           ///< the node of the largest depth
+    std::vector<RowPoint> rows;
+    std::vector<NodeBox> boxes;
+  };
+  struct Workspace;
+  struct Workspaces;
+  const ConstraintPair& law(std::int32_t a, std::int32_t b) const { return laws_[class_[a] * classes_ + class_[b]]; }
+  /// True where the distance of b's place from a leaves no room for a gap, [m].
+  bool apart(std::int32_t a, std::int32_t b, double gap) const;
+  void sample(Pair& pair, Workspace& workspace, bool every_node) const;
+
+  std::vector<std::int32_t> class_;  ///< per part: of parts that act alike; −1 for what is no rigid solid
+  std::int32_t classes_ = 0;
+  std::vector<ConstraintPair> laws_;  ///< shape (classes, classes)
+  bool any_ = false;
+  double finest_ = 0.0;                   ///< [m] finest step of any part
+  std::vector<double> half_ramp_;         ///< [m] per part
+  std::vector<double> reach_;             ///< [m] per part, farthest matter from its place; 0 where that is unknown
+  std::vector<const PosedShape*> solid_;  ///< per part, or null
+  std::vector<CubeSide> side_;            ///< per part, at its reference
+  std::vector<Aabb> box_;
+  ReferencePoses references_;
+  std::vector<Pair> pairs_, kept_;
+  std::vector<std::size_t> fresh_;
+  std::vector<PairRows> pair_rows_;
+  std::vector<RowPoint> rows_;
+  std::int64_t contacts_ = 0, engulfed_ = 0;
+  std::unique_ptr<Workspaces> workspaces_;
+};
+
+}  // namespace brim
