@@ -169,7 +169,7 @@ TEST_F(Program, ProfileTellsPhasesKindsAndCounts) {
   const Outcome o = run("run good.json -o made --profile --threads 1");
   ASSERT_EQ(o.code, 0) << o.err;
   for (const char* word :
-       {"rasterize", "contact, all of it", "by kind of body", "rigid", "thread-s", "cg_iterations", "a solve"})
+       {"rasterize", "contact, all of it", "by kind of body", "rigid", "thread-s", "substeps", "a solve"})
     EXPECT_NE(o.out.find(word), std::string::npos) << word << " in\n" << o.out;
 }
 

@@ -41,7 +41,8 @@ TEST(SoftWorld, AThousandStepsOfElasticBodiesInContactTakeNoMoreMemory) {
   const ThreadLimit one(1);  // other threads have arenas of their own
   if (!testing::heap_is_measurable()) GTEST_SKIP() << "this allocator does not say what is in use";
   World w = testing::soft_world();
-  for (int s = 0; s < 300; ++s) w.step();
+  // Until every array has seen its largest: one may still be enlarged when the pile slips.
+  for (int s = 0; s < 1200; ++s) w.step();
   const std::size_t early = testing::bytes_in_use();
   StepReport last;
   for (int s = 0; s < 1000; ++s) last = w.step();

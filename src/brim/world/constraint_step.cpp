@@ -20,7 +20,7 @@ constexpr int kMostRefinements = 40, kTravelRefinements = 4;
 constexpr double kManyPoints = 100.0, kLeastSweeps = 0.1, kLarge = 1.0;
 /// Sweeps that push overlaps apart: what they miss is left to the next step.
 constexpr double kPushTolerance = 1e-2;
-constexpr int kPushSweeps = 10;
+constexpr int kPushSweeps = 20, kRigidPushSweeps = 10;
 /// Least part of a direction that is gone.
 constexpr double kLeastWay = 0.02;
 /// Share of a direction's curvature that must be left once it is made conjugate to the last: below it, the two are
@@ -340,8 +340,8 @@ void ConstraintStep::push_apart(std::vector<double>& way, StepReport& report) {
   std::vector<Vec3> at(n), push(n, Vec3::Zero());
   for (std::size_t c = 0; c < n; ++c) at[c] = offset_[c] + sweep_.velocity(c, way);
   std::vector<double> change(width_, 0.0);
-  const auto r =
-      sweep_.solve(at, rows_.travel_targets(), kPushTolerance, kPushSweeps, settings_.scale, push, change, 0.0);
+  const auto r = sweep_.solve(at, rows_.travel_targets(), kPushTolerance, exact_ ? kRigidPushSweeps : kPushSweeps,
+                              settings_.scale, push, change, 0.0);
   report.sweeps += r.sweeps;
   for (std::size_t i = 0; i < width_; ++i) way[i] += change[i];
 }

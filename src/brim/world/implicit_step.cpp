@@ -141,7 +141,9 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   bool coarse = contacts > 0 && !whole;
   lone_.resize(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    lone_[b] = contacts > 0 ? factor_.rigid()[b] : first_block_[b + 1] == first_block_[b] + 1;
+    lone_[b] = contacts > 0
+                   ? factor_.rigid()[b]
+                   : first_block_[b + 1] == first_block_[b] + 1 && bodies_diagonal_.block_size(first_block_[b]) == 6;
   if (!whole && !alone) {
     const auto contact_timer =
         contacts > 0 ? std::make_optional<ScopedSeconds>(contact_seconds) : std::optional<ScopedSeconds>();

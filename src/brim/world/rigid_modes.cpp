@@ -23,7 +23,7 @@ void RigidModes::take_modes(const Body& body, std::size_t n, Modes& m) const {
   if (body.immobile()) return;
   // A motion that a body's own walls forbid would carry the solve out of what its preconditioner keeps to.
   if (const auto* walled = dynamic_cast<const Walled*>(&body); walled && walled->confined()) return;
-  const Aabb box = body.bounds(0);
+  const Aabb box = body.part_count() > 0 ? body.bounds(0) : Aabb{Vec3::Zero(), Vec3::Zero()};
   const Vec3 center = box.lo.allFinite() && box.hi.allFinite() ? box.center() : Vec3::Zero();
   const bool fluid = dynamic_cast<const Filling*>(&body) != nullptr;
   for (int k = 0; k < kModes; ++k) {
