@@ -188,8 +188,13 @@ void ParticleBody::presence(int, double h, double w, const Aabb& region, std::ve
   contact_->presence(x_, h, w, region, out);
 }
 
-void ParticleBody::octant_presence(int, double h, double w, const Aabb& region, std::vector<OctantTile>& out) const {
-  contact_->octant_presence(x_, h, w, region, out);
+void ParticleBody::octant_presence(int part, double h, double w, const Aabb& region,
+                                   std::vector<OctantTile>& out) const {
+  if (contact_) return contact_->octant_presence(x_, h, w, region, out);
+  // A kind with a presence of its own: whole tiles.
+  std::vector<TileKey> tiles;
+  presence(part, h, w, region.inflated(h), tiles);
+  for (const TileKey& t : tiles) out.push_back({t, kAllOctants});
 }
 
 void ParticleBody::rasterize(int, double h, double w, std::span<const TileKey> tiles,
