@@ -115,7 +115,9 @@ TEST(ContactFactor, SolvesExactlyWhatContactTouches) {
     error = std::max(error, std::abs(z[static_cast<std::size_t>(t[i])] - exact[static_cast<Eigen::Index>(i)]));
   EXPECT_LT(error, 1e-4 * exact.cwiseAbs().maxCoeff());  // single precision times the condition
   for (std::size_t v = 0; v < z.size(); ++v)
-    if (std::find(t.begin(), t.end(), static_cast<Eigen::Index>(v)) == t.end()) EXPECT_EQ(z[v], -7.0) << v;
+    if (std::find(t.begin(), t.end(), static_cast<Eigen::Index>(v)) == t.end()) {
+      EXPECT_EQ(z[v], -7.0) << v;
+    }
 }
 
 TEST(ContactFactor, InPiecesItIsTheInverseOfTheirBlocks) {

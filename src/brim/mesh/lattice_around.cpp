@@ -59,9 +59,9 @@ HeldPoints lattice_around(std::span<const Vec3> points, double spacing, std::spa
     const auto e = static_cast<std::int32_t>(std::lower_bound(wanted.begin(), wanted.end(), place[i]) - wanted.begin());
     const Tetrahedron& t = held.mesh.tets[static_cast<std::size_t>(e)];
     const Vec3 x0 = held.mesh.vertices[t[0]];
-    Mat3 edges;
-    for (int k = 0; k < 3; ++k) edges.col(k) = held.mesh.vertices[t[k + 1]] - x0;
-    const Vec3 b = edges.inverse() * (points[i] - x0);
+    Mat3 sides;
+    for (int k = 0; k < 3; ++k) sides.col(k) = held.mesh.vertices[t[k + 1]] - x0;
+    const Vec3 b = sides.inverse() * (points[i] - x0);
     held.embedding.tet.push_back(e);
     held.embedding.weights.push_back({1.0 - b.sum(), b[0], b[1], b[2]});
   }

@@ -57,9 +57,9 @@ SoftImageBody::Parts SoftImageBody::build(const OccupancyGrid& matter, const Tri
   for (Vec3& p : parts.mesh.vertices) p = position + rotation * p;
   for (const std::int32_t e : held.embedding.tet) {
     const Tetrahedron& t = parts.mesh.tets[static_cast<std::size_t>(e)];
-    Mat3 edges;
-    for (int k = 0; k < 3; ++k) edges.col(k) = parts.mesh.vertices[t[k + 1]] - parts.mesh.vertices[t[0]];
-    const Mat3 g = edges.inverse().transpose();
+    Mat3 sides;
+    for (int k = 0; k < 3; ++k) sides.col(k) = parts.mesh.vertices[t[k + 1]] - parts.mesh.vertices[t[0]];
+    const Mat3 g = sides.inverse().transpose();
     parts.carriage.gradient.push_back(-g.rowwise().sum());
     for (int k = 0; k < 3; ++k) parts.carriage.gradient.push_back(g.col(k));
   }
