@@ -52,7 +52,7 @@ struct StepReport {
   double wall = 0.0;                                                     ///< [s] whole step
   std::int64_t tiles_present = 0;  ///< coarse: tiles marked by some part, summed over sub-steps as are all counts
   std::int64_t tiles = 0;   ///< tiles rasterized, and cubes of up to 6x6x6 nodes in which solids were sampled, per part
-  std::int64_t voxels = 0;  ///< nodes sampled: all own nodes of those tiles, of solids those that were needed
+  std::int64_t voxels = 0;  ///< nodes sampled: those of the octants looked at, of solids those that were needed
   std::int64_t contacts = 0;  ///< of the last sub-step
   int cg_iterations = 0;      ///< summed over the solves
   int solves = 0;
