@@ -231,7 +231,7 @@ std::size_t expect_rigid_motion_throughout_the_density(ClothBody& body) {
   for (std::size_t p = 0; p < points.size(); ++p) {
     worst = std::max(worst, (u[p] - Vec3(1, 2, 3) - omega.cross(points[p])).norm());
     const Triangle& triangle = body.mesh().triangles[sources[p]];
-    thin += ShellWeightsMap::weight_sum(points[p], triangle, body.positions()) > ShellWeightsMap::kMaxWeight;
+    thin += ShellWeightsMap::lever(points[p], triangle, body.positions()) > ShellWeightsMap::kMaxLever;
   }
   EXPECT_LT(worst, 1e-12);
   return thin;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <random>
 
 #include "brim/mesh/tri_mesh.h"
@@ -38,12 +39,16 @@ struct RandomShell {
       Vec3 w(0.5 + 0.8 * uniform(rng), 0.5 + 0.8 * uniform(rng), 0);
       w[2] = 1 - w[0] - w[1];
       b.push_back(w);
-      d.push_back(0.3 * uniform(rng));
+      d.push_back(0.8 * uniform(rng));
       r.push_back(place(triangles.size() - 1, x));
     }
-    map.reset(x.size(), r.size());
-    for (std::size_t p = 0; p < r.size(); ++p) map.set(p, r[p], triangles[p], x);
-    map.finish();
+    std::vector<std::int32_t> nearest(r.size());
+    std::iota(nearest.begin(), nearest.end(), 0);
+    map.build(SheetPatches(triangles), r, nearest, x);
+  }
+  /// The point rides on its own triangle.
+  bool on_triangle(std::size_t p) const {
+    return ShellWeightsMap::lever(r[p], triangles[p], x) <= ShellWeightsMap::kMaxLever;
   }
   std::vector<double> flat(const std::vector<Vec3>& a) const {
     std::vector<double> v;
@@ -52,16 +57,16 @@ struct RandomShell {
   }
 };
 
+SheetPatches one_triangle() { return SheetPatches(std::vector<Triangle>{{0, 1, 2}}); }
+
 TEST(ShellWeights, ForceAboveARightTriangleByHand) {
-  // b = (1, 0, 0), d = 2: f = x̂ at height 2 over corner 0 is the same force there plus a couple about y.
+  // b = (1, 0, 0), d = 1: f = x̂ at height 1 over corner 0 is the same force there plus a couple about y.
   const std::vector<Vec3> x = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   ShellWeightsMap map;
-  map.reset(3, 1);
-  map.set(0, Vec3(0, 0, 2), {0, 1, 2}, x);
-  map.finish();
+  map.build(one_triangle(), std::vector{Vec3(0, 0, 1)}, std::vector<std::int32_t>{0}, x);
   std::vector<double> Q(9, 0.0);
   map.add_force(std::vector<Vec3>{Vec3(1, 0, 0)}, Q);
-  EXPECT_EQ(Q, (std::vector<double>{1, 0, 2, 0, 0, -2, 0, 0, 0}));
+  EXPECT_EQ(Q, (std::vector<double>{1, 0, 1, 0, 0, -1, 0, 0, 0}));
 }
 
 TEST(ShellWeights, VelocityIsTheDerivativeOfTheRidingPoint) {
@@ -74,8 +79,14 @@ TEST(ShellWeights, VelocityIsTheDerivativeOfTheRidingPoint) {
   const double e = 1e-6;
   auto plus = s.x, minus = s.x;
   for (std::size_t i = 0; i < s.x.size(); ++i) plus[i] += e * dx[i], minus[i] -= e * dx[i];
-  for (std::size_t p = 0; p < s.r.size(); ++p)
+  std::size_t on_triangles = 0;
+  for (std::size_t p = 0; p < s.r.size(); ++p) {
+    if (!s.on_triangle(p)) continue;
+    ++on_triangles;
     EXPECT_LT((u[p] - (s.place(p, plus) - s.place(p, minus)) / (2 * e)).norm(), 1e-8) << "point " << p;
+  }
+  EXPECT_GT(on_triangles, 80u);
+  EXPECT_LT(on_triangles, s.r.size());  // the other tests look at points on patches too
 }
 
 TEST(ShellWeights, RigidMotionIsReproduced) {
@@ -130,12 +141,51 @@ TEST(ShellWeights, ForceIsTheTransposeOfVelocityAndBlocksAgree) {
 TEST(ShellWeights, SliverFallsBackToTheClosestPoint) {
   const std::vector<Vec3> x = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
   ShellWeightsMap map;
-  map.reset(3, 1);
-  map.set(0, Vec3(0.5, 0.1, 0), {0, 1, 2}, x);
-  map.finish();
+  map.build(one_triangle(), std::vector{Vec3(0.5, 0.1, 0)}, std::vector<std::int32_t>{0}, x);
   std::vector<Vec3> u(1);
   map.velocity(std::vector<double>{2, 0, 0, 4, 0, 0, 0, 0, 0}, u);
   EXPECT_TRUE(u[0].isApprox(Vec3(3, 0, 0)));
+}
+
+/// A sheet of cells x cells squares of side 1, squeezed to `share` of its length along x.
+struct Squeezed {
+  std::vector<Vec3> x;
+  std::vector<Triangle> triangles;
+
+  Squeezed(int cells, double share) {
+    for (int j = 0; j <= cells; ++j)
+      for (int i = 0; i <= cells; ++i) x.push_back(Vec3(share * i, j, 0.3 * (i % 2)));
+    const auto at = [&](int i, int j) { return static_cast<std::int32_t>(j * (cells + 1) + i); };
+    for (int j = 0; j < cells; ++j)
+      for (int i = 0; i < cells; ++i) {
+        triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+        triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+      }
+  }
+};
+
+TEST(ShellWeights, ASqueezedSheetIsNoShortLever) {
+  // Pleats of a twentieth of a cell: a point one cell above them would turn a triangle about its short side.
+  const Squeezed s(8, 0.05);
+  const std::size_t t = 2 * (8 * 4 + 4);
+  const Vec3 r = (s.x[s.triangles[t][0]] + s.x[s.triangles[t][1]] + s.x[s.triangles[t][2]]) / 3.0 + Vec3(1, 0, 0.2);
+  EXPECT_GT(ShellWeightsMap::lever(r, s.triangles[t], s.x), ShellWeightsMap::kMaxLever);
+  ShellWeightsMap map;
+  map.build(SheetPatches(s.triangles), std::vector{r}, std::vector{static_cast<std::int32_t>(t)}, s.x);
+  std::vector<double> Q(3 * s.x.size(), 0.0);
+  const Vec3 f(0.3, -0.2, 1.0);
+  map.add_force(std::vector{f}, Q);
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+  double largest = 0.0;
+  std::size_t reached = 0;
+  for (std::size_t i = 0; i < s.x.size(); ++i) {
+    const Vec3 q(Q[3 * i], Q[3 * i + 1], Q[3 * i + 2]);
+    force += q, torque += s.x[i].cross(q), largest = std::max(largest, q.norm()), reached += q.norm() > 0.0;
+  }
+  EXPECT_LT((force - f).norm(), 1e-12);
+  EXPECT_LT((torque - r.cross(f)).norm(), 1e-12);
+  EXPECT_LT(largest, f.norm());  // on the triangle alone it would be many times the force
+  EXPECT_EQ(reached, 12u);       // those of the triangles around
 }
 
 }  // namespace

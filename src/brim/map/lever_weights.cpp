@@ -10,14 +10,19 @@ constexpr std::size_t kLeverGrain = 512;
 }
 
 void LeverWeightsMap::reset(std::size_t particles, std::size_t points, int entries_per_point) {
+  std::vector<std::int32_t> row_start(points + 1);
+  for (std::size_t p = 0; p <= points; ++p) row_start[p] = static_cast<std::int32_t>(entries_per_point * p);
+  reset(particles, std::move(row_start));
+}
+
+void LeverWeightsMap::reset(std::size_t particles, std::vector<std::int32_t> row_start) {
   particles_ = particles;
-  entries_ = static_cast<std::size_t>(entries_per_point);
-  row_start_.resize(points + 1);
-  for (std::size_t p = 0; p <= points; ++p) row_start_[p] = static_cast<std::int32_t>(entries_ * p);
-  particle_.assign(entries_ * points, 0);
-  weight_.assign(entries_ * points, 0.0);
-  lever_.assign(entries_ * points, Vec3::Zero());
-  direction_.assign(points, Vec3::Zero());
+  row_start_ = std::move(row_start);
+  const auto entries = static_cast<std::size_t>(row_start_.back());
+  particle_.assign(entries, 0);
+  weight_.assign(entries, 0.0);
+  lever_.assign(entries, Vec3::Zero());
+  direction_.assign(row_start_.size() - 1, Vec3::Zero());
 }
 
 void LeverWeightsMap::finish() {
@@ -35,7 +40,7 @@ void LeverWeightsMap::velocity(std::span<const double> v, std::span<Vec3> u) con
   parallel_blocks(points(), kLeverGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
       Vec3 sum = Vec3::Zero();
-      for (std::size_t e = entries_ * p; e < entries_ * (p + 1); ++e) {
+      for (std::int32_t e = row_start_[p]; e < row_start_[p + 1]; ++e) {
         const Eigen::Map<const Vec3> vi(v.data() + 3 * particle_[e]);
         sum += weight_[e] * vi + direction_[p].dot(vi) * lever_[e];
       }
@@ -61,7 +66,7 @@ void LeverWeightsMap::add_force(std::span<const Vec3> f, std::span<double> Q) co
 
 bool LeverWeightsMap::append_rows(MapRows& out) const {
   for (std::size_t p = 0; p < points(); ++p) {
-    for (std::size_t e = entries_ * p; e < entries_ * (p + 1); ++e)
+    for (std::int32_t e = row_start_[p]; e < row_start_[p + 1]; ++e)
       out.add(particle_[e], (weight_[e] * Mat3::Identity() + lever_[e] * direction_[p].transpose()).cast<float>());
     out.end_row();
   }

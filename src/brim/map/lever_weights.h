@@ -29,8 +29,10 @@ class LeverWeightsMap : public Map, public SparseMap {
  protected:
   /// Makes room. @param particles  number of particles of the body, nv / 3
   void reset(std::size_t particles, std::size_t points, int entries_per_point);
+  /// @param row_start  where the entries of each point start, shape (points + 1)
+  void reset(std::size_t particles, std::vector<std::int32_t> row_start);
 
-  std::size_t entries_ = 0;  // per point
+  std::vector<std::int32_t> row_start_;
   std::vector<std::int32_t> particle_;
   std::vector<double> weight_;   // w_i
   std::vector<Vec3> lever_;      // l_i
@@ -38,7 +40,6 @@ class LeverWeightsMap : public Map, public SparseMap {
 
  private:
   std::size_t particles_ = 0;
-  std::vector<std::int32_t> row_start_;
   RowTranspose transpose_;
   /// A row's entry in the order of the transpose, so that products read memory in one go.
   struct Share {

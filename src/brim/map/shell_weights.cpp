@@ -1,11 +1,17 @@
 #include "brim/map/shell_weights.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
+#include <numeric>
+
+#include "brim/core/parallel.h"
 
 namespace brim {
 
 namespace {
+
+constexpr std::size_t kGrain = 512;
 
 /// Barycentric weights of the point of a triangle that is closest to the point with plane weights b outside of it:
 /// the best of the three edges.
@@ -28,9 +34,10 @@ Vec3 clamped_to_edges(const Vec3& r, const std::array<Vec3, 3>& x) {
   return best;
 }
 
-/// Plane weights b of a point, their gradients and the normal n of the triangle; b is infinite where it has no area.
+/// Plane weights b of a point, their gradients and the normal n of the triangle.
 struct PlaneWeights {
-  Vec3 b = Vec3::Constant(std::numeric_limits<double>::infinity()), n = Vec3::UnitZ();
+  bool has_area = false;  ///< nothing else stands where it is false
+  Vec3 b, n;
   std::array<Vec3, 3> gradient;
 };
 
@@ -38,7 +45,8 @@ PlaneWeights plane_weights(const Vec3& r, const std::array<Vec3, 3>& c) {
   PlaneWeights w;
   const Vec3 m = (c[1] - c[0]).cross(c[2] - c[0]);
   const double m2 = m.squaredNorm();
-  if (!(m2 > 0.0)) return w;
+  w.has_area = m2 > 0.0;
+  if (!w.has_area) return w;
   w.n = m / std::sqrt(m2);
   // ∇b_i = n × (edge opposite to i) / (2 area).
   for (int i = 0; i < 3; ++i) {
@@ -49,32 +57,101 @@ PlaneWeights plane_weights(const Vec3& r, const std::array<Vec3, 3>& c) {
   return w;
 }
 
-std::array<Vec3, 3> corners(const std::array<std::int32_t, 3>& triangle, std::span<const Vec3> x) {
+std::array<Vec3, 3> corners(const SheetPatches::Corners& triangle, std::span<const Vec3> x) {
   return {x[triangle[0]], x[triangle[1]], x[triangle[2]]};
+}
+
+double lever_of(const PlaneWeights& w, double d) {
+  double most = 0.0;
+  for (int i = 0; i < 3; ++i) most = std::max(most, std::abs(w.b[i]) + std::abs(d) * w.gradient[i].norm());
+  return most;
 }
 
 }  // namespace
 
-double ShellWeightsMap::weight_sum(const Vec3& r, const std::array<std::int32_t, 3>& triangle,
-                                   std::span<const Vec3> x) {
-  return plane_weights(r, corners(triangle, x)).b.cwiseAbs().sum();
+double ShellWeightsMap::lever(const Vec3& r, const SheetPatches::Corners& triangle, std::span<const Vec3> x) {
+  const std::array<Vec3, 3> c = corners(triangle, x);
+  const PlaneWeights w = plane_weights(r, c);
+  return w.has_area ? lever_of(w, w.n.dot(r - c[0])) : std::numeric_limits<double>::infinity();
 }
 
-void ShellWeightsMap::set(std::size_t p, const Vec3& r, const std::array<std::int32_t, 3>& triangle,
-                          std::span<const Vec3> x) {
+void ShellWeightsMap::build(const SheetPatches& sheet, std::span<const Vec3> points,
+                            std::span<const std::int32_t> triangle, std::span<const Vec3> x) {
+  std::vector<std::int32_t> row_start(points.size() + 1, 0);
+  parallel_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      const bool carried = lever(points[p], sheet.triangle(triangle[p]), x) <= kMaxLever;
+      row_start[p + 1] = carried ? 3 : static_cast<std::int32_t>(sheet.around(triangle[p]).size());
+    }
+  });
+  std::partial_sum(row_start.begin(), row_start.end(), row_start.begin());
+  reset(x.size(), std::move(row_start));
+  parallel_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      const SheetPatches::Corners& own = sheet.triangle(triangle[p]);
+      if (row_start_[p + 1] - row_start_[p] == 3 && lever(points[p], own, x) <= kMaxLever)
+        ride_on_triangle(p, points[p], own, x);
+      else if (!ride_on_patch(p, points[p], sheet.around(triangle[p]), x))
+        ride_on_closest(p, points[p], own, x);
+    }
+  });
+  finish();
+}
+
+void ShellWeightsMap::ride_on_triangle(std::size_t p, const Vec3& r, const SheetPatches::Corners& triangle,
+                                       std::span<const Vec3> x) {
   const std::array<Vec3, 3> c = corners(triangle, x);
-  auto [b, n, gradient] = plane_weights(r, c);
-  double d = n.dot(r - c[0]);
-  if (!(b.cwiseAbs().sum() <= kMaxWeight)) {
-    b = clamped_to_edges(r, c);
-    d = 0.0;
-    gradient.fill(Vec3::Zero());
+  const PlaneWeights w = plane_weights(r, c);
+  const double d = w.n.dot(r - c[0]);
+  direction_[p] = w.n;
+  for (std::int32_t i = 0, e = row_start_[p]; i < 3; ++i, ++e) {
+    particle_[e] = triangle[i];
+    weight_[e] = w.b[i];
+    lever_[e] = -d * w.gradient[i];
   }
+}
+
+bool ShellWeightsMap::ride_on_patch(std::size_t p, const Vec3& r, std::span<const std::int32_t> patch,
+                                    std::span<const Vec3> x) {
+  const auto k = static_cast<double>(patch.size());
+  Vec3 c = Vec3::Zero();
+  for (const std::int32_t i : patch) c += x[i];
+  c /= k;
+  Mat3 spread = Mat3::Zero();
+  for (const std::int32_t i : patch) spread += (x[i] - c) * (x[i] - c).transpose();
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
+  const Vec3 n = axes.eigenvectors().col(0);
+  const Vec3& share = axes.eigenvalues();  // ascending
+  if (!(share[1] > 1e-12 * share[2])) return false;
+  const auto across = axes.eigenvectors().rightCols<2>();
+  const Mat3 inverse = across * share.tail<2>().cwiseInverse().asDiagonal() * across.transpose();
+
+  Vec3 foot = Vec3::Zero();
+  for (std::size_t i = 0; i < patch.size(); ++i) {
+    const std::int32_t e = row_start_[p] + static_cast<std::int32_t>(i);
+    particle_[e] = patch[i];
+    lever_[e] = inverse * (x[patch[i]] - c);
+    weight_[e] = 1.0 / k + lever_[e].dot(r - c);
+    foot += weight_[e] * x[patch[i]];
+  }
+  const double d = n.dot(r - foot);
   direction_[p] = n;
-  for (int i = 0; i < 3; ++i) {
-    particle_[3 * p + i] = triangle[i];
-    weight_[3 * p + i] = b[i];
-    lever_[3 * p + i] = -d * gradient[i];
+  double most = 0.0;
+  for (std::int32_t e = row_start_[p]; e < row_start_[p + 1]; ++e) {
+    lever_[e] *= -d;
+    most = std::max(most, std::abs(weight_[e]) + lever_[e].norm());
+  }
+  return most <= 3.0 * kMaxLever;
+}
+
+void ShellWeightsMap::ride_on_closest(std::size_t p, const Vec3& r, const SheetPatches::Corners& triangle,
+                                      std::span<const Vec3> x) {
+  const Vec3 b = clamped_to_edges(r, corners(triangle, x));
+  direction_[p].setZero();
+  for (std::int32_t e = row_start_[p]; e < row_start_[p + 1]; ++e) {
+    const auto corner = std::find(triangle.begin(), triangle.end(), particle_[e]);
+    weight_[e] = corner == triangle.end() ? 0.0 : b[corner - triangle.begin()];
+    lever_[e].setZero();
   }
 }
 

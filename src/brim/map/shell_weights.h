@@ -1,10 +1,11 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "brim/map/lever_weights.h"
+#include "brim/map/sheet_patches.h"
 
 namespace brim {
 
@@ -15,21 +16,33 @@ namespace brim {
 /// Σ J_i = I and Σ x_i × J_iᵀ f = r × f, so linear and angular momentum of contact are exact also for points off the
 /// middle surface. J changes with q; the geometric term is left out (it is not definite and contact forces are small
 /// against the stiffness of the sheet).
+///
+/// A triangle that is small beside d, or squeezed flat, is a short lever: a force at r would throw its vertices about.
+/// There the point rides on the patch around it, with the same J: n is the direction in which the patch is thinnest,
+/// and b, ∇b are those of the linear field that fits the vertices best across n,
+///   t_i = x_i − c − n n·(x_i − c),   ∇b_i = (Σ t tᵀ)⁻¹ t_i,   b_i = 1/k + ∇b_i · (r − c),   c = Σ x_i / k
+/// for which the same two sums hold, whether the patch is flat or not; with three vertices it is the triangle's own.
 /// Tests: tests/map/shell_weights_test.cpp
 class ShellWeightsMap final : public LeverWeightsMap {
  public:
-  /// @param particles  number of particles of the body, nv / 3
-  void reset(std::size_t particles, std::size_t points) { LeverWeightsMap::reset(particles, points, 3); }
-  /// Lets point p at r ride on a triangle. Weights extrapolate linearly where r projects outside of the triangle, until
-  /// Σ|b| passes kMaxWeight; there (slivers, far points) b becomes that of the closest point and d = 0, and the torque
-  /// of a force at r does not arrive whole. May run in parallel for different p. @param x  positions of the particles,
-  /// [m], shape (particles)
-  void set(std::size_t p, const Vec3& r, const std::array<std::int32_t, 3>& triangle, std::span<const Vec3> x);
+  /// @param points    [m] shape (points)
+  /// @param triangle  the nearest of each point, shape (points)
+  /// @param x         positions of the particles of the body, [m], shape (nv / 3)
+  void build(const SheetPatches& sheet, std::span<const Vec3> points, std::span<const std::int32_t> triangle,
+             std::span<const Vec3> x);
 
-  /// Largest Σ|b| for which weights are extrapolated.
-  static constexpr double kMaxWeight = 8.0;
-  /// Σ|b| of r in the plane of a triangle; infinite where the triangle has no area.
-  static double weight_sum(const Vec3& r, const std::array<std::int32_t, 3>& triangle, std::span<const Vec3> x);
+  /// Largest |b_i| + |d ∇b_i| for which a point rides on its triangle. At three times that the patch does not carry it
+  /// either: b becomes that of the closest point of the triangle and d = 0, and the torque of a force does not arrive
+  /// whole.
+  static constexpr double kMaxLever = 3.0;
+  /// Largest |b_i| + |d ∇b_i| of r on its triangle; infinite where that has no area.
+  static double lever(const Vec3& r, const SheetPatches::Corners& triangle, std::span<const Vec3> x);
+
+ private:
+  void ride_on_triangle(std::size_t p, const Vec3& r, const SheetPatches::Corners& triangle, std::span<const Vec3> x);
+  /// @return false where the patch is too small as well
+  bool ride_on_patch(std::size_t p, const Vec3& r, std::span<const std::int32_t> patch, std::span<const Vec3> x);
+  void ride_on_closest(std::size_t p, const Vec3& r, const SheetPatches::Corners& triangle, std::span<const Vec3> x);
 };
 
 }  // namespace brim

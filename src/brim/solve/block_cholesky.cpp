@@ -8,6 +8,16 @@
 
 namespace brim {
 
+template <class F>
+void BlockCholesky::with_stream(const Supernode& s, const F& f) {
+  const std::size_t column = 3 * static_cast<std::size_t>(s.begin);
+  float *square = square_.data() + panel::kBlock * column, *step = step_.data() + column;
+  if (compressed_)
+    f(panel::Stream<std::int16_t>{short_stream_.data() + s.stream, square, step});
+  else
+    f(panel::Stream<float>{stream_.data() + s.stream, square, step});
+}
+
 void BlockCholesky::load(const Supernode& s, std::span<const Block> value, Task& task) {
   float* panel = panel_.data() + s.panel;
   std::fill(panel, panel + s.stride * 3 * static_cast<std::size_t>(s.end - s.begin), 0.0f);
@@ -70,6 +80,10 @@ void BlockCholesky::factor(Task& task, std::span<const Block> value) {
     take_updates(k, task);
     task.lifted += panel::factor(panel_.data() + s.panel, s.stride, 3 * static_cast<std::size_t>(s.rows),
                                  3 * static_cast<std::size_t>(width), task.product.data());
+    with_stream(s, [&](const auto& stream) {
+      panel::make_stream(panel_.data() + s.panel, s.stride, 3 * static_cast<std::size_t>(s.rows),
+                         3 * static_cast<std::size_t>(width), stream);
+    });
     done_[k] = width;
     if (width < s.rows && task_of_[supernode_of_[row_[s.row + width]]] == task_of_[k]) hand_on(k);
   }
@@ -106,8 +120,8 @@ void BlockCholesky::solve_forward(Task& task) {
     const std::size_t width = static_cast<std::size_t>(s.end - s.begin), rows = static_cast<std::size_t>(s.rows);
     float* x = x_.data() + 3 * static_cast<std::size_t>(s.begin);
     std::copy(x, x + 3 * width, y);
-    std::fill(y + 3 * width, y + 3 * rows, 0.0f);
-    panel::solve_forward(panel_.data() + s.panel, s.stride, 3 * rows, 3 * width, y);
+    std::fill(y + 3 * width, y + 3 * rows + panel::kPad, 0.0f);
+    with_stream(s, [&](const auto& stream) { panel::solve_forward(stream, 3 * rows, 3 * width, y); });
     std::copy(y, y + 3 * width, x);
     const std::int32_t* row = row_.data() + s.row;
     for (std::size_t i = width; i < rows; ++i) {
@@ -126,7 +140,8 @@ void BlockCholesky::solve_backward(Task& task) {
     const std::size_t width = static_cast<std::size_t>(s.end - s.begin), rows = static_cast<std::size_t>(s.rows);
     const std::int32_t* row = row_.data() + s.row;
     for (std::size_t i = 0; i < rows; ++i) std::copy_n(x_.data() + 3 * static_cast<std::size_t>(row[i]), 3, y + 3 * i);
-    panel::solve_backward(panel_.data() + s.panel, s.stride, 3 * rows, 3 * width, y);
+    std::fill_n(y + 3 * rows, panel::kPad, 0.0f);
+    with_stream(s, [&](const auto& stream) { panel::solve_backward(stream, 3 * rows, 3 * width, y); });
     std::copy(y, y + 3 * width, x_.data() + 3 * static_cast<std::size_t>(s.begin));
   }
 }

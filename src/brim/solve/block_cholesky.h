@@ -14,6 +14,8 @@ namespace brim {
 ///   order by approximate minimum degree -> elimination tree -> supernodes (columns of one pattern, small ones joined)
 ///   -> panels of floats, filled left to right by products of dense panels (Ng and Peyton 1993)
 ///   -> squares on the diagonal inverted, so that a solve is products only
+///   -> a stream in the order in which solves read it; of large factors, whose solves are bound by memory, in sixteen
+///      bits
 ///
 /// Subtrees of the elimination tree are independent: they are dealt into a fixed number of tasks, which threads share;
 /// what lies above them all (the top) follows in order. So the bits are the same for any number of threads. Several
@@ -43,6 +45,7 @@ class BlockCholesky {
     std::int32_t rows = 0;            ///< block rows
     std::size_t panel = 0;            ///< of its floats in panel_
     std::size_t stride = 0;           ///< of a column
+    std::size_t stream = 0;           ///< of its numbers in the stream
   };
   /// Supernodes that one thread works through: whole subtrees, children first.
   struct Task {
@@ -60,6 +63,9 @@ class BlockCholesky {
   void factor(Task& task, std::span<const Block> value);
   /// Lets the next supernode that has rows of this one know.
   void hand_on(std::int32_t supernode);
+  /// Calls f(panel::Stream) with what solves read of a supernode.
+  template <class F>
+  void with_stream(const Supernode& s, const F& f);
   void solve_forward(Task& task);
   void solve_backward(Task& task);
 
@@ -75,6 +81,10 @@ class BlockCholesky {
   std::vector<Supernode> supernode_;
   std::vector<std::int32_t> row_, supernode_of_;
   std::vector<float> panel_;
+  // The same as solves read it (panel::Stream): of large factors in sixteen bits, of small ones as floats.
+  bool compressed_ = false;
+  std::vector<std::int16_t> short_stream_;
+  std::vector<float> stream_, square_, step_;
   std::vector<Task> task_;               ///< the last one is the top
   std::vector<std::int32_t> task_of_;    ///< per supernode
   std::vector<std::int32_t> top_place_;  ///< per block: its place in the top

@@ -18,6 +18,8 @@ constexpr double kNarrowZeros = 0.5;
 constexpr std::size_t kTasks = 8;
 /// [floats] factors smaller than this are not worth dividing.
 constexpr double kWorthDividing = 30000;
+/// [floats] factors larger than this do not stay in the cache of a core.
+constexpr std::size_t kWorthCompressing = 200000;
 /// Subtrees are divided until each is less than this share of the work.
 constexpr double kShare = 1.0 / 12;
 
@@ -187,7 +189,7 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
     begin = j;
     zeros = 0.0;
   }
-  std::size_t total = 0;
+  std::size_t total = 0, streamed = 0;
   std::int32_t most = 0;
   supernode_of_.resize(n);
   for (std::size_t k = 0; k < supernode_.size(); ++k) {
@@ -196,9 +198,18 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
     s.stride = panel::padded(3 * static_cast<std::size_t>(s.rows));
     s.panel = total;
     total += s.stride * 3 * static_cast<std::size_t>(s.end - s.begin);
+    s.stream = streamed;
+    streamed += panel::stream_size(3 * static_cast<std::size_t>(s.rows), 3 * static_cast<std::size_t>(s.end - s.begin));
     most = std::max(most, s.rows);
   }
   grow(panel_, total + 2 * panel::kPad);
+  compressed_ = total > kWorthCompressing;
+  if (compressed_)
+    grow(short_stream_, streamed);
+  else
+    grow(stream_, streamed);
+  square_.resize(panel::kBlock * 3 * static_cast<std::size_t>(n));
+  step_.resize(3 * static_cast<std::size_t>(n));
   scale_.resize(3 * static_cast<std::size_t>(n));
   x_.resize(3 * static_cast<std::size_t>(n));
   find_tasks();

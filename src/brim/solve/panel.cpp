@@ -11,13 +11,21 @@ namespace {
 
 constexpr int kWide = 8;
 typedef float Wide __attribute__((vector_size(kWide * sizeof(float))));
-/// Columns of a block that is factored by itself before the rest of the panel follows.
-constexpr std::size_t kBlock = 12;
+/// Steps from zero to the largest number of a compressed column.
+constexpr std::int32_t kSteps = 32767;
+/// Makes all of them positive, and a half more.
+constexpr float kLift = kSteps + 1.5f;
 
 BRIM_INLINE Wide load(const float* p) {
   Wide w;
   __builtin_memcpy(&w, p, sizeof w);
   return w;
+}
+BRIM_INLINE Wide load(const std::int16_t* p) {
+  typedef std::int16_t Narrow __attribute__((vector_size(kWide * sizeof(std::int16_t))));
+  Narrow n;
+  __builtin_memcpy(&n, p, sizeof n);
+  return __builtin_convertvector(n, Wide);
 }
 BRIM_INLINE void store(float* p, Wide w) { __builtin_memcpy(p, &w, sizeof w); }
 
@@ -41,6 +49,129 @@ BRIM_INLINE void invert_triangle(float* L, std::size_t stride, std::size_t n) {
       for (std::size_t i = k; i < n; ++i) x[i] -= L[k * stride + i] * column[k];
     column[j] = inverse;
     for (std::size_t i = j + 1; i < n; ++i) column[i] = x[i] * inverse;
+  }
+}
+
+/// Chunks of rows of a stream.
+BRIM_INLINE std::size_t chunks(std::size_t rows) { return (rows + kWide - 1) / kWide; }
+
+/// What a number of the stream is worth, of which the column's largest is `most`; and the number for a value.
+BRIM_INLINE float step_for(float, float) { return 1.0f; }
+BRIM_INLINE float step_for(std::int16_t, float most) { return most / kSteps; }
+BRIM_INLINE float inverse_step(float, float) { return 1.0f; }
+BRIM_INLINE float inverse_step(std::int16_t, float most) { return most > 0.0f ? kSteps / most : 0.0f; }
+BRIM_INLINE void encode(float x, float& out) { out = x; }
+BRIM_INLINE void encode(float x, std::int16_t& out) {  // to the nearest: what is cut off here is positive
+  out = static_cast<std::int16_t>(static_cast<std::int32_t>(x + kLift) - kSteps - 1);
+}
+
+template <class T>
+BRIM_INLINE void to_stream(const float* panel, std::size_t stride, std::size_t rows, std::size_t width,
+                           const Stream<T>& out) {
+  T* stream = out.below;
+  for (std::size_t first = 0; first < width; first += kBlock) {
+    const std::size_t block = std::min(kBlock, width - first), end = first + block, n = chunks(rows - end);
+    for (std::size_t k = 0; k < block; ++k) {
+      const float *column = panel + (first + k) * stride, *below = column + end;
+      std::copy_n(column + first, block, out.square + (first + k) * kBlock);
+      float most = 0.0f;
+      for (std::size_t i = 0; i < rows - end; ++i) most = std::max(most, std::abs(below[i]));
+      out.step[first + k] = step_for(T{}, most);
+      const float inverse = inverse_step(T{}, most);
+      for (std::size_t c = 0; c < n; ++c) {
+        T* at = stream + (c * block + k) * kWide;
+        const std::size_t have = std::min<std::size_t>(kWide, rows - end - c * kWide);
+        for (std::size_t i = 0; i < have; ++i) encode(below[c * kWide + i] * inverse, at[i]);
+        for (std::size_t i = have; i < kWide; ++i) at[i] = 0;
+      }
+    }
+    stream += n * kWide * block;
+  }
+}
+
+/// y -= B x, B the N columns of a block as a stream.
+template <int N, class T>
+BRIM_INLINE void subtract_product(const T* stream, const float* x, std::size_t n, float* y) {
+  for (std::size_t c = 0; c < n; ++c, stream += N * kWide, y += kWide) {
+    Wide a = load(stream) * x[0], b = load(stream + kWide) * x[1], d = load(stream + 2 * kWide) * x[2];
+    for (int k = 3; k < N; k += 3) {
+      a += load(stream + k * kWide) * x[k];
+      b += load(stream + (k + 1) * kWide) * x[k + 1];
+      d += load(stream + (k + 2) * kWide) * x[k + 2];
+    }
+    store(y, load(y) - ((a + b) + d));
+  }
+}
+
+/// t = Bᵀ y
+template <int N, class T>
+BRIM_INLINE void transposed_product(const T* stream, const float* y, std::size_t n, float* t) {
+  Wide sum[N] = {};
+  for (std::size_t c = 0; c < n; ++c, stream += N * kWide, y += kWide) {
+    const Wide v = load(y);
+    for (int k = 0; k < N; ++k) sum[k] += load(stream + k * kWide) * v;
+  }
+  for (int k = 0; k < N; ++k) t[k] = sum_of(sum[k]);
+}
+
+template <class T>
+BRIM_INLINE void forward(const Stream<T>& panel, std::size_t rows, std::size_t width, float* y) {
+  const T* stream = panel.below;
+  for (std::size_t first = 0; first < width; first += kBlock) {
+    const std::size_t block = std::min(kBlock, width - first), end = first + block, n = chunks(rows - end);
+    float x[kBlock] = {};
+    for (std::size_t k = 0; k < block; ++k) {
+      // Above the diagonal the square holds nothing that counts.
+      const float* column = panel.square + (first + k) * kBlock;
+      for (std::size_t i = k; i < block; ++i) x[i] += column[i] * y[first + k];
+    }
+    std::copy(x, x + block, y + first);
+    for (std::size_t k = 0; k < block; ++k) x[k] *= panel.step[first + k];
+    switch (block) {
+      case 3:
+        subtract_product<3>(stream, x, n, y + end);
+        break;
+      case 6:
+        subtract_product<6>(stream, x, n, y + end);
+        break;
+      case 9:
+        subtract_product<9>(stream, x, n, y + end);
+        break;
+      default:
+        subtract_product<12>(stream, x, n, y + end);
+    }
+    stream += n * kWide * block;
+  }
+}
+
+template <class T>
+BRIM_INLINE void backward(const Stream<T>& panel, std::size_t rows, std::size_t width, float* y) {
+  const T* stream = panel.below + stream_size(rows, width);
+  for (std::size_t first = (width - 1) / kBlock * kBlock;; first -= kBlock) {
+    const std::size_t block = std::min(kBlock, width - first), end = first + block, n = chunks(rows - end);
+    stream -= n * kWide * block;
+    float t[kBlock];
+    switch (block) {
+      case 3:
+        transposed_product<3>(stream, y + end, n, t);
+        break;
+      case 6:
+        transposed_product<6>(stream, y + end, n, t);
+        break;
+      case 9:
+        transposed_product<9>(stream, y + end, n, t);
+        break;
+      default:
+        transposed_product<12>(stream, y + end, n, t);
+    }
+    for (std::size_t k = 0; k < block; ++k) t[k] = y[first + k] - panel.step[first + k] * t[k];
+    for (std::size_t k = 0; k < block; ++k) {
+      const float* column = panel.square + (first + k) * kBlock;
+      float sum = 0.0f;
+      for (std::size_t i = k; i < block; ++i) sum += column[i] * t[i];
+      y[first + k] = sum;
+    }
+    if (first == 0) break;
   }
 }
 
@@ -114,52 +245,34 @@ BRIM_WIDE int factor(float* panel, std::size_t stride, std::size_t rows, std::si
   return lifted;
 }
 
-BRIM_WIDE void solve_forward(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* y) {
+std::size_t stream_size(std::size_t rows, std::size_t width) {
+  std::size_t sum = 0;
   for (std::size_t first = 0; first < width; first += kBlock) {
-    const std::size_t block = std::min(kBlock, width - first), end = first + block;
-    float x[kBlock] = {};
-    for (std::size_t k = 0; k < block; ++k) {
-      const float* column = panel + (first + k) * stride + first;
-      for (std::size_t i = k; i < block; ++i) x[i] += column[i] * y[first + k];
-    }
-    std::copy(x, x + block, y + first);
-    for (std::size_t k = 0; k < block; k += 3) {
-      const float *c0 = panel + (first + k) * stride, *c1 = c0 + stride, *c2 = c1 + stride;
-      const float x0 = x[k], x1 = x[k + 1], x2 = x[k + 2];
-      std::size_t i = end;
-      for (; i + kWide <= rows; i += kWide)
-        store(y + i, (load(y + i) - load(c0 + i) * x0) - (load(c1 + i) * x1 + load(c2 + i) * x2));
-      for (; i < rows; ++i) y[i] = (y[i] - c0[i] * x0) - (c1[i] * x1 + c2[i] * x2);
-    }
+    const std::size_t end = std::min(first + kBlock, width);
+    sum += chunks(rows - end) * kWide * (end - first);
   }
+  return sum;
 }
 
-BRIM_WIDE void solve_backward(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* y) {
-  for (std::size_t first = (width - 1) / kBlock * kBlock;; first -= kBlock) {
-    const std::size_t block = std::min(kBlock, width - first), end = first + block;
-    float t[kBlock];
-    for (std::size_t k = 0; k < block; k += 3) {
-      const float *c0 = panel + (first + k) * stride, *c1 = c0 + stride, *c2 = c1 + stride;
-      Wide s0{}, s1{}, s2{};
-      std::size_t i = end;
-      for (; i + kWide <= rows; i += kWide) {
-        const Wide v = load(y + i);
-        s0 += load(c0 + i) * v, s1 += load(c1 + i) * v, s2 += load(c2 + i) * v;
-      }
-      float t0 = 0.0f, t1 = 0.0f, t2 = 0.0f;
-      for (; i < rows; ++i) t0 += c0[i] * y[i], t1 += c1[i] * y[i], t2 += c2[i] * y[i];
-      t[k] = y[first + k] - (sum_of(s0) + t0);
-      t[k + 1] = y[first + k + 1] - (sum_of(s1) + t1);
-      t[k + 2] = y[first + k + 2] - (sum_of(s2) + t2);
-    }
-    for (std::size_t k = 0; k < block; ++k) {
-      const float* column = panel + (first + k) * stride + first;
-      float sum = 0.0f;
-      for (std::size_t i = k; i < block; ++i) sum += column[i] * t[i];
-      y[first + k] = sum;
-    }
-    if (first == 0) break;
-  }
+BRIM_WIDE void make_stream(const float* panel, std::size_t stride, std::size_t rows, std::size_t width,
+                           const Stream<float>& out) {
+  to_stream(panel, stride, rows, width, out);
+}
+BRIM_WIDE void make_stream(const float* panel, std::size_t stride, std::size_t rows, std::size_t width,
+                           const Stream<std::int16_t>& out) {
+  to_stream(panel, stride, rows, width, out);
+}
+BRIM_WIDE void solve_forward(const Stream<float>& panel, std::size_t rows, std::size_t width, float* y) {
+  forward(panel, rows, width, y);
+}
+BRIM_WIDE void solve_forward(const Stream<std::int16_t>& panel, std::size_t rows, std::size_t width, float* y) {
+  forward(panel, rows, width, y);
+}
+BRIM_WIDE void solve_backward(const Stream<float>& panel, std::size_t rows, std::size_t width, float* y) {
+  backward(panel, rows, width, y);
+}
+BRIM_WIDE void solve_backward(const Stream<std::int16_t>& panel, std::size_t rows, std::size_t width, float* y) {
+  backward(panel, rows, width, y);
 }
 
 }  // namespace brim::panel

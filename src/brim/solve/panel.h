@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 /// Dense kernels on panels: columns of floats one after another, `stride` apart. The rows are worked on in lanes, each
 /// row by itself, so that wide and narrow instructions give the same bits. Kernels may read and write up to kPanelPad
@@ -8,6 +9,8 @@
 namespace brim::panel {
 
 inline constexpr std::size_t kPad = 16;
+/// Columns of a block that is factored by itself before the rest of the panel follows.
+inline constexpr std::size_t kBlock = 12;
 
 /// Rows of a panel with its padding.
 inline std::size_t padded(std::size_t rows) { return (rows + kPad - 1) / kPad * kPad; }
@@ -28,9 +31,28 @@ inline constexpr float kLeastPivot = 1e-5f;
 /// @return pivots that were lifted to kLeastPivot: L Lᵀ is then definite, but not the matrix
 int factor(float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* workspace);
 
-/// The first `width` of y become x = L⁻¹ y, what is below takes y − L x. @param y  shape (rows)
-void solve_forward(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* y);
+/// A factored panel as solves read it, in the order in which they do: for every twelve columns the square on the
+/// diagonal, inverted, and apart from it what is below in chunks of eight rows, a chunk of each of the columns in turn.
+/// T is float, or sixteen bits: equal steps over each column's range, half the memory for solves that are bound by it.
+/// An iteration loses nothing by that, as entries of a factor that is scaled to a diagonal of ones are at most 1.
+template <class T>
+struct Stream {
+  T* below;       ///< shape (stream_size)
+  float* square;  ///< shape (width, 12)
+  float* step;    ///< of each column, what 1 of T is worth; shape (width)
+};
+std::size_t stream_size(std::size_t rows, std::size_t width);
+void make_stream(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, const Stream<float>& out);
+void make_stream(const float* panel, std::size_t stride, std::size_t rows, std::size_t width,
+                 const Stream<std::int16_t>& out);
+
+/// The first `width` of y become x = L⁻¹ y, what is below takes y − L x. @param y  shape (rows), and kPad more whose
+/// numbers mean nothing afterwards
+void solve_forward(const Stream<float>& panel, std::size_t rows, std::size_t width, float* y);
+void solve_forward(const Stream<std::int16_t>& panel, std::size_t rows, std::size_t width, float* y);
 /// The first `width` of y become L⁻ᵀ (y − Bᵀ z), B the rows below and z what is there in y.
-void solve_backward(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* y);
+/// @param y  shape (rows), and kPad more that are zero
+void solve_backward(const Stream<float>& panel, std::size_t rows, std::size_t width, float* y);
+void solve_backward(const Stream<std::int16_t>& panel, std::size_t rows, std::size_t width, float* y);
 
 }  // namespace brim::panel

@@ -10,6 +10,8 @@ namespace {
 
 /// Rows assembled by one thread at a time.
 constexpr std::size_t kRows = 64;
+/// Share of a node's own matrix below which contact does not touch it: block Jacobi knows as much.
+constexpr float kTouch = 0.1f;
 
 using Block = BlockCholesky::Block;
 
@@ -86,9 +88,20 @@ void ContactFactor::for_entries(const ContactRows& rows, const F& f) const {
 void ContactFactor::find_touched(const ContactRows& rows, std::size_t most_in_a_piece) {
   local_.assign(prescribed_.size(), -1);
   touched_.clear();
+  contact_trace_.assign(prescribed_.size(), 0.0f);
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (std::int32_t e = rows.first[i]; e < rows.first[i + 1]; ++e)
-      if (!prescribed_[rows.offset[e]]) local_[rows.offset[e]] = 0;
+      contact_trace_[rows.offset[e]] += (rows.stiffness[i] * rows.block[e]).cwiseProduct(rows.block[e]).sum();
+  for (std::size_t b = 0; b < owner_.size(); ++b) {
+    const Owner& o = owner_[b];
+    for (std::size_t v = o.first_v; v < end_of(b); v += 3) {
+      if (prescribed_[v] || !(contact_trace_[v] > 0.0f)) continue;
+      const bool strong =
+          !o.system || contact_trace_[v] >
+                           kTouch * static_cast<float>(diagonal_->block(o.first_block + (v - o.first_v) / 3).trace());
+      if (strong) local_[v] = 0;
+    }
+  }
   take_thin_whole(most_in_a_piece);
   for (std::size_t b = 0; b < owner_.size(); ++b) {
     const Owner& o = owner_[b];

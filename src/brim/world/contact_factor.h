@@ -14,7 +14,7 @@
 namespace brim {
 
 /// The part of the system that contact touches, factored across bodies:
-///   T = velocities that have a share in a contact that acts,   z_T = (A_TT)⁻¹ r_T
+///   T = velocities whose share in contacts that act is a tenth of their own matrix at least,   z_T = (A_TT)⁻¹ r_T
 /// with A the bodies' own matrices and Jᵀ K J of the contacts. It is what block Jacobi misses most: a tenth of the
 /// nodes of a pile, and nearly all of what couples them. Thin bodies (sheets, rods), whose factors have few entries,
 /// take part with all their velocities where T then still fits into one piece. Beyond kPiece blocks T is cut in space
@@ -94,6 +94,7 @@ class ContactFactor {
   std::vector<std::uint8_t> rigid_;  ///< per body
   bool all_rigid_ = false;
   std::vector<std::uint8_t> prescribed_;  ///< per velocity
+  std::vector<float> contact_trace_;      ///< [kg] of each node's block of Jᵀ K J, per velocity
   std::vector<std::int32_t> local_;       ///< per velocity: the touched block that starts there, or -1
   std::vector<Touched> touched_;          ///< by piece, then by velocity
   struct Incidence {

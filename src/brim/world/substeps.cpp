@@ -40,7 +40,7 @@ double most_pieces(std::span<const WorldPart> parts, std::span<const double> v, 
 double motion_limit(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
   const double h = std::min(a.h, b.h);
   const double usual = options.max_motion_voxels * h;
-  if ((is_rigid(a) && is_rigid(b)) || a.info.shapeless || b.info.shapeless) return usual;
+  if (meet_by_rigid_rows(a, b, options) || a.info.shapeless || b.info.shapeless) return usual;
   const auto thickness = [](const WorldPart& p) {
     return std::isfinite(p.info.thickness) ? p.info.thickness : kLeastThickness * p.h;
   };

@@ -9,8 +9,8 @@
 namespace brim {
 
 /// [m] by which two parts may move relative to each other in one sub-step: max_motion_voxels of their common step, and
-/// up to twice that (but no more than two voxels) where one of them deforms and both together are thick, by a quarter
-/// of their thickness, as what is thick cannot be passed in a step.
+/// up to twice that (but no more than two voxels) where both together are thick and forces hold them apart, by a
+/// quarter of their thickness, as what is thick cannot be passed in a step. Not where rows hold two rigid parts.
 double motion_limit(const WorldPart& a, const WorldPart& b, const WorldOptions& options);
 
 /// Pieces, at least 1, that `time` [s] must be cut into so that no two parts that can meet in it move by more than

@@ -1,7 +1,6 @@
 #include "brim/body/particles/sheet_contact.h"
 
 #include "brim/core/error.h"
-#include "brim/core/parallel.h"
 #include "brim/map/shell_weights.h"
 
 namespace brim {
@@ -27,17 +26,7 @@ void SheetContact::rasterize(std::span<const Vec3> x, double h, double w, std::s
 void SheetContact::make_map(std::span<const Vec3> x, std::span<const Vec3> points,
                             std::span<const std::int32_t> sources, std::unique_ptr<Map>& map) const {
   BRIM_CHECK(points.size(), ==, sources.size());
-  auto& weights = reuse_map<ShellWeightsMap>(map);
-  weights.reset(x.size(), points.size());
-  parallel_blocks(points.size(), 512, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      const std::int32_t t =
-          carriers_.choose(triangles_, sources[p], ShellWeightsMap::kMaxWeight,
-                           [&](const Triangle& c) { return ShellWeightsMap::weight_sum(points[p], c, x); });
-      weights.set(p, points[p], triangles_[t], x);
-    }
-  });
-  weights.finish();
+  reuse_map<ShellWeightsMap>(map).build(patches_, points, sources, x);
 }
 
 }  // namespace brim

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "brim/body/particles/carriers.h"
 #include "brim/body/particles/particle_contact.h"
 #include "brim/core/workspace_pool.h"
+#include "brim/map/sheet_patches.h"
 #include "brim/raster/raster_triangles.h"
 
 namespace brim {
@@ -13,7 +13,7 @@ class SheetContact final : public ParticleContact {
  public:
   /// @param thickness  [m]
   SheetContact(std::vector<Triangle> triangles, double thickness)
-      : triangles_(std::move(triangles)), carriers_(triangles_), thickness_(thickness) {}
+      : triangles_(std::move(triangles)), patches_(triangles_), thickness_(thickness) {}
 
   double reach() const override { return 0.5 * thickness_; }
   bool thin() const override { return true; }
@@ -28,7 +28,7 @@ class SheetContact final : public ParticleContact {
 
  private:
   std::vector<Triangle> triangles_;
-  Carriers<3> carriers_;
+  SheetPatches patches_;
   double thickness_;
   mutable WorkspacePool<RasterWorkspace> workspace_;
 };
