@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "brim/response/friction_radius.h"
+
 namespace brim {
 
 namespace {
@@ -40,7 +42,7 @@ constexpr double kStill = 0.05;
 constexpr double kRound = 0.05, kSkew = 0.1;
 /// [h] ring on which flat directions are sought; rise of the gap up to there, and change of slope on a little way on,
 /// at which a direction is flat.
-constexpr double kRing = 0.5, kRise = 0.15, kOn = 0.1, kTurn = 2e-3;
+constexpr double kRing = 0.5, kRise = 0.15, kOn = 0.1, kTurn = 2e-4;
 /// [h] departure of the gap from its tangent at an edge; how well the edge is found; farthest that one is sought.
 constexpr double kDeparture = 0.005, kFound = 0.1, kFarthestEdge = 1000.0;
 /// [h] so far beside an edge the way goes along it.
@@ -285,13 +287,13 @@ bool SolidGap::walk(const Reading& flat, const Vec3& from, const Vec3& way, Edge
   return edge.x.allFinite() && edge.along.allFinite();
 }
 
-void SolidGap::add_end(const Reading& flat, const Vec3& x, const Vec3& normal) {
-  RowPoint row;
+void SolidGap::add_end(const Reading& flat, const Vec3& x, const RowPoint& like) {
+  RowPoint row = like;
+  const Vec3& normal = like.normal;
   // The surfaces are flat up to there: the ways along the normal to both.
   const Vec3 d = x - flat.x;
   const double a = (flat.a + flat.away_a.dot(d)) / std::max(kAlike, -flat.away_a.dot(normal)),
                b = (flat.b + flat.away_b.dot(d)) / std::max(kAlike, flat.away_b.dot(normal));
-  row.normal = normal;
   row.gap = a + b - parting_.part.dot(row.normal);
   row.point = x + 0.5 * (a - b) * row.normal - 0.5 * parting_.part;
   for (const RowPoint& other : ends_)
@@ -299,7 +301,7 @@ void SolidGap::add_end(const Reading& flat, const Vec3& x, const Vec3& normal) {
   ends_.push_back(row);
 }
 
-Vec3 SolidGap::add_edge(const Reading& flat, const Edge& edge, const Vec3& normal) {
+Vec3 SolidGap::add_edge(const Reading& flat, const Edge& edge, const RowPoint& like) {
   // Beside the edge, where the sum has not left its tangent.
   Vec3 middle = Vec3::Zero(), in = parting_.normal.cross(edge.along);
   in *= in.dot(flat.x - edge.x) > 0.0 ? kBeside * h_ : -kBeside * h_;
@@ -310,7 +312,7 @@ Vec3 SolidGap::add_edge(const Reading& flat, const Edge& edge, const Vec3& norma
     const Vec3 out = parting_.normal.cross(end.along);
     const double rate = out.dot(edge.along), t = out.dot(end.x - edge.x) / rate;
     const Vec3 x = std::abs(rate) > kLeastAngle ? Vec3(edge.x + t * edge.along) : end.x;
-    add_end(flat, x, normal);
+    add_end(flat, x, like);
     middle += 0.5 * x;
   }
   return middle;
@@ -348,7 +350,7 @@ void SolidGap::find_ends(const RowPoint& least) {
                  d = read(ring.x + kOn * h_ * on).slope() - ring.slope();
       return (turn == 0.0 ? std::abs(d.dot(on)) : d.norm()) / kTurn;
     };
-    const double turn = std::min(change(1.0), change(-1.0));
+    const double turn = std::min(change(0.4), change(-0.4));
     if (turn <= 1.0) {
       if (rise + turn < best) best = rise + turn, side = angle, face = ring;
     } else if (line && change(0.0) <= 1.0) {
@@ -356,27 +358,41 @@ void SolidGap::find_ends(const RowPoint& least) {
     }
   }
   Edge edge;
-  if (best < 2.0) {
+  RowPoint on_face;
+  on_face.normal = least.normal;
+  face_ = face, face_found_ = best < 2.0;
+  if (face_found_) {
     // A face: one edge, and the one across from its middle; of what is round, places to the left and right besides.
     if (walk(face, face.x, way(side), edge)) {
-      const Vec3 first = add_edge(face, edge, least.normal);
+      const Vec3 first = add_edge(face, edge, on_face);
       Vec3 in = parting_.normal.cross(edge.along);
       if (in.dot(way(side)) > 0.0) in = -in;
       if (walk(face, first, in, edge)) {
-        const Vec3 middle = 0.5 * (first + add_edge(face, edge, least.normal));
+        const Vec3 middle = 0.5 * (first + add_edge(face, edge, on_face));
         const bool few = ends_.size() < 4;
         for (const double sign : {1.0, -1.0})
-          if (few && walk(face, middle, sign * parting_.normal.cross(in), edge)) add_end(face, edge.x, least.normal);
+          if (few && walk(face, middle, sign * parting_.normal.cross(in), edge)) add_end(face, edge.x, on_face);
       }
     }
   }
   // An edge, to both sides of the least gap.
   for (int k = 0; k < 2 && (flat[0] || flat[1]); ++k) {
     const Reading& line = along[flat[0] ? 0 : 1];
-    if (walk(line, flat[k] ? along[k].x : parting_.least.x, way(axis + k * M_PI), edge))
-      add_end(line, edge.x, least.normal);
+    if (walk(line, flat[k] ? along[k].x : parting_.least.x, way(axis + k * M_PI), edge)) add_end(line, edge.x, least);
   }
   std::erase_if(ends_, [&](const RowPoint& r) { return r.gap > least.gap + kTooFar * h_; });
+}
+
+void SolidGap::place_friction(const Vec3& normal) {
+  const auto rim = [&](const Vec3& center, const Vec3& way) {
+    const Vec3 from = center + 0.5 * parting_.part;
+    Edge edge;
+    return walk(face_, from, way, edge) ? way.dot(edge.x - from) : 0.0;
+  };
+  if (face_found_)
+    place_grips(ends_, normal, rim);
+  else
+    place_grips(ends_, normal, {});
 }
 
 bool SolidGap::round(const RowPoint& least) const {
@@ -410,7 +426,9 @@ bool SolidGap::find_rows(const RowPoint& near, std::vector<RowPoint>& rows) {
   }
   if (!found) return false;
   ends_.clear();
+  face_found_ = false;
   if (!round(least)) find_ends(least);
+  place_friction(least.normal);
   bool deeper = true;
   if (ends_.size() >= 2)
     for (const RowPoint& r : ends_) deeper = deeper && least.gap < r.gap - kDeeper * h_;

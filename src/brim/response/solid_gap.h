@@ -67,8 +67,11 @@ class SolidGap {
   /// Notes the ends of what touches around the least gap.
   void find_ends(const RowPoint& least);
   /// Notes the two ends of an edge. @return its middle
-  Vec3 add_edge(const Reading& flat, const Edge& edge, const Vec3& normal);
-  void add_end(const Reading& flat, const Vec3& x, const Vec3& normal);
+  Vec3 add_edge(const Reading& flat, const Edge& edge, const RowPoint& like);
+  /// @param like  its normal and curvatures are the end's
+  void add_end(const Reading& flat, const Vec3& x, const RowPoint& like);
+  /// Lets friction at the ends act where its torque is that of an even pressure (friction_radius.h).
+  void place_friction(const Vec3& normal);
   /// True where nothing but one place touches: the gap is bent alike in all directions.
   bool round(const RowPoint& least) const;
 
@@ -84,6 +87,8 @@ class SolidGap {
   };
   Parting parting_;
   std::vector<RowPoint> ends_;
+  Reading face_;  ///< on what is flat in both directions
+  bool face_found_ = false;
 };
 
 }  // namespace brim

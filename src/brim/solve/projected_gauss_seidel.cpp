@@ -33,10 +33,11 @@ void ProjectedGaussSeidel::add(std::span<const Entry> entries, double friction) 
 }
 
 void ProjectedGaussSeidel::add_pair(const RigidPairRows::Side& a, const RigidPairRows::Side& b,
-                                    std::span<const Vec3> points, std::span<const Mat3> frames, double friction) {
+                                    std::span<const Vec3> points, std::span<const Vec3> grips,
+                                    std::span<const Mat3> frames, double friction) {
   group_.push_back({size(), size() + points.size(), true, pairs_.pairs()});
   for (std::size_t i = 0; i < points.size(); ++i) place_.push_back({true, pairs_.size() + i});
-  pairs_.add(a, b, points, frames, friction);
+  pairs_.add(a, b, points, grips, frames, friction);
 }
 
 Vec3 ProjectedGaussSeidel::row_velocity(std::size_t r, std::span<const double> v) const {

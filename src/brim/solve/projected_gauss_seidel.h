@@ -36,8 +36,13 @@ class ProjectedGaussSeidel {
   /// Takes a contact in; entries are copied, no index twice. A contact whose velocities cannot change does nothing.
   void add(std::span<const Entry> entries, double friction);
   /// Takes the contacts of two rigid bodies in, numbered on from those before.
+  /// @param grips  where friction acts
   void add_pair(const RigidPairRows::Side& a, const RigidPairRows::Side& b, std::span<const Vec3> points,
-                std::span<const Mat3> frames, double friction);
+                std::span<const Vec3> grips, std::span<const Mat3> frames, double friction);
+  void add_pair(const RigidPairRows::Side& a, const RigidPairRows::Side& b, std::span<const Vec3> points,
+                std::span<const Mat3> frames, double friction) {
+    add_pair(a, b, points, points, frames, friction);
+  }
   std::size_t size() const { return place_.size(); }
 
   /// @param offset  o, [m/s], shape (size)

@@ -108,6 +108,16 @@ void ConstraintStep::for_arms(const F& f) const {
       64);
 }
 
+template <class F>
+void ConstraintStep::for_grips(const F& f) const {
+  const ContactSet& points = rows_.points();
+  for (const ContactPair& pair : points.pairs) {
+    if (pair.begin == pair.end || !rigid(pair)) continue;
+    for (std::size_t c = pair.begin; c < pair.end; ++c)
+      if (const Vec3 way = rows_.grips()[c] - points.point[c]; way != Vec3::Zero()) f(pair, c, way);
+  }
+}
+
 void ConstraintStep::find_start(std::span<const double> v) {
   const std::size_t n = rows_.points().size();
   start_.resize(n);
@@ -124,10 +134,28 @@ void ConstraintStep::find_start(std::span<const double> v) {
       start_[c] = velocity(pair.part_a, a) - velocity(pair.part_b, b);
     });
   }
+  const auto spin = [&](std::int32_t part) {
+    return Eigen::Map<const Vec3>(v.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)] + 3);
+  };
+  for_grips([&](const ContactPair& pair, std::size_t c, const Vec3& way) {
+    const Vec3 more = (spin(pair.part_a) - spin(pair.part_b)).cross(way), &n = rows_.normals()[c];
+    start_[c] += more - n * n.dot(more);
+  });
   for (std::size_t c = 0; c < n; ++c) offset_[c] = frame_[c] * start_[c];
 }
 
 void ConstraintStep::add_forces(std::span<const Vec3> force, std::span<double> Q) const {
+  for_grips([&](const ContactPair& pair, std::size_t c, const Vec3& way) {
+    const Vec3 torque = way.cross(force[c]);
+    // Of friction alone: across the normal no way has a torque about it but the normal's own.
+    const Vec3 turn = rows_.normals()[c] * rows_.normals()[c].dot(torque);
+    const auto add = [&](std::int32_t part, double sign) {
+      if (parts_[part].body->immobile()) return;
+      Eigen::Map<Vec3>(Q.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)] + 3) += sign * turn;
+    };
+    add(pair.part_a, 1.0);
+    add(pair.part_b, -1.0);
+  });
   if (mapped_) return maps_.add_forces(force, Q);
   const ContactSet& points = rows_.points();
   for (const ContactPair& pair : points.pairs) {
@@ -237,7 +265,8 @@ void ConstraintStep::assemble() {
     if (n == 0) continue;
     if (rigid(pair))
       sweep_.add_pair(side_of(pair.part_a), side_of(pair.part_b), std::span(points.point).subspan(pair.begin, n),
-                      std::span<const Mat3>(frame_).subspan(pair.begin, n), rows_.friction()[pair.begin]);
+                      rows_.grips().subspan(pair.begin, n), std::span<const Mat3>(frame_).subspan(pair.begin, n),
+                      rows_.friction()[pair.begin]);
     else
       for (std::size_t c = pair.begin; c < pair.end; ++c) add_row(pair, c);
   }
@@ -464,7 +493,22 @@ void ConstraintStep::finish(StepReport& report, std::vector<ContactSample>& samp
   if (!check || points.size() == 0) return;
   std::vector<double> mapped(first_v_.back(), 0.0);
   add_forces(force, mapped);
-  check_momentum(bodies_, first_v_, parts_, points, mapped, force, report);
+  // Where friction acts elsewhere, it is an entry of its own.
+  ContactSet acting;
+  std::vector<Vec3> forces;
+  for (const ContactPair& pair : points.pairs) {
+    acting.pairs.push_back(pair);
+    acting.pairs.back().begin = forces.size();
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      const Vec3& n = rows_.normals()[c];
+      const bool apart = rows_.grips()[c] != points.point[c] && rigid(pair);
+      const Vec3 along = apart ? Vec3(n * n.dot(force[c])) : force[c];
+      acting.point.push_back(points.point[c]), forces.push_back(along);
+      if (apart) acting.point.push_back(rows_.grips()[c]), forces.push_back(force[c] - along);
+    }
+    acting.pairs.back().end = forces.size();
+  }
+  check_momentum(bodies_, first_v_, parts_, acting, mapped, forces, report);
 }
 
 }  // namespace brim

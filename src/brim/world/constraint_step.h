@@ -67,6 +67,9 @@ class ConstraintStep {
   template <class F>
   void for_arms(const F& f) const;
   void find_start(std::span<const double> v);
+  /// Calls f(pair, contact, way from the point to where its friction acts) where that is elsewhere.
+  template <class F>
+  void for_grips(const F& f) const;
   /// Q += Jᵀ f for the forces on a at all points.
   void add_forces(std::span<const Vec3> force, std::span<double> Q) const;
   void recall(std::span<const double> memory);

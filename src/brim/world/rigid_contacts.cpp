@@ -192,7 +192,7 @@ void RigidContacts::sample(Pair& pair, Workspace& ws, bool every_node) const {
   }
   ws.direction.resize(n), ws.normal.resize(n);
   ws.normals.find(set, set.pairs[0], ws.direction, ws.normal);
-  pair.deepest = {set.point[deepest], ws.normal[deepest], -set.depth[deepest], {}, {}};
+  pair.deepest = {set.point[deepest], ws.normal[deepest], -set.depth[deepest], Vec3::Zero(), {}, {}};
   ConstraintOptions options;
   options.every_node = every_node;
   ws.rows.gather(set, ws.normal, std::span(&law(t.part_a, t.part_b), 1), options);
@@ -200,8 +200,8 @@ void RigidContacts::sample(Pair& pair, Workspace& ws, bool every_node) const {
   for (std::size_t c = 0; c < points.size(); ++c) {
     const Vec3& normal = ws.rows.normals()[c];
     const Constraint::Bend& bend = ws.rows.bends()[c];
-    pair.rows.push_back(
-        {points.point[c], normal, -points.depth[c], pack_bend(bend.a, normal), pack_bend(bend.b, normal)});
+    pair.rows.push_back({points.point[c], normal, -points.depth[c], ws.rows.grips()[c] - points.point[c],
+                         pack_bend(bend.a, normal), pack_bend(bend.b, normal)});
   }
 }
 
