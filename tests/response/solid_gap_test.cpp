@@ -73,7 +73,7 @@ std::vector<RowPoint> rows_of(const Placed& a, const Placed& b, const RowPoint& 
   SolidGap gap(a.side(), b.side(), h);
   EXPECT_TRUE(gap.reads());
   std::vector<RowPoint> rows;
-  if (!gap.find_rows(near, rows)) rows.clear();
+  if (!gap.find_rows(near, 1.0, rows)) rows.clear();
   return rows;
 }
 

@@ -19,8 +19,10 @@ constexpr double kParted = 0.5, kLeastParted = 0.1;
 constexpr double kDifference = 0.02;
 /// [1/h] curvature added to every direction, and below which a surface is flat.
 constexpr double kProximal = 1e-3, kNearlyPlane = 1e-3;
-/// Readings of one descent at most; [h] decrease that ends it.
-constexpr std::size_t kMostCuts = 10;
+/// Cuts that are held: three meet at the least point of a plane. Readings of one descent at most; [h] decrease that
+/// ends it.
+constexpr std::size_t kMostCuts = 4;
+constexpr int kMostReadings = 12;
 constexpr double kEnough = 1e-5;
 /// Rounds of parting along the normal found, and the cosine at which it is the one parted along.
 constexpr int kRounds = 8;
@@ -43,6 +45,9 @@ constexpr double kRound = 0.05, kSkew = 0.1;
 /// [h] ring on which flat directions are sought; rise of the gap up to there, and change of slope on a little way on,
 /// at which a direction is flat.
 constexpr double kRing = 0.5, kRise = 0.15, kOn = 0.1, kTurn = 2e-4;
+/// Rise on the ring, over kRise, next to which an edge may lie; bisections of the angle to it.
+constexpr double kMostTip = 4.0;
+constexpr int kValleySteps = 6;
 /// [h] departure of the gap from its tangent at an edge; how well the edge is found; farthest that one is sought.
 constexpr double kDeparture = 0.005, kFound = 0.1, kFarthestEdge = 1000.0;
 /// [h] so far beside an edge the way goes along it.
@@ -82,8 +87,18 @@ struct Cut {
 class CutModel {
  public:
   explicit CutModel(const Mat2& curvature) : curvature_(curvature), inverse_(inverse_across(curvature)) {}
-  void add(const Cut& cut) { cuts_[size_++] = cut; }
-  bool full() const { return size_ == kMostCuts; }
+  /// Takes a cut in; of more than are held, that goes which foretells least at its place.
+  void add(const Cut& cut) {
+    if (size_ == kMostCuts) {
+      const auto foretells = [&](const Cut& c) { return c.value + c.slope.dot(cut.at - c.at); };
+      std::size_t lowest = 0;
+      for (std::size_t i = 1; i < size_; ++i)
+        if (foretells(cuts_[i]) < foretells(cuts_[lowest])) lowest = i;
+      cuts_[lowest] = cut;
+      return;
+    }
+    cuts_[size_++] = cut;
+  }
 
   /// @param from  c  @param foretold  value there
   Vec2 least(const Vec2& from, double& foretold) const {
@@ -209,10 +224,10 @@ SolidGap::Reading SolidGap::descend(const Reading& first, const Mat2& curvature,
   CutModel model(at_least(curvature, kProximal / h_));
   Reading best = first, now = first;
   Vec2 at = Vec2::Zero(), next = Vec2::Zero();
-  for (;;) {
+  for (int i = 1;; ++i) {
     model.add({next, parting_.across.transpose() * now.slope(), now.sum()});
     if (now.sum() < best.sum()) best = now, at = next;
-    if (model.full()) return best;
+    if (i == kMostReadings) return best;
     double foretold = 0.0;
     next = model.least(at, foretold);
     if (!(best.sum() - foretold > kEnough * h_) || !next.allFinite()) return best;
@@ -318,6 +333,26 @@ Vec3 SolidGap::add_edge(const Reading& flat, const Edge& edge, const RowPoint& l
   return middle;
 }
 
+bool SolidGap::find_valley(double& angle, Reading& ring) const {
+  const auto way = [&](double a) { return Vec3(parting_.across * Vec2(std::cos(a), std::sin(a))); };
+  double lo = angle - 0.25 * M_PI, hi = angle + 0.25 * M_PI;
+  for (int i = 0; i < kValleySteps; ++i) {
+    angle = 0.5 * (lo + hi);
+    ring = read(parting_.least.x + kRing * h_ * way(angle));
+    (ring.slope().dot(way(angle + 0.5 * M_PI)) < 0.0 ? lo : hi) = angle;
+  }
+  // Along an edge, exactly: across it the gradient changes.
+  const Vec3 across = kRing * h_ * way(angle + 0.5 * M_PI);
+  const Vec2 change = parting_.across.transpose() * (read(ring.x + across).slope() - read(ring.x - across).slope());
+  if (!(change.norm() > kTurn)) return false;
+  const double along = std::atan2(change.x(), -change.y());
+  angle = std::cos(along - angle) > 0.0 ? along : along + M_PI;
+  ring = read(parting_.least.x + kRing * h_ * way(angle));
+  const Reading on = read(ring.x + kOn * h_ * way(angle));
+  return ring.sum() - parting_.least.sum() < kRise * h_ &&
+         std::abs((on.slope() - ring.slope()).dot(way(angle))) < kTurn;
+}
+
 void SolidGap::find_ends(const RowPoint& least) {
   constexpr int kDirections = 8;
   const auto way = [&](double angle) { return Vec3(parting_.across * Vec2(std::cos(angle), std::sin(angle))); };
@@ -334,7 +369,7 @@ void SolidGap::find_ends(const RowPoint& least) {
                       (beside(axis + 0.5 * M_PI, 0.5 * kRing).slope() - beside(axis - 0.5 * M_PI, 0.5 * kRing).slope());
   if (change.norm() > 1e-3) axis = std::atan2(change.x(), -change.y());
   // Directions in which both surfaces are flat.
-  double best = 2.0, side = 0.0;
+  double best = 2.0, side = 0.0, lowest = kMostTip, valley = 0.0;
   Reading face;
   bool flat[2] = {false, false};
   Reading along[2];
@@ -342,6 +377,7 @@ void SolidGap::find_ends(const RowPoint& least) {
     const double angle = axis + 2.0 * M_PI * k / kDirections;
     const Reading ring = beside(angle, kRing);
     const double rise = (ring.sum() - parting_.least.sum()) / (kRise * h_);
+    if (rise < lowest) lowest = rise, valley = angle;
     if (rise > 1.0) continue;
     // An edge is flat along itself only, a face across as well.
     const bool line = k % 4 == 0;
@@ -357,6 +393,8 @@ void SolidGap::find_ends(const RowPoint& least) {
       flat[k / 4] = true, along[k / 4] = ring;
     }
   }
+  if (best == 2.0 && !flat[0] && !flat[1] && lowest < kMostTip && find_valley(valley, along[0]))
+    flat[0] = true, axis = valley;
   Edge edge;
   RowPoint on_face;
   on_face.normal = least.normal;
@@ -405,7 +443,7 @@ bool SolidGap::round(const RowPoint& least) const {
   return mean > kRound && spread < kSkew * mean && !sharp(least.bend_a) && !sharp(least.bend_b);
 }
 
-bool SolidGap::find_rows(const RowPoint& near, std::vector<RowPoint>& rows) {
+bool SolidGap::find_rows(const RowPoint& near, double widest, std::vector<RowPoint>& rows) {
   // Nowhere is the sum of the distances less than the separation along any normal.
   const double most = near.gap + 1e-3 * h_;
   RowPoint least = near;
@@ -425,6 +463,7 @@ bool SolidGap::find_rows(const RowPoint& near, std::vector<RowPoint>& rows) {
     parting_ = best;
   }
   if (!found) return false;
+  if (least.gap > widest) return true;
   ends_.clear();
   face_found_ = false;
   if (!round(least)) find_ends(least);

@@ -33,8 +33,9 @@ class SolidGap {
   bool approach(const Aabb& region, double most, RowPoint& near);
   /// Appends the rows of the two solids: the least gap, or the ends of what touches.
   /// @param near  a place near the least gap; its gap is the sum of the distances there, its normal is a guess
+  /// @param widest  [m] gap above which there are no rows
   /// @return false where no common normal near that one is found
-  bool find_rows(const RowPoint& near, std::vector<RowPoint>& rows);
+  bool find_rows(const RowPoint& near, double widest, std::vector<RowPoint>& rows);
   /// Takes a row to the least gap within a reach of it, [m]: place, normal, gap and curvatures.
   bool find_least(RowPoint& row, double reach);
   /// Distances read so far, of both solids together.
@@ -66,6 +67,9 @@ class SolidGap {
   bool walk(const Reading& flat, const Vec3& from, const Vec3& way, Edge& edge) const;
   /// Notes the ends of what touches around the least gap.
   void find_ends(const RowPoint& least);
+  /// Turns a direction from the least gap, at one end of an edge, to where the edge goes.
+  /// @return false where no edge goes there with hardly a rise  @param ring  found on it
+  bool find_valley(double& angle, Reading& ring) const;
   /// Notes the two ends of an edge. @return its middle
   Vec3 add_edge(const Reading& flat, const Edge& edge, const RowPoint& like);
   /// @param like  its normal and curvatures are the end's

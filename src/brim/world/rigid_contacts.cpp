@@ -153,12 +153,11 @@ bool RigidContacts::read_between(Pair& pair, const Aabb& region, double gap) con
   SolidGap between(side_[t.part_a], side_[t.part_b], t.h);
   if (!between.reads()) return false;
   const bool near = between.approach(region, gap, pair.deepest),
-             found = near && between.find_rows(pair.deepest, pair.rows);
+             found = near && between.find_rows(pair.deepest, gap, pair.rows);
   pair.nodes = between.readings();
-  if (!found) return !near;
+  if (!found || pair.rows.empty()) return found || !near;
   pair.deepest = *std::min_element(pair.rows.begin(), pair.rows.end(),
                                    [](const RowPoint& r, const RowPoint& s) { return r.gap < s.gap; });
-  if (pair.deepest.gap > gap) pair.rows.clear();
   pair.contacts = static_cast<std::int32_t>(pair.rows.size());
   return true;
 }
