@@ -63,6 +63,38 @@ TEST(RollingOnRows, ABallThatSlidesEndsAtFiveSeventhsOfItsSpeed) {
   }
 }
 
+TEST(ImpactsOnRows, ARowOfTouchingBallsSendsOffTheLastAlone) {
+  constexpr double R = 0.1;
+  for (const double e : {1.0, 0.5})
+    for (const int count : {3, 5}) {
+      SCOPED_TRACE(count);
+      WorldOptions o = rows_at(0.025);
+      o.environment.gravity = Vec3::Zero();
+      World w(o);
+      std::vector<int> balls;
+      for (int i = 0; i < count; ++i) {
+        RigidModel m;
+        m.shape = make_sphere(R);
+        m.mass = 1.0, m.inertia = 0.4 * R * R * Mat3::Identity();
+        m.position = Vec3(i == 0 ? -0.3 : 2.0 * R * i, 0, 0);
+        if (i == 0) m.velocity = Vec3(2, 0, 0);
+        m.part.material.friction = 0.0, m.part.material.restitution = e;
+        auto body = std::make_unique<RigidBody>(m);
+        body->set_name("ball" + std::to_string(i));
+        balls.push_back(w.add(std::move(body)));
+      }
+      for (int i = 0; i < 30; ++i) w.step();
+      // Each hands on (1 + e)/2 of its speed.
+      double speed = 2.0, momentum = 0.0;
+      for (int i = 1; i < count; ++i) speed *= 0.5 * (1.0 + e);
+      EXPECT_NEAR(testing::velocity(w, balls.back()).x(), speed, 0.01 * speed);
+      for (const int b : balls) momentum += testing::velocity(w, b).x();
+      EXPECT_NEAR(momentum, 2.0, 1e-9);
+      if (e == 1.0)
+        for (int i = 0; i + 1 < count; ++i) EXPECT_NEAR(testing::velocity(w, balls[i]).x(), 0.0, 0.01);
+    }
+}
+
 /// What spins on a plane, the inertia of its mass about the axis, [m²], and the mean distance of its face from the
 /// axis.
 struct Spinner {

@@ -290,6 +290,7 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
                              std::span<const Vec3> free) {
   const double dt = options.dt;
   velocity_target_.resize(points_.size()), travel_target_.resize(points_.size());
+  touch_time_.assign(points_.size(), 0.0);
   travels_apart_ = bounces_ = false;
   for (const ContactPair& pair : points_.pairs) {
     double least = std::numeric_limits<double>::infinity();
@@ -306,6 +307,7 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
         // In free flight by v ← v + a dt, x ← x + dt v, the parabola's own velocity is half a step ahead of v.
         const double before = open / -u1, left = dt - before;
         const double hit = u0 + a * (0.5 * dt + before);
+        touch_time_[c] = before;
         if (-hit > options.bounce_speed) {
           bounces_ = true;
           const double after = -restitution_[c] * hit;
@@ -316,6 +318,13 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
       travels_apart_ = travels_apart_ || velocity_target_[c] != travel_target_[c];
     }
   }
+}
+
+void Constraint::set_rebound(std::size_t c, double velocity, double dt) {
+  velocity_target_[c] = std::max(0.0, velocity);
+  const double open = std::max(0.0, -double{points_.depth[c]});
+  travel_target_[c] = std::max(0.0, velocity) * (1.0 - touch_time_[c] / dt) - open / dt;
+  travels_apart_ = travels_apart_ || velocity_target_[c] != travel_target_[c];
 }
 
 }  // namespace brim

@@ -66,6 +66,9 @@ class Constraint {
   /// Least normal velocity at the end of the step, and on the mean over the step, [m/s].
   std::span<const double> velocity_targets() const { return velocity_target_; }
   std::span<const double> travel_targets() const { return travel_target_; }
+  /// Sets the velocity after an impact that others pass on: where impacts follow each other within the step.
+  void set_rebound(std::size_t c, double velocity, double dt);
+  std::span<const double> restitution() const { return restitution_; }
   /// True when some contact bounces within the step.
   bool bounces() const { return bounces_; }
   /// True when some way is not what the velocity at the end makes of it.
@@ -102,6 +105,7 @@ class Constraint {
   std::vector<double> friction_, restitution_;
   std::vector<Bend> bend_;
   std::vector<double> velocity_target_, travel_target_;
+  std::vector<double> touch_time_;  ///< [s] from the start of the step to the touch; 0 where it touches already
   bool travels_apart_ = false, bounces_ = false;
   std::vector<std::size_t> order_, patch_, rest_, around_, flat_;
   std::vector<std::uint8_t> taken_;

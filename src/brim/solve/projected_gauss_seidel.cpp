@@ -93,6 +93,17 @@ double ProjectedGaussSeidel::sweep(bool backward, double friction, std::span<con
   return worst;
 }
 
+void ProjectedGaussSeidel::solve_alone(std::size_t g, std::span<const Vec3> offset, std::span<const double> target,
+                                       int rounds, std::span<Vec3> impulse, std::span<double> v) const {
+  const Group& group = group_[g];
+  const std::size_t n = group.end - group.begin;
+  if (group.rigid)
+    pairs_.relax(group.index, false, rounds, 0.0, offset.subspan(group.begin, n), target.subspan(group.begin, n),
+                 impulse.subspan(group.begin, n), v);
+  else
+    relax(group.index, 0.0, offset[group.begin], target[group.begin], impulse[group.begin], v);
+}
+
 ProjectedGaussSeidel::Report ProjectedGaussSeidel::solve(std::span<const Vec3> offset, std::span<const double> target,
                                                          double tolerance, int max_sweeps, double scale,
                                                          std::span<Vec3> impulse, std::span<double> v,

@@ -83,6 +83,9 @@ class ConstraintStep {
   /// Forces of the body for unit impulses along the rows of contact c, filtered, into force_.
   void find_forces(const ContactPair& pair, std::size_t c, std::size_t body, bool side_a, bool side_b);
   void add_row(const ContactPair& pair, std::size_t c);
+  /// Lets impacts follow each other within the step: what bounces passes its speed on to what it touches.
+  /// @param v  velocity changes of the motion without contacts
+  void pass_impacts_on(std::vector<double> v);
   /// Solves for the targets from λ and Δv on entry. @param most  solves with A
   void solve_rows(const ImplicitStep::Respond& solve, std::span<const double> target, int most,
                   std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual, StepReport& report);
