@@ -11,6 +11,7 @@
 #include "brim/math/rotation.h"
 #include "brim/mesh/distance.h"
 #include "brim/mesh/primitives.h"
+#include "brim/raster/convex_distance.h"
 #include "support/tiles.h"
 
 namespace brim {
@@ -210,6 +211,33 @@ TEST(Shape, PresenceStaysInTheRegion) {
   present.clear();
   shape_presence(*make_sphere(1.0), {}, 0.1, 0.3, {Vec3(5, 5, 5), Vec3(6, 6, 6)}, present);
   EXPECT_TRUE(present.empty());
+}
+
+TEST(Shape, GradientsAreTheDerivativesOfDistances) {
+  SCOPED_TRACE(kSeed);
+  std::mt19937 rng(kSeed);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  std::vector<std::shared_ptr<const Shape>> shapes{make_half_space()};
+  for (const Sample& s : samples()) shapes.push_back(s.shape);
+  for (const auto& shape : shapes) {
+    const auto* convex = dynamic_cast<const ConvexDistance*>(shape.get());
+    ASSERT_NE(convex, nullptr);
+    for (int i = 0; i < 2000; ++i) {
+      const Vec3 p(u(rng), u(rng), u(rng)), q(u(rng), u(rng), u(rng));
+      Vec3 g, at_q;
+      const double d = convex->distance_and_gradient(p, g), e = convex->distance_and_gradient(q, at_q);
+      EXPECT_EQ(d, shape->distance(p));
+      EXPECT_NEAR(g.norm(), 1.0, 1e-12);
+      // Distances to a convex solid are convex.
+      EXPECT_GE(e, d + g.dot(q - p) - 1e-12);
+      if (d <= 0.01) continue;  // inside there are creases
+      for (int axis = 0; axis < 3; ++axis) {
+        const Vec3 step = 1e-6 * Vec3::Unit(axis);
+        // Curvature there is at most 1/d: half of it over the step, and rounding.
+        EXPECT_NEAR(g[axis], (shape->distance(p + step) - shape->distance(p - step)) / 2e-6, 1e-6 / d + 1e-9);
+      }
+    }
+  }
 }
 
 TEST(Shape, SizesMustBePositiveAndFinite) {

@@ -16,7 +16,7 @@ using Side = RigidPairRows::Side;
 /// Three bodies, two of which move, and four contacts on each of two pairs.
 struct RandomPairs {
   Side a, b, fixed;
-  std::vector<Vec3> points;
+  std::vector<Vec3> points, grips;
   std::vector<Mat3> frames;
 
   explicit RandomPairs(unsigned seed) {
@@ -30,7 +30,7 @@ struct RandomPairs {
     a = body(0), b = body(6);
     fixed.center = vec();
     for (int i = 0; i < 8; ++i) {
-      points.push_back(vec());
+      points.push_back(vec()), grips.push_back(vec());
       frames.push_back(rotation_from_vector(vec()).toRotationMatrix());
     }
   }
@@ -42,7 +42,8 @@ struct RandomPairs {
       if (s.first == RigidPairRows::kFixed) return;
       Eigen::Matrix<double, 6, 3> row, answer;
       for (int k = 0; k < 3; ++k) {
-        const Vec3 f = sign * frames[i].row(k).transpose(), torque = (points[i] - s.center).cross(f);
+        const Vec3 f = sign * frames[i].row(k).transpose(),
+                   torque = ((k == 0 ? points[i] : grips[i]) - s.center).cross(f);
         row.col(k) << f, torque;
         answer.col(k) << s.inverse_mass * f, s.inverse_inertia * torque;
       }
@@ -57,8 +58,10 @@ struct RandomPairs {
 TEST(RigidPairRows, VelocitiesResponsesAndForcesAreThoseOfTheGeneralForm) {
   const RandomPairs r(3);
   ProjectedGaussSeidel pairs, general;
-  pairs.add_pair(r.a, r.b, std::span(r.points).first(4), std::span(r.frames).first(4), 0.4);
-  pairs.add_pair(r.b, r.fixed, std::span(r.points).last(4), std::span(r.frames).last(4), 0.4);
+  pairs.add_pair(r.a, r.b, std::span(r.points).first(4), std::span(r.grips).first(4), std::span(r.frames).first(4),
+                 0.4);
+  pairs.add_pair(r.b, r.fixed, std::span(r.points).last(4), std::span(r.grips).last(4), std::span(r.frames).last(4),
+                 0.4);
   for (std::size_t i = 0; i < 8; ++i) general.add(i < 4 ? r.entries(r.a, r.b, i) : r.entries(r.b, r.fixed, i), 0.4);
   std::vector<double> v(12);
   for (std::size_t i = 0; i < v.size(); ++i) v[i] = std::sin(1.0 + 3.0 * static_cast<double>(i));
@@ -81,8 +84,10 @@ TEST(RigidPairRows, TheSolutionIsThatOfTheGeneralForm) {
     const RandomPairs r(seed);
     ProjectedGaussSeidel pairs, general;
     // One contact a pair: with more, impulses are not unique.
-    pairs.add_pair(r.a, r.b, std::span(r.points).first(1), std::span(r.frames).first(1), 0.4);
-    pairs.add_pair(r.b, r.fixed, std::span(r.points).last(1), std::span(r.frames).last(1), 0.4);
+    pairs.add_pair(r.a, r.b, std::span(r.points).first(1), std::span(r.grips).first(1), std::span(r.frames).first(1),
+                   0.4);
+    pairs.add_pair(r.b, r.fixed, std::span(r.points).last(1), std::span(r.grips).last(1), std::span(r.frames).last(1),
+                   0.4);
     general.add(r.entries(r.a, r.b, 0), 0.4);
     general.add(r.entries(r.b, r.fixed, 7), 0.4);
     const std::vector<Vec3> offset{Vec3(-1.0, 0.3, 0.2), Vec3(-0.5, 0.1, -0.4)};
@@ -99,7 +104,7 @@ TEST(RigidPairRows, TheSolutionIsThatOfTheGeneralForm) {
 TEST(RigidPairRows, AVisitLeavesVelocitiesAndImpulsesInStepAndMomentumWhereItWas) {
   const RandomPairs r(11);
   RigidPairRows rows;
-  rows.add(r.a, r.b, r.points, r.frames, 0.4);
+  rows.add(r.a, r.b, r.points, r.grips, r.frames, 0.4);
   const std::vector<Vec3> offset(8, Vec3(-1.0, 0.5, 0.0));
   const std::vector<double> target(8, 0.0);
   std::vector<Vec3> impulse(8, Vec3::Zero());

@@ -67,8 +67,8 @@ TEST(RigidContacts, RowsThatAreMovedAlongTellTheGapsOfRowsThatAreSampledWhereSol
       fresh.set_state(state);
       const StepReport r = w.step(), f = fresh.step();
       nodes += r.voxels, sampled += r.voxels > 0;
-      // Nodes lie elsewhere: what the grid makes of the same sphere varies by so much, measured 0.02.
-      ASSERT_NEAR(r.worst_overlap, f.worst_overlap, 0.04) << "step " << s;
+      // Sliding takes both references along by up to a tenth of a voxel each: 0.2²/8 of a ball of four voxels.
+      ASSERT_NEAR(r.worst_overlap, f.worst_overlap, 0.005) << "step " << s;
     }
     EXPECT_GT(nodes, 0);
     EXPECT_LT(sampled, 60);
@@ -149,9 +149,7 @@ TEST(RigidContacts, ABallThatRollsSlowlyIsNotDrivenOn) {
     nodes += n, sampled += n > 0;
   }
   EXPECT_LT(sampled, 60) << "most steps went by what was kept";
-  // Sampled anew each step it keeps its speed to 3 %; so it loses 11 % in 3 s, 4e-4 of its weight.
-  EXPECT_LT(testing::velocity(w, b).x(), 1.03 * speed);
-  EXPECT_GT(testing::velocity(w, b).x(), 0.85 * speed);
+  EXPECT_NEAR(testing::velocity(w, b).x(), speed, 0.005 * speed);
 }
 
 TEST(ReferencePoses, StayUntilAPointHasMovedByTheTolerance) {

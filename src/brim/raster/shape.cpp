@@ -1,6 +1,7 @@
 #include "brim/raster/shape.h"
 
 #include "brim/core/error.h"
+#include "brim/raster/convex_distance.h"
 #include "brim/raster/cube_distances.h"
 #include "brim/raster/known_distance.h"
 
@@ -20,7 +21,7 @@ namespace {
 
 /// Gives a shape its block filler from its own distance without a virtual call per node.
 template <class Self>
-class ShapeOf : public Shape, public KnownDistance {
+class ShapeOf : public Shape, public KnownDistance, public ConvexDistance {
  public:
   double distance(const Vec3& p) const final { return self()(p); }
   double slack() const final { return 0.0; }
@@ -38,6 +39,11 @@ class Sphere final : public ShapeOf<Sphere> {
  public:
   explicit Sphere(double r) : r_(r) {}
   double operator()(const Vec3& p) const { return p.norm() - r_; }
+  double distance_and_gradient(const Vec3& p, Vec3& gradient) const override {
+    const double r = p.norm();
+    gradient = r > 0.0 ? Vec3(p / r) : Vec3(Vec3::Zero());
+    return r - r_;
+  }
   void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
     sphere_distances({pose, cube}, r_, wanted, d);
   }
@@ -58,6 +64,20 @@ class Box final : public ShapeOf<Box> {
     const Vec3 d = p.cwiseAbs() - half_;
     return d.cwiseMax(0.0).norm() + std::min(d.maxCoeff(), 0.0);
   }
+  double distance_and_gradient(const Vec3& p, Vec3& gradient) const override {
+    const Vec3 d = p.cwiseAbs() - half_;
+    Eigen::Index axis = 0;
+    const double most = d.maxCoeff(&axis);
+    const auto sign = [&](Eigen::Index a) { return std::copysign(1.0, p[a]); };
+    if (most <= 0.0) {
+      gradient = sign(axis) * Vec3::Unit(axis);
+      return most;
+    }
+    const Vec3 out = d.cwiseMax(0.0);
+    const double length = out.norm();
+    gradient = Vec3(sign(0) * out[0], sign(1) * out[1], sign(2) * out[2]) / length;
+    return length;
+  }
   void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
     box_distances({pose, cube}, half_, wanted, d);
   }
@@ -74,6 +94,12 @@ class CapsuleShape final : public ShapeOf<CapsuleShape> {
   double operator()(const Vec3& p) const {
     const double z = p.z() - std::clamp(p.z(), -half_, half_);
     return std::sqrt(p.x() * p.x() + p.y() * p.y() + z * z) - r_;
+  }
+  double distance_and_gradient(const Vec3& p, Vec3& gradient) const override {
+    const Vec3 d(p.x(), p.y(), p.z() - std::clamp(p.z(), -half_, half_));
+    const double r = d.norm();
+    gradient = r > 0.0 ? Vec3(d / r) : Vec3(Vec3::Zero());
+    return r - r_;
   }
   void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
     capsule_distances({pose, cube}, r_, half_, wanted, d);
@@ -93,6 +119,18 @@ class Cylinder final : public ShapeOf<Cylinder> {
     const double dz = std::abs(p.z()) - half_;
     return std::hypot(std::max(dr, 0.0), std::max(dz, 0.0)) + std::min(std::max(dr, dz), 0.0);
   }
+  double distance_and_gradient(const Vec3& p, Vec3& gradient) const override {
+    const double r = std::hypot(p.x(), p.y()), dr = r - r_, dz = std::abs(p.z()) - half_;
+    const Vec3 side = r > 0.0 ? Vec3(p.x() / r, p.y() / r, 0.0) : Vec3(Vec3::Zero());
+    const Vec3 end(0.0, 0.0, std::copysign(1.0, p.z()));
+    if (dr <= 0.0 || dz <= 0.0) {
+      gradient = dr > dz ? side : end;
+      return std::max(dr, dz);
+    }
+    const double d = std::hypot(dr, dz);
+    gradient = (dr * side + dz * end) / d;
+    return d;
+  }
   void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
     cylinder_distances({pose, cube}, r_, half_, wanted, d);
   }
@@ -106,6 +144,10 @@ class Cylinder final : public ShapeOf<Cylinder> {
 class HalfSpace final : public ShapeOf<HalfSpace> {
  public:
   double operator()(const Vec3& p) const { return p.z(); }
+  double distance_and_gradient(const Vec3& p, Vec3& gradient) const override {
+    gradient = Vec3::UnitZ();
+    return p.z();
+  }
   void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
     half_space_distances({pose, cube}, wanted, d);
   }

@@ -45,7 +45,7 @@ void Constraint::gather(const ContactSet& contacts, std::span<const Vec3> normal
                         const GatheredRows& gathered) {
   points_.resize(0);
   points_.pairs.clear();
-  normal_.clear(), friction_.clear(), restitution_.clear(), bend_.clear();
+  normal_.clear(), grip_.clear(), friction_.clear(), restitution_.clear(), bend_.clear();
   std::size_t next = 0;
   for (std::size_t p = 0; p <= contacts.pairs.size(); ++p) {
     const bool last = p == contacts.pairs.size();
@@ -72,7 +72,7 @@ void Constraint::take_rows(const PairRows& pair, std::span<const RowPoint> rows)
     const RowPoint& r = rows[pair.begin + i];
     points_.point[first + i] = r.point;
     points_.depth[first + i] = static_cast<float>(-r.gap);
-    normal_.push_back(r.normal);
+    normal_.push_back(r.normal), grip_.push_back(r.point + r.grip - r.normal * r.normal.dot(r.grip));
   }
   bend_.resize(first + n);
   friction_.resize(first + n, pair.friction), restitution_.resize(first + n, pair.restitution);
@@ -241,6 +241,7 @@ void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair
   const std::size_t left = farthest([&](const Vec3& y) { return across.dot(y - from); });
   const std::size_t right = farthest([&](const Vec3& y) { return -across.dot(y - from); });
   double least = std::numeric_limits<double>::infinity();
+  const std::size_t corners = points_.size();
   for (const std::size_t c : {one, two, left, right}) {
     const Vec3& y = contacts.point[c];
     bool fresh = true;
@@ -251,27 +252,45 @@ void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair
     add_point(contacts, c, y, model.n, gap, law, {model.bend_a, model.bend_b});
     least = std::min(least, gap);
   }
+  place_friction(contacts, model, corners);
   // Between three corners or four the first point says nothing new, unless it lies deeper.
   if (points_.size() >= center + 4 && -points_.depth[center] > least - 0.5 * kFlat * h) remove_point(center);
+}
+
+void Constraint::place_friction(const ContactSet& contacts, const PatchModel& model, std::size_t first) {
+  // Nodes cover the patch evenly: friction at its corners acts at their mean distance from the middle.
+  if (points_.size() < first + 2) return;
+  const auto across = [&](const Vec3& x) { return Vec3(x - model.n * model.n.dot(x)); };
+  Vec3 middle = Vec3::Zero();
+  for (const std::size_t c : flat_) middle += contacts.point[c] / static_cast<double>(flat_.size());
+  double radius = 0.0, mean = 0.0;
+  for (const std::size_t c : flat_)
+    radius += across(contacts.point[c] - middle).norm() / static_cast<double>(flat_.size());
+  for (std::size_t i = first; i < points_.size(); ++i)
+    mean += across(points_.point[i] - middle).norm() / static_cast<double>(points_.size() - first);
+  if (!(mean > radius)) return;
+  for (std::size_t i = first; i < points_.size(); ++i)
+    grip_[i] += (radius / mean - 1.0) * across(points_.point[i] - middle);
 }
 
 void Constraint::remove_point(std::size_t i) {
   const auto drop = [i](auto& v) { v.erase(v.begin() + static_cast<std::ptrdiff_t>(i)); };
   points_.erase(i);
-  drop(normal_), drop(friction_), drop(restitution_), drop(bend_);
+  drop(normal_), drop(grip_), drop(friction_), drop(restitution_), drop(bend_);
 }
 
 void Constraint::add_point(const ContactSet& contacts, std::size_t c, const Vec3& x, const Vec3& n, double gap,
                            const ConstraintPair& law, const Bend& bend) {
   points_.append(contacts, c, x, -gap);
   bend_.push_back(bend);
-  normal_.push_back(n), friction_.push_back(law.friction), restitution_.push_back(law.restitution);
+  normal_.push_back(n), grip_.push_back(x), friction_.push_back(law.friction), restitution_.push_back(law.restitution);
 }
 
 void Constraint::set_targets(const ConstraintOptions& options, std::span<const Vec3> start,
                              std::span<const Vec3> free) {
   const double dt = options.dt;
   velocity_target_.resize(points_.size()), travel_target_.resize(points_.size());
+  touch_time_.assign(points_.size(), 0.0);
   travels_apart_ = bounces_ = false;
   for (const ContactPair& pair : points_.pairs) {
     double least = std::numeric_limits<double>::infinity();
@@ -288,6 +307,7 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
         // In free flight by v ← v + a dt, x ← x + dt v, the parabola's own velocity is half a step ahead of v.
         const double before = open / -u1, left = dt - before;
         const double hit = u0 + a * (0.5 * dt + before);
+        touch_time_[c] = before;
         if (-hit > options.bounce_speed) {
           bounces_ = true;
           const double after = -restitution_[c] * hit;
@@ -298,6 +318,13 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
       travels_apart_ = travels_apart_ || velocity_target_[c] != travel_target_[c];
     }
   }
+}
+
+void Constraint::set_rebound(std::size_t c, double velocity, double dt) {
+  velocity_target_[c] = std::max(0.0, velocity);
+  const double open = std::max(0.0, -double{points_.depth[c]});
+  travel_target_[c] = std::max(0.0, velocity) * (1.0 - touch_time_[c] / dt) - open / dt;
+  travels_apart_ = travels_apart_ || velocity_target_[c] != travel_target_[c];
 }
 
 }  // namespace brim

@@ -53,6 +53,8 @@ class Constraint {
   const ContactSet& points() const { return points_; }
   std::span<const Vec3> normals() const { return normal_; }
   std::span<const double> friction() const { return friction_; }
+  /// Where friction acts, [m]: at the points, or within the patch whose corners they are (rows between rigid frames).
+  std::span<const Vec3> grips() const { return grip_; }
   /// Curvatures of the two surfaces at the points that gather has found itself, [1/m].
   struct Bend {
     Mat3 a = Mat3::Zero(), b = Mat3::Zero();
@@ -64,6 +66,9 @@ class Constraint {
   /// Least normal velocity at the end of the step, and on the mean over the step, [m/s].
   std::span<const double> velocity_targets() const { return velocity_target_; }
   std::span<const double> travel_targets() const { return travel_target_; }
+  /// Sets the velocity after an impact that others pass on: where impacts follow each other within the step.
+  void set_rebound(std::size_t c, double velocity, double dt);
+  std::span<const double> restitution() const { return restitution_; }
   /// True when some contact bounces within the step.
   bool bounces() const { return bounces_; }
   /// True when some way is not what the velocity at the end makes of it.
@@ -84,6 +89,9 @@ class Constraint {
   /// Corners of the flat part of the nodes in around_. @param first  of the patch's points  @param center  the model's
   void add_corners(const ContactSet& contacts, const ContactPair& pair, const ConstraintPair& law,
                    const PatchModel& model, std::size_t first, std::size_t center);
+  /// Lets friction at corners act where its torque is that of an even pressure (friction_radius.h).
+  /// @param first  of the corners
+  void place_friction(const ContactSet& contacts, const PatchModel& model, std::size_t first);
   /// Sees to it that no node overlaps more than the points say: the sum of the distances to two surfaces is never less
   /// than the gap between them, wherever it is read. @param first  of the pair's points
   void deepen(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
@@ -93,10 +101,11 @@ class Constraint {
                  const ConstraintPair& law, const Bend& bend);
 
   ContactSet points_;
-  std::vector<Vec3> normal_;
+  std::vector<Vec3> normal_, grip_;
   std::vector<double> friction_, restitution_;
   std::vector<Bend> bend_;
   std::vector<double> velocity_target_, travel_target_;
+  std::vector<double> touch_time_;  ///< [s] from the start of the step to the touch; 0 where it touches already
   bool travels_apart_ = false, bounces_ = false;
   std::vector<std::size_t> order_, patch_, rest_, around_, flat_;
   std::vector<std::uint8_t> taken_;

@@ -14,6 +14,7 @@ struct RowPoint {
   Vec3 point = Vec3::Zero();   ///< [m]
   Vec3 normal = Vec3::Zero();  ///< unit, towards a
   double gap = 0.0;            ///< [m]
+  Vec3 grip = Vec3::Zero();    ///< [m] from the point to where friction acts, across the normal (friction_radius.h)
   /// [1/m] curvature of each surface there, positive where it is convex, as uu, uv, vv in tangents_of(normal)
   std::array<float, 3> bend_a{}, bend_b{};
 };

@@ -33,10 +33,11 @@ void ProjectedGaussSeidel::add(std::span<const Entry> entries, double friction) 
 }
 
 void ProjectedGaussSeidel::add_pair(const RigidPairRows::Side& a, const RigidPairRows::Side& b,
-                                    std::span<const Vec3> points, std::span<const Mat3> frames, double friction) {
+                                    std::span<const Vec3> points, std::span<const Vec3> grips,
+                                    std::span<const Mat3> frames, double friction) {
   group_.push_back({size(), size() + points.size(), true, pairs_.pairs()});
   for (std::size_t i = 0; i < points.size(); ++i) place_.push_back({true, pairs_.size() + i});
-  pairs_.add(a, b, points, frames, friction);
+  pairs_.add(a, b, points, grips, frames, friction);
 }
 
 Vec3 ProjectedGaussSeidel::row_velocity(std::size_t r, std::span<const double> v) const {
@@ -90,6 +91,17 @@ double ProjectedGaussSeidel::sweep(bool backward, double friction, std::span<con
     worst = std::max(worst, change);
   }
   return worst;
+}
+
+void ProjectedGaussSeidel::solve_alone(std::size_t g, std::span<const Vec3> offset, std::span<const double> target,
+                                       int rounds, std::span<Vec3> impulse, std::span<double> v) const {
+  const Group& group = group_[g];
+  const std::size_t n = group.end - group.begin;
+  if (group.rigid)
+    pairs_.relax(group.index, false, rounds, 0.0, offset.subspan(group.begin, n), target.subspan(group.begin, n),
+                 impulse.subspan(group.begin, n), v);
+  else
+    relax(group.index, 0.0, offset[group.begin], target[group.begin], impulse[group.begin], v);
 }
 
 ProjectedGaussSeidel::Report ProjectedGaussSeidel::solve(std::span<const Vec3> offset, std::span<const double> target,

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "brim/math/types.h"
@@ -36,8 +37,13 @@ class ProjectedGaussSeidel {
   /// Takes a contact in; entries are copied, no index twice. A contact whose velocities cannot change does nothing.
   void add(std::span<const Entry> entries, double friction);
   /// Takes the contacts of two rigid bodies in, numbered on from those before.
+  /// @param grips  where friction acts
   void add_pair(const RigidPairRows::Side& a, const RigidPairRows::Side& b, std::span<const Vec3> points,
-                std::span<const Mat3> frames, double friction);
+                std::span<const Vec3> grips, std::span<const Mat3> frames, double friction);
+  void add_pair(const RigidPairRows::Side& a, const RigidPairRows::Side& b, std::span<const Vec3> points,
+                std::span<const Mat3> frames, double friction) {
+    add_pair(a, b, points, points, frames, friction);
+  }
   std::size_t size() const { return place_.size(); }
 
   /// @param offset  o, [m/s], shape (size)
@@ -48,6 +54,13 @@ class ProjectedGaussSeidel {
   /// The scale of the residual is `scale` or, where larger, the worst miss of any contact at the start, [m/s].
   Report solve(std::span<const Vec3> offset, std::span<const double> target, double tolerance, int max_sweeps,
                double scale, std::span<Vec3> impulse, std::span<double> v, double friction = 1.0);
+
+  /// The contacts that are relaxed together, [begin, end): those of one rigid pair, or one of the general form.
+  std::size_t groups() const { return group_.size(); }
+  std::pair<std::size_t, std::size_t> group(std::size_t g) const { return {group_[g].begin, group_[g].end}; }
+  /// Solves for the targets of one group alone, along the normals. @param offset, target, impulse  as in solve, of all
+  void solve_alone(std::size_t g, std::span<const Vec3> offset, std::span<const double> target, int rounds,
+                   std::span<Vec3> impulse, std::span<double> v) const;
 
   /// R v at contact c.
   Vec3 velocity(std::size_t c, std::span<const double> v) const;

@@ -29,20 +29,21 @@ Twist response_of(const RigidPairRows::Side& s, const Vec3& arm, const Vec3& for
 
 void RigidPairRows::clear() { pair_.clear(), row_.clear(); }
 
-void RigidPairRows::add(const Side& a, const Side& b, std::span<const Vec3> points, std::span<const Mat3> frames,
-                        double friction) {
+void RigidPairRows::add(const Side& a, const Side& b, std::span<const Vec3> points, std::span<const Vec3> grips,
+                        std::span<const Mat3> frames, double friction) {
   Vec3 x0 = Vec3::Zero();
   for (const Vec3& x : points) x0 += x / static_cast<double>(points.size());
   const Pair pair{a, b, x0 - a.center, x0 - b.center, friction, row_.size(), row_.size() + points.size()};
   for (std::size_t i = 0; i < points.size(); ++i) {
     Row r;
-    r.frame = frames[i], r.arm = points[i] - x0, r.pair = pair_.size();
+    r.frame = frames[i], r.pair = pair_.size();
     for (int k = 0; k < 3; ++k) {
-      const Vec3 f = frames[i].row(k).transpose(), torque = r.arm.cross(f);
+      const Vec3 f = frames[i].row(k).transpose(), torque = ((k == 0 ? points[i] : grips[i]) - x0).cross(f);
+      r.lever.row(k) = torque.transpose();
       const Twist by_a = response_of(a, pair.arm_a, f, torque), by_b = response_of(b, pair.arm_b, f, torque);
       r.twist.col(k) << by_a.linear + by_b.linear, by_a.angular + by_b.angular;
-      r.local.col(k) = r.frame * (r.twist.col(k).head<3>() + r.twist.col(k).tail<3>().cross(r.arm));
     }
+    r.local = r.frame * r.twist.topRows<3>() + r.lever * r.twist.bottomRows<3>();
     r.local = 0.5 * (r.local + r.local.transpose()).eval();
     r.local_inverse = invert_response(r.local);
     row_.push_back(r);
@@ -54,7 +55,7 @@ Vec3 RigidPairRows::velocity(std::size_t i, std::span<const double> v) const {
   const Row& r = row_[i];
   const Pair& p = pair_[r.pair];
   const Twist a = twist_of(p.a, p.arm_a, v), b = twist_of(p.b, p.arm_b, v);
-  return r.frame * (a.linear - b.linear + (a.angular - b.angular).cross(r.arm));
+  return r.frame * (a.linear - b.linear) + r.lever * (a.angular - b.angular);
 }
 
 void RigidPairRows::add_wrench(const Pair& p, const Vec3& force, const Vec3& torque, std::span<double> v) {
@@ -69,18 +70,17 @@ void RigidPairRows::add_wrench(const Pair& p, const Vec3& force, const Vec3& tor
 
 void RigidPairRows::add_response(std::size_t i, const Vec3& impulse, std::span<double> v) const {
   const Row& r = row_[i];
-  const Vec3 force = r.frame.transpose() * impulse;
-  add_wrench(pair_[r.pair], force, r.arm.cross(force), v);
+  add_wrench(pair_[r.pair], r.frame.transpose() * impulse, r.lever.transpose() * impulse, v);
 }
 
 void RigidPairRows::add_force(std::size_t i, const Vec3& impulse, std::span<double> Q) const {
   const Row& r = row_[i];
   const Pair& p = pair_[r.pair];
-  const Vec3 force = r.frame.transpose() * impulse;
+  const Vec3 force = r.frame.transpose() * impulse, torque = r.lever.transpose() * impulse;
   const auto add = [&](const Side& s, const Vec3& arm, double sign) {
     if (s.first == kFixed) return;
     Eigen::Map<Vec3>(Q.data() + s.first) += sign * force;
-    Eigen::Map<Vec3>(Q.data() + s.first + 3) += sign * (arm + r.arm).cross(force);
+    Eigen::Map<Vec3>(Q.data() + s.first + 3) += sign * (torque + arm.cross(force));
   };
   add(p.a, p.arm_a, 1.0);
   add(p.b, p.arm_b, -1.0);
@@ -102,10 +102,11 @@ double RigidPairRows::relax(std::size_t pair, bool backward, int rounds, double 
       const std::size_t i = backward ? n - 1 - k : k;
       const Row& r = row_[p.begin + i];
       if (!(r.local(0, 0) > 0.0)) continue;
-      const Vec3 relative = linear + angular.cross(r.arm);
       // What carries nothing and parts fast enough stays as it is: most rows of a pile only wait.
-      if (impulse[i].x() == 0.0 && r.frame.row(0).dot(relative) + offset[i].x() >= target[i]) continue;
-      Vec3 u = r.frame * relative + offset[i];
+      if (impulse[i].x() == 0.0 &&
+          r.frame.row(0).dot(linear) + r.lever.row(0).dot(angular) + offset[i].x() >= target[i])
+        continue;
+      Vec3 u = r.frame * linear + r.lever * angular + offset[i];
       u.x() -= target[i];
       const Vec3 next = relax_contact(r.local, r.local_inverse, friction * p.friction, u, impulse[i]);
       const Vec3 change = next - impulse[i];
@@ -113,8 +114,7 @@ double RigidPairRows::relax(std::size_t pair, bool backward, int rounds, double 
       any = true;
       impulse[i] = next;
       if (round == 0) worst = std::max(worst, (r.local * change).cwiseAbs().maxCoeff());
-      const Vec3 push = r.frame.transpose() * change;
-      force += push, torque += r.arm.cross(push);
+      force += r.frame.transpose() * change, torque += r.lever.transpose() * change;
       linear += r.twist.topRows<3>() * change, angular += r.twist.bottomRows<3>() * change;
     }
     if (!any) break;

@@ -14,9 +14,11 @@ namespace brim {
 /// numbers only, the relative twist (V, Ω) of the bodies at a point x0 of the pair,
 ///   V = o'_a + ω_a × (x0 − c_a) − o'_b − ω_b × (x0 − c_b),   Ω = ω_a − ω_b
 /// so that all contacts of a pair are relaxed on it before the bodies' velocities are touched:
-///   u_i = F_i (V + Ω × d_i),   d_i = x_i − x0       velocity at contact i in its frame, rows n, t1, t2
-///   Δ(V, Ω) = B (p, d_i × p),  p = F_iᵀ Δλ_i        B: response of the twist to a force and a torque at x0
-/// The bodies take the sum of the p and of the d × p, equal and opposite: momentum is exact.
+///   u_i = F_i V + G_i Ω,  rows of G: d × n, e × t1, e × t2       velocity at contact i in its frame, rows n, t1, t2
+///   Δ(V, Ω) = B (F_iᵀ Δλ_i, G_iᵀ Δλ_i)                           B: response of the twist to a force and a torque at
+///   x0
+/// with lever arms d = x_i − x0 of the normal impulse and e = y_i − x0 of friction, which may act at another place.
+/// The bodies take the sums of the forces and torques, equal and opposite: momentum is exact.
 /// Tests: tests/solve/rigid_pair_rows_test.cpp
 class RigidPairRows {
  public:
@@ -30,13 +32,14 @@ class RigidPairRows {
   };
 
   void clear();
-  /// Takes a pair in. @param points [m]  @param frames  rows n (towards a), t1, t2  @param friction  [-]; shape
-  /// (contacts)
-  void add(const Side& a, const Side& b, std::span<const Vec3> points, std::span<const Mat3> frames, double friction);
+  /// Takes a pair in; shape (contacts). @param points [m]  @param grips [m] where friction acts; the points
+  /// themselves where it acts there  @param frames  rows n (towards a), t1, t2  @param friction  [-]
+  void add(const Side& a, const Side& b, std::span<const Vec3> points, std::span<const Vec3> grips,
+           std::span<const Mat3> frames, double friction);
   std::size_t pairs() const { return pair_.size(); }
   std::size_t size() const { return row_.size(); }
 
-  /// F (V + Ω × d) at contact i of those of all pairs.
+  /// F V + G Ω at contact i of those of all pairs.
   Vec3 velocity(std::size_t i, std::span<const double> v) const;
   /// v += what the impulse λ at contact i does.
   void add_response(std::size_t i, const Vec3& impulse, std::span<double> v) const;
@@ -58,9 +61,8 @@ class RigidPairRows {
     std::size_t begin = 0, end = 0;
   };
   struct Row {
-    Mat3 frame;
-    Vec3 arm;                           ///< [m] d
-    Eigen::Matrix<double, 6, 3> twist;  ///< B (f, d × f) for unit impulses f along the rows
+    Mat3 frame, lever;                  ///< F; G, [m]
+    Eigen::Matrix<double, 6, 3> twist;  ///< B (f, torque of f) for unit impulses f along the rows
     Mat3 local, local_inverse;          ///< W: response of u at this contact; its inverse or zero
     std::size_t pair = 0;
   };

@@ -30,6 +30,11 @@ constexpr double kIndependent = 1e-8;
 constexpr double kRefined = 30.0;
 /// Residual over the tolerance that is worth a warning.
 constexpr double kWarn = 100.0;
+/// [voxels] gap up to which an impact is passed on; rounds of one impact, and impacts of one pair in a step.
+constexpr double kTouching = 0.02;
+/// Share of the fastest rebound of a step below which another one is none.
+constexpr double kSlightBounce = 1e-3;
+constexpr int kStrikeRounds = 50, kMostStrikes = 100;
 /// Contacts of a body up to which its answers to all of them are found: their number squared must be kept and swept.
 constexpr std::size_t kMostDirect = 400;
 
@@ -108,6 +113,16 @@ void ConstraintStep::for_arms(const F& f) const {
       64);
 }
 
+template <class F>
+void ConstraintStep::for_grips(const F& f) const {
+  const ContactSet& points = rows_.points();
+  for (const ContactPair& pair : points.pairs) {
+    if (pair.begin == pair.end || !rigid(pair)) continue;
+    for (std::size_t c = pair.begin; c < pair.end; ++c)
+      if (const Vec3 way = rows_.grips()[c] - points.point[c]; way != Vec3::Zero()) f(pair, c, way);
+  }
+}
+
 void ConstraintStep::find_start(std::span<const double> v) {
   const std::size_t n = rows_.points().size();
   start_.resize(n);
@@ -124,10 +139,28 @@ void ConstraintStep::find_start(std::span<const double> v) {
       start_[c] = velocity(pair.part_a, a) - velocity(pair.part_b, b);
     });
   }
+  const auto spin = [&](std::int32_t part) {
+    return Eigen::Map<const Vec3>(v.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)] + 3);
+  };
+  for_grips([&](const ContactPair& pair, std::size_t c, const Vec3& way) {
+    const Vec3 more = (spin(pair.part_a) - spin(pair.part_b)).cross(way), &n = rows_.normals()[c];
+    start_[c] += more - n * n.dot(more);
+  });
   for (std::size_t c = 0; c < n; ++c) offset_[c] = frame_[c] * start_[c];
 }
 
 void ConstraintStep::add_forces(std::span<const Vec3> force, std::span<double> Q) const {
+  for_grips([&](const ContactPair& pair, std::size_t c, const Vec3& way) {
+    const Vec3 torque = way.cross(force[c]);
+    // Of friction alone: across the normal no way has a torque about it but the normal's own.
+    const Vec3 turn = rows_.normals()[c] * rows_.normals()[c].dot(torque);
+    const auto add = [&](std::int32_t part, double sign) {
+      if (parts_[part].body->immobile()) return;
+      Eigen::Map<Vec3>(Q.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)] + 3) += sign * turn;
+    };
+    add(pair.part_a, 1.0);
+    add(pair.part_b, -1.0);
+  });
   if (mapped_) return maps_.add_forces(force, Q);
   const ContactSet& points = rows_.points();
   for (const ContactPair& pair : points.pairs) {
@@ -237,7 +270,8 @@ void ConstraintStep::assemble() {
     if (n == 0) continue;
     if (rigid(pair))
       sweep_.add_pair(side_of(pair.part_a), side_of(pair.part_b), std::span(points.point).subspan(pair.begin, n),
-                      std::span<const Mat3>(frame_).subspan(pair.begin, n), rows_.friction()[pair.begin]);
+                      rows_.grips().subspan(pair.begin, n), std::span<const Mat3>(frame_).subspan(pair.begin, n),
+                      rows_.friction()[pair.begin]);
     else
       for (std::size_t c = pair.begin; c < pair.end; ++c) add_row(pair, c);
   }
@@ -279,6 +313,11 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
   for (std::size_t c = 0; c < n; ++c)
     free[c] = start_[c] + frame_[c].transpose() * (sweep_.velocity(c, change) - sweep_.velocity(c, guess));
   rows_.set_targets(settings_.rows, start_, free);
+  if (rows_.bounces() && exact_ && !mapped_) {
+    std::vector<double> without = change;
+    for (std::size_t i = 0; i < width_; ++i) without[i] -= guess[i];
+    pass_impacts_on(std::move(without));
+  }
 
   double residual = 0.0;
   solve_rows(solve, rows_.velocity_targets(), kMostRefinements, lambda_, change, residual, report);
@@ -317,6 +356,53 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
     finite = finite && std::isfinite(delta[i]) && (travel_.empty() || std::isfinite(travel_[i]));
   }
   return finite;
+}
+
+void ConstraintStep::pass_impacts_on(std::vector<double> v) {
+  const std::size_t n = rows_.points().size();
+  // What rounding bounces is left out.
+  double least = 0.0;
+  for (const double t : rows_.velocity_targets()) least = std::max(least, kSlightBounce * t);
+  const double slow = std::max(settings_.rows.bounce_speed, least), never = -std::numeric_limits<double>::infinity();
+  std::vector<double> target(n, never), grid_step(n, 0.0);  // [m]
+  for (const ContactPair& pair : rows_.points().pairs)
+    std::fill(grid_step.begin() + static_cast<std::ptrdiff_t>(pair.begin),
+              grid_step.begin() + static_cast<std::ptrdiff_t>(pair.end), pair.h);
+  std::vector<Vec3> impulse(n, Vec3::Zero());
+  std::vector<std::uint8_t> hit(sweep_.groups(), 0);
+  const auto velocity = [&](std::size_t c) { return offset_[c].x() + sweep_.velocity(c, v).x(); };
+  // One pair after the other, as if nothing else touched it. @return false where nothing hits
+  const auto strike = [&](std::size_t g, bool first) {
+    const auto [begin, end] = sweep_.group(g);
+    const double h = grid_step[begin];
+    bool any = false;
+    for (std::size_t c = begin; c < end; ++c) {
+      const double u = velocity(c), gap = -rows_.points().depth[c];
+      const double to = first ? rows_.velocity_targets()[c] : -rows_.restitution()[c] * u;
+      const bool hits = first ? to > least : gap <= kTouching * h && u < -slow;
+      target[c] = hits ? to : never;
+      impulse[c].setZero();
+      any = any || hits;
+    }
+    if (any) sweep_.solve_alone(g, offset_, target, kStrikeRounds, impulse, v), hit[g] = 1;
+    return any;
+  };
+  for (std::size_t g = 0; g < sweep_.groups(); ++g) strike(g, true);
+  bool passed_on = false, any = true;
+  for (int round = 0; any && round < kMostStrikes; ++round) {
+    any = false;
+    for (std::size_t g = 0; g < sweep_.groups(); ++g) any = strike(g, false) || any;
+    passed_on = passed_on || any;
+  }
+  if (!passed_on) return;
+  for (std::size_t g = 0; g < sweep_.groups(); ++g) {
+    if (!hit[g]) continue;
+    const auto [begin, end] = sweep_.group(g);
+    const double h = grid_step[begin];
+    for (std::size_t c = begin; c < end; ++c)
+      if (rows_.velocity_targets()[c] > least || -rows_.points().depth[c] <= kTouching * h)
+        rows_.set_rebound(c, velocity(c), settings_.rows.dt);
+  }
 }
 
 void ConstraintStep::solve_rows(const ImplicitStep::Respond& solve, std::span<const double> target, int most,
@@ -464,7 +550,22 @@ void ConstraintStep::finish(StepReport& report, std::vector<ContactSample>& samp
   if (!check || points.size() == 0) return;
   std::vector<double> mapped(first_v_.back(), 0.0);
   add_forces(force, mapped);
-  check_momentum(bodies_, first_v_, parts_, points, mapped, force, report);
+  // Where friction acts elsewhere, it is an entry of its own.
+  ContactSet acting;
+  std::vector<Vec3> forces;
+  for (const ContactPair& pair : points.pairs) {
+    acting.pairs.push_back(pair);
+    acting.pairs.back().begin = forces.size();
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      const Vec3& n = rows_.normals()[c];
+      const bool apart = rows_.grips()[c] != points.point[c] && rigid(pair);
+      const Vec3 along = apart ? Vec3(n * n.dot(force[c])) : force[c];
+      acting.point.push_back(points.point[c]), forces.push_back(along);
+      if (apart) acting.point.push_back(rows_.grips()[c]), forces.push_back(force[c] - along);
+    }
+    acting.pairs.back().end = forces.size();
+  }
+  check_momentum(bodies_, first_v_, parts_, acting, mapped, forces, report);
 }
 
 }  // namespace brim

@@ -67,6 +67,9 @@ class ConstraintStep {
   template <class F>
   void for_arms(const F& f) const;
   void find_start(std::span<const double> v);
+  /// Calls f(pair, contact, way from the point to where its friction acts) where that is elsewhere.
+  template <class F>
+  void for_grips(const F& f) const;
   /// Q += Jᵀ f for the forces on a at all points.
   void add_forces(std::span<const Vec3> force, std::span<double> Q) const;
   void recall(std::span<const double> memory);
@@ -80,6 +83,9 @@ class ConstraintStep {
   /// Forces of the body for unit impulses along the rows of contact c, filtered, into force_.
   void find_forces(const ContactPair& pair, std::size_t c, std::size_t body, bool side_a, bool side_b);
   void add_row(const ContactPair& pair, std::size_t c);
+  /// Lets impacts follow each other within the step: what bounces passes its speed on to what it touches.
+  /// @param v  velocity changes of the motion without contacts
+  void pass_impacts_on(std::vector<double> v);
   /// Solves for the targets from λ and Δv on entry. @param most  solves with A
   void solve_rows(const ImplicitStep::Respond& solve, std::span<const double> target, int most,
                   std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual, StepReport& report);

@@ -12,6 +12,7 @@
 #include "brim/core/profile.h"
 #include "brim/core/workspace_pool.h"
 #include "brim/response/patch_normals.h"
+#include "brim/response/solid_gap.h"
 #include "brim/world/pair_laws.h"
 #include "brim/world/pair_reports.h"
 
@@ -147,6 +148,20 @@ bool RigidContacts::apart(std::int32_t a, std::int32_t b, double gap) const {
              reach_[b] + gap;
 }
 
+bool RigidContacts::read_between(Pair& pair, const Aabb& region, double gap) const {
+  const Touch& t = pair.touch;
+  SolidGap between(side_[t.part_a], side_[t.part_b], t.h);
+  if (!between.reads()) return false;
+  const bool near = between.approach(region, gap, pair.deepest),
+             found = near && between.find_rows(pair.deepest, gap, pair.rows);
+  pair.nodes = between.readings();
+  if (!found || pair.rows.empty()) return found || !near;
+  pair.deepest = *std::min_element(pair.rows.begin(), pair.rows.end(),
+                                   [](const RowPoint& r, const RowPoint& s) { return r.gap < s.gap; });
+  pair.contacts = static_cast<std::int32_t>(pair.rows.size());
+  return true;
+}
+
 void RigidContacts::sample(Pair& pair, Workspace& ws, bool every_node) const {
   const Touch& t = pair.touch;
   pair.rows.clear(), pair.boxes.clear();
@@ -155,6 +170,7 @@ void RigidContacts::sample(Pair& pair, Workspace& ws, bool every_node) const {
   const double gap = widest_gap(t.margin) * t.w;
   if (apart(t.part_a, t.part_b, gap) || apart(t.part_b, t.part_a, gap)) return;
   const Aabb region = box_[t.part_a].intersection(box_[t.part_b]);
+  if (!every_node && read_between(pair, region, gap)) return;
   const Vec3i lo = (region.lo / t.h).array().ceil().cast<int>(), hi = (region.hi / t.h).array().floor().cast<int>();
   if (!(lo.array() <= hi.array()).all()) return;
   ws.finds.clear();
@@ -168,14 +184,14 @@ void RigidContacts::sample(Pair& pair, Workspace& ws, bool every_node) const {
   brim::gather(std::span(&piece, 1), set);
   const std::size_t n = set.size();
   pair.contacts = static_cast<std::int32_t>(n);
-  ws.direction.resize(n), ws.normal.resize(n);
-  ws.normals.find(set, set.pairs[0], ws.direction, ws.normal);
   std::size_t deepest = 0;
   for (std::size_t c = 0; c < n; ++c) {
     if (set.depth[c] > set.depth[deepest]) deepest = c;
     pair.most_overlap = std::max(pair.most_overlap, set.overlap[c]);
   }
-  pair.deepest = {set.point[deepest], ws.normal[deepest], -set.depth[deepest], {}, {}};
+  ws.direction.resize(n), ws.normal.resize(n);
+  ws.normals.find(set, set.pairs[0], ws.direction, ws.normal);
+  pair.deepest = {set.point[deepest], ws.normal[deepest], -set.depth[deepest], Vec3::Zero(), {}, {}};
   ConstraintOptions options;
   options.every_node = every_node;
   ws.rows.gather(set, ws.normal, std::span(&law(t.part_a, t.part_b), 1), options);
@@ -183,8 +199,8 @@ void RigidContacts::sample(Pair& pair, Workspace& ws, bool every_node) const {
   for (std::size_t c = 0; c < points.size(); ++c) {
     const Vec3& normal = ws.rows.normals()[c];
     const Constraint::Bend& bend = ws.rows.bends()[c];
-    pair.rows.push_back(
-        {points.point[c], normal, -points.depth[c], pack_bend(bend.a, normal), pack_bend(bend.b, normal)});
+    pair.rows.push_back({points.point[c], normal, -points.depth[c], ws.rows.grips()[c] - points.point[c],
+                         pack_bend(bend.a, normal), pack_bend(bend.b, normal)});
   }
 }
 
@@ -205,14 +221,19 @@ GatheredRows RigidContacts::gather() {
 
 void RigidContacts::report(std::span<const WorldPart> parts, double time, StepReport& report) const {
   const std::size_t others = report.pairs.size();
+  std::size_t next = 0;  // of the gathered rows
   for (const Pair& p : pairs_) {
     if (p.contacts == 0) continue;
+    const std::size_t end = next + p.rows.size();
     const RowPoint deepest = moved(p.deepest, references_.motion(static_cast<std::size_t>(p.touch.part_a)),
                                    references_.motion(static_cast<std::size_t>(p.touch.part_b)), p.touch.h);
     PairReport r;
     r.part_a = p.touch.part_a, r.part_b = p.touch.part_b;
     r.contacts = p.contacts;
-    r.worst_overlap = std::max(0.0, -deepest.gap / p.touch.h);
+    // Between nodes the overlap may be more than at any.
+    double gap = deepest.gap;
+    for (; next < end; ++next) gap = std::min(gap, rows_[next].gap);
+    r.worst_overlap = std::max(0.0, -gap / p.touch.h);
     r.worst_pressure = std::max(0.0, double{p.most_overlap});
     r.center = deepest.point;
     report.worst_overlap = std::max(report.worst_overlap, r.worst_overlap);

@@ -56,7 +56,7 @@ class RigidContacts {
   /// All rows, where they are now.
   GatheredRows gather();
 
-  std::int64_t contacts() const { return contacts_; }  ///< nodes of all pairs
+  std::int64_t contacts() const { return contacts_; }  ///< of all pairs
   std::int64_t engulfed() const { return engulfed_; }
   /// Adds the reports of pairs, in order, and the work of the last find.
   void report(std::span<const WorldPart> parts, double time, StepReport& report) const;
@@ -71,10 +71,10 @@ class RigidContacts {
   struct Pair {
     Touch touch;
     std::uint64_t stamp_a = 0, stamp_b = 0;
-    std::int32_t contacts = 0;
-    std::int64_t engulfed = 0, nodes = 0;
-    float most_overlap = 0.0f;  ///< [-] ρ̄
-    RowPoint deepest;           ///< the node of the largest depth
+    std::int32_t contacts = 0;             ///< nodes, or rows that are read between them
+    std::int64_t engulfed = 0, nodes = 0;  ///< samples, on nodes and between
+    float most_overlap = 0.0f;             ///< [-] ρ̄
+    RowPoint deepest;                      ///< the node of the largest depth
     std::vector<RowPoint> rows;
     std::vector<NodeBox> boxes;
   };
@@ -84,6 +84,8 @@ class RigidContacts {
   /// True where the distance of b's place from a leaves no room for a gap, [m].
   bool apart(std::int32_t a, std::int32_t b, double gap) const;
   void sample(Pair& pair, Workspace& workspace, bool every_node) const;
+  /// Reads the rows of two convex solids between the nodes. @return false where that cannot be done
+  bool read_between(Pair& pair, const Aabb& region, double gap) const;
 
   std::vector<std::int32_t> class_;  ///< per part: of parts that act alike; −1 for what is no rigid solid
   std::int32_t classes_ = 0;
