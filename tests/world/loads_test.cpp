@@ -4,6 +4,8 @@
 
 #include <random>
 
+#include "brim/body/fem/fem_body.h"
+#include "support/solids.h"
 #include "support/worlds.h"
 
 namespace brim {
@@ -103,6 +105,36 @@ TEST(Loads, StiffnessIsTheLargestOfItsThreeNeeds) {
   EXPECT_DOUBLE_EQ(choose_stiffness({0.0, 0.0, 300.0}, w, dt), 8 * 300.0 / w);
   EXPECT_DOUBLE_EQ(choose_stiffness({0.0, 10.0, 0.0}, w, dt), 4 * 10.0 * w / (1.2 * dt * dt));
   EXPECT_DOUBLE_EQ(choose_stiffness({100.0, 10.0, 300.0}, w, dt), 2e5);
+}
+
+TEST(Loads, ContactIsStifferThanTheBodiesThatItPressesWhateverTheyWeigh) {
+  const double inf = std::numeric_limits<double>::infinity();
+  for (const double E : {1e3, 1e6, 1e9})
+    EXPECT_GE(soften_stiffness(1e4, E, Loads{}, 0.1, 1e-2), 20.0 * E) << "a scene without loads has a small k";
+  EXPECT_EQ(soften_stiffness(1e7, inf, Loads{}, 0.1, 1e-2), 1e7) << "between rigid bodies the loads alone tell";
+  const Loads heavy{1e5, 1e3, 0.0};
+  EXPECT_GE(soften_stiffness(2e8, 1.0, heavy, 0.1, 1e-2), 100.0 * heavy.pressure) << "soft bodies must carry loads too";
+}
+
+TEST(Loads, ASceneThatMakesContactSofterThanItsBodiesIsToldOnce) {
+  const auto codes = [](double stiffness) {
+    WorldOptions o = testing::options_at(0.05);
+    o.stiffness = stiffness;
+    World w(o);
+    w.add(ground(0.5));
+    FemOptions options;
+    options.young = 2e5;
+    auto soft = std::make_unique<FemBody>(testing::block(2, 2, 2, 0.1), options);
+    soft->set_name("soft");
+    w.add(std::move(soft));
+    int said = 0;
+    for (int s = 0; s < 3; ++s)
+      for (const Warning& warning : w.step().warnings) said += warning.code == "soft_contact";
+    return said;
+  };
+  EXPECT_EQ(codes(1e5), 1);
+  EXPECT_EQ(codes(1e7), 0);
+  EXPECT_EQ(codes(0.0), 0);
 }
 
 }  // namespace

@@ -152,6 +152,22 @@ TEST(RigidContacts, ABallThatRollsSlowlyIsNotDrivenOn) {
   EXPECT_NEAR(testing::velocity(w, b).x(), speed, 0.005 * speed);
 }
 
+TEST(RigidContacts, APlaneCarriesBeyondTheSquareThatIsShownOfIt) {
+  WorldOptions o = testing::options_at(0.125);
+  o.response = Response::Constraint;
+  World w(o);
+  ObstacleModel m;
+  m.shape = make_half_space();
+  m.surface.vertices = {Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(0, 1, 0)};
+  m.surface.triangles = {{0, 1, 2}};
+  auto ground = std::make_unique<ObstacleBody>(m);
+  ground->set_name("ground");
+  w.add(std::move(ground));
+  const int b = w.add(testing::box("box", {Vec3(5, 0, 0.5)}));
+  testing::run(w, 0.5);
+  EXPECT_NEAR(testing::position(w, b).z(), 0.5, 1e-3);
+}
+
 TEST(ReferencePoses, StayUntilAPointHasMovedByTheTolerance) {
   const Aabb local{Vec3(-1, -2, -3), Vec3(1, 2, 3)};
   const double h = 0.5, most = ReferencePoses::kTolerance * h;

@@ -78,10 +78,14 @@ TEST(World, OnlyTilesWithTwoPartsAreSampled) {
     if (r.substeps > 1) continue;  // the report sums over sub-steps
     ASSERT_FALSE(w.active_tiles().empty());
   }
-  // Each active tile holds two parts within a ramp and a step of it: density on the block of both, at rest.
+  // Each active tile holds two parts within a ramp and a step of it: density on the block of both, where they were
+  // then.
   run(w, 3.0);
+  const State before = w.state();
   w.step();
-  for (const auto& [tile, h] : w.active_tiles()) {
+  const std::vector<std::pair<TileKey, double>> active(w.active_tiles().begin(), w.active_tiles().end());
+  w.set_state(before);
+  for (const auto& [tile, h] : active) {
     int near = 0;
     for (int p = 0; p < w.part_count(); ++p) {
       std::vector<TileKey> present;

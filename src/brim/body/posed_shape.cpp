@@ -19,7 +19,9 @@ double PosedShape::box_reach(const Vec3& center) const {
 }
 
 double PosedShape::reach(const Vec3& center) const {
-  if (surface_.vertices.empty()) return box_reach(center);
+  // Of a half space the surface shows a part only.
+  const Aabb box = shape_->bounds();
+  if (surface_.vertices.empty() || !box.lo.allFinite() || !box.hi.allFinite()) return box_reach(center);
   double most = 0.0;
   for (const Vec3& p : surface_.vertices) most = std::max(most, (p - center).norm());
   return most;

@@ -13,6 +13,15 @@ namespace {
 
 /// Curvature times h below which a surface counts as flat: the stencil reads up to 0.005 on tilted planes.
 constexpr double kCurvatureOfNoise = 0.005;
+/// Difference of friction between two solves, over the most there may be, from which it tells how the slip answers.
+constexpr double kTellingFriction = 0.02;
+/// Slip, over the speed at the start of a step, below which it counts as none: less would only spoil the solve's
+/// condition.
+constexpr double kStick = 1e-4;
+/// [m/s] no speed at all.
+constexpr double kNone = 1e-300;
+/// Least share of a pair's mass that friction can feel, as its inverse: 3.5 of a ball that slides.
+constexpr double kLightest = 8.0;
 
 double weight_of(const ContactSet& contacts, std::size_t c) { return PatchNormals::weight_of(contacts, c); }
 
@@ -36,7 +45,8 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
   lead_.resize(n), load_.resize(n), active_.resize(n), rate_.resize(n), stiffness_.resize(n), scale_.resize(n),
       drag_.resize(n), mu_.resize(n);
   pressed_.assign(n, 0.0);
-  bend_.resize(contacts.pairs.size()), slip_.resize(contacts.pairs.size()), filled_.resize(contacts.pairs.size());
+  bend_.resize(contacts.pairs.size()), slip_.resize(contacts.pairs.size()), inverse_mass_.resize(contacts.pairs.size()),
+      rigid_.resize(contacts.pairs.size()), filled_.resize(contacts.pairs.size());
 
   choose_normals(contacts, pairs);
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
@@ -59,13 +69,19 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
     const double slack = 1.5 * options.slack / pair.w;
+    // Where nothing has weight, what sticks does so to a share of the speed at which it came.
+    Vec3 speed = Vec3::Zero();
+    for (std::size_t c = pair.begin; c < pair.end; ++c) speed += relative_[c];
+    const auto count = static_cast<double>(std::max<std::size_t>(1, pair.end - pair.begin));
+    slip_[p] = {};
+    slip_[p].stick = std::max(options.friction_speed, kStick * speed.norm() / count);
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const double after = contacts.overlap[c] - lead_[c] * rate_[c];
       active_[c] = pairs[p].filled || (scale_[c] > 0.0 && (contacts.overlap[c] > 0.0 || after + slack > 0.0));
       load_[c] = scale_[c] * after;
-      set_friction(c, load_[c], relative_[c] - normal_[c] * normal_[c].dot(relative_[c]));
+      set_friction(c, load_[c], slip_after(c, {}), slip_[p].stick);
     }
-    slip_[p] = {mean_slip(pair, {}), 0.0, 0.0};
+    inverse_mass_[p] = pairs[p].inverse_mass, rigid_[p] = pairs[p].rigid;
     filled_[p] = pairs[p].filled;
   });
   settle_actions();
@@ -171,8 +187,8 @@ void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState
   });
 }
 
-void Penalty::set_friction(std::size_t c, double load, const Vec3& tangential) {
-  drag_[c] = mu_[c] * std::max(0.0, load) / std::max(tangential.norm(), options_.friction_speed);
+void Penalty::set_friction(std::size_t c, double load, const Vec3& tangential, double stick) {
+  drag_[c] = mu_[c] * std::max(0.0, load) / std::max(tangential.norm(), stick);
 }
 
 void Penalty::right_hand_side(std::span<Vec3> force) const {
@@ -214,7 +230,7 @@ Mat3 Penalty::block(std::size_t c) const {
 
 void Penalty::set_load(std::size_t c, double load) {
   load_[c] = load;
-  set_friction(c, load, relative_[c] - normal_[c] * normal_[c].dot(relative_[c]));
+  set_friction(c, load, slip_after(c, {}), options_.friction_speed);
   action_[c] = {normal_[c], -options_.dt * drag_[c], options_.dt * drag_[c]};
 }
 
@@ -243,12 +259,12 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
     }
     total[p] = push;
     const double share = push > 0.0 ? std::max(0.0, net) / push : 1.0;
-    const double jump = expected_slip(pair, p, delta);
+    const SlipForecast next = expected_slip(pair, p, delta, share);
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
-      const Vec3 after = relative_[c] + delta[c];
-      const Vec3 slip = after - normal_[c] * normal_[c].dot(after);
+      const Vec3 slip = slip_after(c, delta);
       const double before = drag_[c];
-      set_friction(c, share * load_[c], jump * slip);
+      const Vec3 expected = slip + (next.ratio - 1.0) * (rigid_[p] ? next.mean : slip);
+      set_friction(c, share * load_[c], expected - normal_[c] * normal_[c].dot(expected), slip_[p].stick);
       if (active_[c] && !filled_[p]) change[p] += std::abs(drag_[c] - before) * slip.norm();
     }
   });
@@ -258,30 +274,50 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
   return load > 0.0 ? changed / load : changed > 0.0 ? 1.0 : 0.0;
 }
 
-double Penalty::mean_slip(const ContactPair& pair, std::span<const Vec3> delta) const {
-  double load = 0.0, sum = 0.0;
-  for (std::size_t c = pair.begin; c < pair.end; ++c) {
-    if (!active_[c] || !(load_[c] > 0.0)) continue;
-    const Vec3 after = delta.empty() ? relative_[c] : Vec3(relative_[c] + delta[c]);
-    load += load_[c];
-    sum += load_[c] * (after - normal_[c] * normal_[c].dot(after)).norm();
-  }
-  return load > 0.0 ? sum / load : 0.0;
+Vec3 Penalty::slip_after(std::size_t c, std::span<const Vec3> delta) const {
+  const Vec3 after = delta.empty() ? relative_[c] : Vec3(relative_[c] + delta[c]);
+  return after - normal_[c] * normal_[c].dot(after);
 }
 
-double Penalty::expected_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta) {
-  SlipHistory& h = slip_[p];
-  const double u1 = h.assumed, v1 = mean_slip(pair, delta), u0 = h.assumed_before, v0 = h.found_before;
-  double next = v1;
-  const bool slides = std::min({u0, u1, v0, v1}) > options_.friction_speed;
-  if (slides && std::abs(v1 - u1) > 1e-3 * u1) {
-    // What slides at the assumed speed u is left with v = A u / (u + B) by the drag μN/u: two solves tell A and B,
-    // and v = u at A − B, where it slides on, or below zero, where it sticks.
-    const double B = (v1 - v0) / (v0 / u0 - v1 / u1);
-    if (B > 0.0 && std::isfinite(B)) next = std::max(0.0, v1 + B * (v1 / u1 - 1.0));
+Vec3 Penalty::mean_slip(const ContactPair& pair, std::span<const Vec3> delta) const {
+  double load = 0.0;
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    if (!active_[c] || !(load_[c] > 0.0)) continue;
+    load += load_[c];
+    sum += load_[c] * slip_after(c, delta);
   }
-  h = {next, u1, v1};
-  return v1 > 0.0 ? next / v1 : 1.0;
+  return load > 0.0 ? Vec3(sum / load) : Vec3::Zero();
+}
+
+Penalty::SlipForecast Penalty::expected_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta,
+                                             double share) {
+  SlipHistory& h = slip_[p];
+  // Friction changes the slip of rigid parts as a whole, and what they turn stays; where one deforms, each node's own.
+  SlipForecast f;
+  if (rigid_[p]) f.mean = mean_slip(pair, delta);
+  const double size = f.mean.norm();
+  double found = size, friction = 0.0, most = 0.0;  // [m/s]; [N] what has acted against the slip, and what may
+  double load = 0.0, slip = 0.0;
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    const Vec3 after = slip_after(c, delta);
+    const double speed = after.norm();
+    if (action_[c].drag > 0.0) friction += drag_[c] * (rigid_[p] ? f.mean.dot(after) / std::max(size, kNone) : speed);
+    if (!active_[c] || !(load_[c] > 0.0)) continue;
+    most += mu_[c] * share * load_[c];
+    load += load_[c], slip += load_[c] * speed;
+  }
+  if (!rigid_[p]) found = load > 0.0 ? slip / load : 0.0;
+  if (!(found > 0.0)) return f;
+  // What slides is left with v = A − b F by the friction F. Two solves whose friction differs tell b, which is never
+  // less than for whole masses; the law's own friction then leaves A − b µN where that is above zero; else it sticks.
+  const double whole = options_.dt * inverse_mass_[p], less = h.friction_before - friction;
+  const double secant = (found - h.found_before) / less;
+  const bool tells = h.solves > 0 && std::abs(less) > kTellingFriction * most && secant > whole;
+  const double b = tells ? std::min(secant, kLightest * whole) : whole;
+  f.ratio = std::max(0.0, 1.0 + b * (friction - most) / found);
+  h.friction_before = friction, h.found_before = found, ++h.solves;
+  return f;
 }
 
 void Penalty::forces(std::span<const Vec3> delta, std::span<Vec3> normal, std::span<Vec3> friction) const {

@@ -27,8 +27,9 @@ struct PairState {
   Vec3 carrier_b = Vec3::Zero();
   /// Sides that take the shape of the other, as fluids do: if it is one only, normals are the other's, unsmoothed.
   std::array<bool, 2> shapeless = {false, false};
-  bool rigid = false;   ///< neither part deforms: no node can be driven without all the others
-  bool filled = false;  ///< one part's own pressure answers the other: of this response there is friction alone
+  bool rigid = false;         ///< neither part deforms: no node can be driven without all the others
+  bool filled = false;        ///< one part's own pressure answers the other: of this response there is friction alone
+  double inverse_mass = 0.0;  ///< [1/kg] sum of those of the two bodies
 };
 
 /// Penalty response (paper, section 4.2): contacts become forces at their points, equal and opposite on the two parts,
@@ -100,17 +101,27 @@ class Penalty {
   void bend_of_patch(const ContactSet& contacts, const ContactPair& pair, std::size_t p);
   void advect_rates(const ContactSet& contacts, std::span<const PairState> pairs, std::span<const Vec3> velocity_a,
                     std::span<const Vec3> velocity_b);
-  void set_friction(std::size_t c, double load, const Vec3& tangential);
-  /// Speed of slip of a pair, the mean weighted by load, [m/s]. @param delta  velocity changes, none at the start
-  double mean_slip(const ContactPair& pair, std::span<const Vec3> delta) const;
-  /// Ratio of the slip that the next solve should assume to the one that the last has found.
-  double expected_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta);
+  /// @param stick  [m/s] slip below which friction is viscous
+  void set_friction(std::size_t c, double load, const Vec3& tangential, double stick);
+  /// Tangential relative velocity of a contact, [m/s].
+  Vec3 slip_after(std::size_t c, std::span<const Vec3> delta) const;
+  /// Slip of a pair, the mean weighted by load, [m/s]. @param delta  velocity changes, none at the start
+  Vec3 mean_slip(const ContactPair& pair, std::span<const Vec3> delta) const;
+  /// How the slip of a pair will change: all nodes by (ratio - 1) mean between rigid parts, each by (ratio - 1) of its
+  /// own where a part deforms.
+  struct SlipForecast {
+    double ratio = 1.0;        ///< slip that the next solve should assume, over what the last has found
+    Vec3 mean = Vec3::Zero();  ///< [m/s] mean slip found, between rigid parts
+  };
+  /// @param share  of the loads that is the pair's net load
+  SlipForecast expected_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta, double share);
 
-  /// Mean speeds of slip of a pair over the solves of a step, [m/s].
+  /// What the solves of a step have told of a pair's slip.
   struct SlipHistory {
-    double assumed = 0.0;         ///< by the friction in force
-    double assumed_before = 0.0;  ///< by that of the solve before; 0 when there was none
-    double found_before = 0.0;    ///< by the solve before
+    double friction_before = 0.0;  ///< [N] that acted in the last solve
+    double found_before = 0.0;     ///< [m/s] mean slip that it left
+    int solves = 0;
+    double stick = 0.0;  ///< [m/s] slip below which friction is viscous
   };
 
   struct Workspaces;
@@ -134,6 +145,8 @@ class Penalty {
   std::vector<double> pressed_;  ///< set_pressed
   std::vector<Action> action_;
   std::vector<SlipHistory> slip_;            ///< per pair
+  std::vector<double> inverse_mass_;         ///< [1/kg] per pair
+  std::vector<std::uint8_t> rigid_;          ///< per pair
   std::vector<std::uint8_t> filled_;         ///< per pair
   std::vector<std::array<double, 2>> bend_;  ///< per pair: how bent each part is at the patch, 0 flat to 1
 };

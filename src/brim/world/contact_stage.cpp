@@ -4,6 +4,8 @@
 #include <bit>
 
 #include "brim/body/posed_shape.h"
+#include "brim/contact/face_edges.h"
+#include "brim/contact/patch_center.h"
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
@@ -118,6 +120,7 @@ void ContactStage::access(std::span<const WorldPart> parts) {
     const PosedShape* solid = a.bounded.body != nullptr ? a.bounded.body->solid(parts[p].index) : nullptr;
     a.solid.solid = solid != nullptr ? solid->known_distance() : nullptr;
     if (a.is_solid()) a.solid.pose = solid->pose();
+    a.immobile = parts[p].body->immobile();
   }
 }
 
@@ -326,8 +329,12 @@ void ContactStage::search(Work& work) const {
   const double h = c.pair.h;
   if (c.layer_a < 0 && c.layer_b < 0) {
     const Vec3i lo = (c.region.lo / h).array().ceil().cast<int>(), hi = (c.region.hi / h).array().floor().cast<int>();
-    if ((lo.array() <= hi.array()).all())
-      find_between_solids(access_[c.pair.part_a].solid, access_[c.pair.part_b].solid, c.pair, {lo, hi}, work.finds);
+    const CubeSide &a = access_[c.pair.part_a].solid, &b = access_[c.pair.part_b].solid;
+    if ((lo.array() <= hi.array()).all()) find_between_solids(a, b, c.pair, {lo, hi}, work.finds);
+    carry_to_edges(a, b, h, work.finds.contacts);
+    // Only what rolls on something fixed: between two free bodies single points leave a residue of momentum.
+    if (access_[c.pair.part_a].immobile || access_[c.pair.part_b].immobile)
+      center_on_least_gap(a, b, h, work.finds.contacts);
     return;
   }
   CubeSide a = access_[c.pair.part_a].solid, b = access_[c.pair.part_b].solid;

@@ -40,6 +40,7 @@ class ContactStage {
   struct PartAccess {
     BoundedPart bounded;
     CubeSide solid;  ///< of solids
+    bool immobile = false;
     bool is_solid() const { return solid.solid != nullptr; }
   };
   /// One part that is rasterized, at one grid step.

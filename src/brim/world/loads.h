@@ -21,10 +21,14 @@ Loads estimate_loads(std::span<const WorldPart> parts, std::span<const double> p
 ///   4 ρL w / (1.2 dt²)          the implicit step resolves no softer contact than this
 double choose_stiffness(const Loads& loads, double w, double dt);
 
-/// Contact stiffness of a pair whose softer side has the Young's modulus E, [Pa]: 20 E, within
-///   max(100 p_max, 8 ρL v² / w, 4 ρL w / (1.2 dt²)) and k.
+/// Contact stiffness of a pair whose softer side has the Young's modulus E, [Pa]: k where neither deforms (E infinite),
+/// else
+///   max(20 E, 100 p_max, 8 ρL v² / w, 4 ρL w / (1.2 dt²))
 /// Twenty times stiffer than the matter behind it, contact yields a fifth of a voxel while that matter is squashed
-/// flat; stiffer still, it would only spoil the condition of the solve. Only stiff bodies stacked high need all of k.
+/// flat, whoever presses: what moves by hand has no weight that would tell. Stiffer still, it would only spoil the
+/// condition of the solve, which bears what is as stiff as the bodies' own elements. Only stiff bodies stacked high
+/// need all of k. Softer than kTellingModulus times E it is no longer the bodies that give.
+constexpr double kTellingModulus = 5.0;
 double soften_stiffness(double k, double E, const Loads& loads, double w, double dt);
 
 /// Contact stiffness of what is shapeless (PartInfo::shapeless), [Pa]: 20 E, between 20 and 1000 p_max, at most k (k

@@ -1,7 +1,11 @@
 #include "brim/world/pair_laws.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include "brim/world/fill_stage.h"
 
@@ -73,6 +77,27 @@ PairMaterial PairLaws::material_of(const PartInfo& a, const PartInfo& b, const W
   return m;
 }
 
+void PairLaws::warn(std::span<const WorldPart> parts, const WorldOptions& options, StepReport& report) const {
+  if (options.stiffness == 0.0 && options.pair_materials.empty()) return;
+  // One part stands for all of its material and modulus.
+  std::map<std::pair<std::string, double>, const WorldPart*> example;
+  for (const WorldPart& p : parts)
+    if (!p.info.shapeless) example.try_emplace({p.info.material.name, p.info.modulus}, &p);
+  std::set<std::pair<std::string, std::string>> said;
+  for (const auto& [key_a, a] : example)
+    for (const auto& [key_b, b] : example) {
+      const double E = std::min(key_a.second, key_b.second);
+      const PairMaterial m = material_of(a->info, b->info, options);
+      if (std::isinf(E) || m.response == Response::Constraint || m.stiffness >= kTellingModulus * E) continue;
+      if (!said.insert(std::minmax(key_a.first, key_b.first)).second) continue;
+      report.warnings.push_back({report.time, "soft_contact",
+                                 fmt::format("contact of '{}' and '{}' is {:.2g} Pa, less than {:g} times the modulus "
+                                             "{:.2g} Pa of the softer body: it is "
+                                             "contact that gives; leave the stiffness out to have it chosen",
+                                             key_a.first, key_b.first, m.stiffness, kTellingModulus, E)});
+    }
+}
+
 ConstraintPair PairLaws::constraint_between(const WorldPart& a, const WorldPart& b, const WorldOptions& options) const {
   const PairMaterial m = material_of(a.info, b.info, options);
   return {m.response == Response::Constraint, m.friction, m.restitution, is_rigid(a) && is_rigid(b)};
@@ -97,7 +122,8 @@ void PairLaws::choose(std::span<const WorldPart> parts, std::span<const double> 
                      b.body->carrier_velocity(b.index, velocities_of(b, v, first_v)),
                      {a.info.shapeless, b.info.shapeless},
                      rigid,
-                     filled};
+                     filled,
+                     1.0 / a.body->mass() + 1.0 / b.body->mass()};
   }
 }
 

@@ -8,6 +8,7 @@
 #include "brim/response/penalty.h"
 #include "brim/world/contact_stage.h"
 #include "brim/world/loads.h"
+#include "brim/world/step_report.h"
 #include "brim/world/world.h"
 
 namespace brim {
@@ -33,6 +34,8 @@ class PairLaws {
   /// What the responses need to know of every pair of a contact set, at the velocities v.
   void choose(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
               const WorldOptions& options, std::span<const ContactPair> pairs);
+  /// Says of which materials the scene makes contact softer than five times the matter behind it.
+  void warn(std::span<const WorldPart> parts, const WorldOptions& options, StepReport& report) const;
   /// How rows would act between two parts.
   ConstraintPair constraint_between(const WorldPart& a, const WorldPart& b, const WorldOptions& options) const;
   std::span<const PairState> penalties() const { return penalties_; }

@@ -195,6 +195,7 @@ StepReport World::step() {
     const ScopedSeconds timer(report.wall);
     w.start();
     report.stiffness = w.laws.stiffness();
+    if (w.state.step == 0) w.laws.warn(w.parts, w.options, report);
     double left = w.options.time_step;
     const double end = w.state.time + left;
     while (report.ok && left > 1e-9 * w.options.time_step) left -= w.substep(left, report);

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <span>
+
+#include "brim/contact/cube_contacts.h"
+
+namespace brim {
+
+/// A node stands for a cell of the face that two solids share; where the face ends within a voxel of it, the cell ends
+/// there too. The outermost nodes lie up to a voxel inside of the edge, and a body that stands on them alone would
+/// topple as if its base were that much smaller. So their points are carried to the edge, which the distances know:
+///   x ← x + t e,   t < h the way along the face at which d_a + d_b begins to rise as fast as beyond an edge
+/// along two directions across n, one after the other. Where d_a + d_b changes the other way too, there is no face but
+/// a curved surface, and x stays.
+/// @param n  unit, across the face  @param h  [m] step of the grid
+/// Tests: tests/contact/face_edges_test.cpp
+Vec3 carried_to_edge(const CubeSide& a, const CubeSide& b, const Vec3& x, const Vec3& n, double h);
+
+/// The same for all points of contacts between two solids.
+void carry_to_edges(const CubeSide& a, const CubeSide& b, double h, std::span<Contact> contacts);
+
+}  // namespace brim

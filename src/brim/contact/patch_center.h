@@ -1,0 +1,20 @@
+#pragma once
+
+#include <span>
+
+#include "brim/contact/cube_contacts.h"
+
+namespace brim {
+
+/// Centres the points of a curved patch between two solids on the place of the least gap. Where a ball meets a plane a
+/// few nodes carry it, and the centre of their overlap is off the place of touch by some tenths of a voxel, now on this
+/// side and now on that: a lever that brakes and drives what rolls. The distances know the place,
+///   gap(x̄ + t) = gap + g·t + ½ t·H t,   t = −H⁻¹ g     (x̄: centre of the overlap; differences over half a voxel and
+///   one)
+/// and all points move by t, in the directions in which the gap is a parabola there and the patch no wider than a few
+/// voxels; along a line of contact, on faces and at edges they stay.
+/// @param h  [m] step of the grid
+/// Tests: tests/contact/patch_center_test.cpp
+void center_on_least_gap(const CubeSide& a, const CubeSide& b, double h, std::span<Contact> contacts);
+
+}  // namespace brim

@@ -1,0 +1,66 @@
+#include "brim/contact/face_edges.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "brim/math/rotation.h"
+#include "brim/raster/shape.h"
+
+/// Points of contact near the edge of a face go to the edge; those on curved surfaces and in a face's middle stay.
+namespace brim {
+namespace {
+
+constexpr double h = 0.1;
+
+CubeSide side(const std::shared_ptr<const Shape>& shape, const Pose& pose) {
+  CubeSide s;
+  s.solid = dynamic_cast<const KnownDistance*>(shape.get());
+  s.pose = pose;
+  return s;
+}
+
+TEST(FaceEdges, APointWithinAVoxelOfAnEdgeGoesThereToAFewHundredthsOfAVoxel) {
+  const auto box = make_box(Vec3(1, 1, 1)), plane = make_half_space();
+  std::mt19937 rng(7);
+  std::uniform_real_distribution<double> u(0.05, 0.95);
+  for (int trial = 0; trial < 50; ++trial) {
+    // The box stands on the plane, both turned together.
+    const Pose world{rotation_from_vector(Vec3(u(rng), u(rng), u(rng))).toRotationMatrix(), Vec3(1, 2, 3)};
+    const auto placed = [&](const Vec3& x) { return Vec3(world.rotation * x + world.translation); };
+    const CubeSide a = side(box, {world.rotation, placed(Vec3(0, 0, 0.5))}), b = side(plane, world);
+    const Vec3 n = world.rotation.col(2);
+    const double s = u(rng) * h;
+    // Straight towards it, from a place in the middle of the edge.
+    const Vec3 y = world.rotation.transpose() *
+                   (carried_to_edge(a, b, placed(Vec3(0.5 - s, 0.1, 0)), n, std::sqrt(2.0) * h) - world.translation);
+    EXPECT_LE(y.x(), 0.5 + 0.03 * h);
+    EXPECT_GE(y.x(), 0.5 - 0.06 * h);
+    EXPECT_NEAR(y.z(), 0.0, 1e-12);
+    const Vec3 middle = placed(Vec3(0.2, 0.1, 0));
+    EXPECT_EQ(carried_to_edge(a, b, middle, n, h), middle);
+  }
+}
+
+TEST(FaceEdges, PointsOfABallAndOfARidgeStay) {
+  const auto ball = make_sphere(0.4), box = make_box(Vec3(1, 1, 1)), plane = make_half_space();
+  const CubeSide ground = side(plane, {});
+  for (const double x : {0.0, 0.3 * h, 1.2 * h}) {
+    const Vec3 at(x, 0, 0);
+    EXPECT_EQ(carried_to_edge(side(ball, {Mat3::Identity(), Vec3(0, 0, 0.4)}), ground, at, Vec3::UnitZ(), h), at);
+    // A box that stands on one of its edges, which lies along y.
+    const Pose tilted{rotation_from_vector(Vec3(0, M_PI / 4, 0)).toRotationMatrix(), Vec3(0, 0, std::sqrt(0.5))};
+    EXPECT_EQ(carried_to_edge(side(box, tilted), ground, at, Vec3::UnitZ(), h), at);
+  }
+}
+
+TEST(FaceEdges, BetweenTwoEdgesAPointGoesToTheMiddle) {
+  const auto blade = make_box(Vec3(1.3 * h, 1, 1)), plane = make_half_space();
+  const Vec3 y = carried_to_edge(side(blade, {Mat3::Identity(), Vec3(0, 0, 0.5)}), side(plane, {}), Vec3(0.1 * h, 0, 0),
+                                 Vec3::UnitZ(), h);
+  EXPECT_NEAR(y.x(), 0.0, 0.05 * h);
+}
+
+}  // namespace
+}  // namespace brim

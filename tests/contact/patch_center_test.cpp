@@ -1,0 +1,83 @@
+#include "brim/contact/patch_center.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "brim/math/rotation.h"
+#include "brim/raster/shape.h"
+
+/// What touches at a point is carried at that point, what touches along a line on that line; faces keep their points.
+namespace brim {
+namespace {
+
+constexpr double h = 0.1;
+
+CubeSide side(const std::shared_ptr<const Shape>& shape, const Pose& pose) {
+  CubeSide s;
+  s.solid = dynamic_cast<const KnownDistance*>(shape.get());
+  s.pose = pose;
+  return s;
+}
+
+/// The contacts of two solids around a place, centred.
+std::vector<Contact> centred(const CubeSide& a, const CubeSide& b, const Vec3& place, double reach) {
+  ContactPair pair{0, 1, h, 3.0 * h, 0.0, 0, 0};
+  CubeFinds finds;
+  const Vec3i lo = ((place - Vec3::Constant(reach)) / h).array().floor().cast<int>(),
+              hi = ((place + Vec3::Constant(reach)) / h).array().ceil().cast<int>();
+  find_between_solids(a, b, pair, {lo, hi}, finds);
+  center_on_least_gap(a, b, h, finds.contacts);
+  return finds.contacts;
+}
+
+TEST(PatchCenter, ABallIsCarriedStraightBelowItsMiddleWhereverTheNodesLie) {
+  const auto ball = make_sphere(0.4), plane = make_half_space();
+  std::mt19937 rng(5);
+  std::uniform_real_distribution<double> u(-1, 1);
+  for (int trial = 0; trial < 50; ++trial) {
+    const Mat3 turn = rotation_from_vector(Vec3(u(rng), u(rng), u(rng))).toRotationMatrix();
+    const Vec3 below = h * Vec3(u(rng), u(rng), u(rng)), n = turn.col(2);
+    const Vec3 middle = below + 0.39 * n;
+    const auto contacts = centred(side(ball, {turn, middle}), side(plane, {turn, below}), below, 0.3);
+    ASSERT_FALSE(contacts.empty());
+    for (const Contact& c : contacts) {
+      const Vec3 lever = c.point - middle;
+      // A curvature of 0.005 voxels a voxel is blended to flat: a fiftieth of the half voxel to the node is left.
+      EXPECT_LT((lever - n * n.dot(lever)).norm(), 0.05 * h);
+    }
+  }
+}
+
+TEST(PatchCenter, ACylinderIsCarriedOnItsLine) {
+  const auto cylinder = make_cylinder(0.4, 1.0), plane = make_half_space();
+  const Mat3 lying = rotation_from_vector(Vec3(M_PI / 2, 0, 0)).toRotationMatrix();
+  const double x = 0.37 * h;
+  const auto contacts = centred(side(cylinder, {lying, Vec3(x, 0, 0.395)}), side(plane, {}), Vec3(x, 0, 0), 0.6);
+  ASSERT_GT(contacts.size(), 4u);
+  double lo = 1.0, hi = -1.0;
+  for (const Contact& c : contacts) {
+    EXPECT_NEAR(c.point.x(), x, 0.05 * h);
+    lo = std::min(lo, c.point.y()), hi = std::max(hi, c.point.y());
+  }
+  EXPECT_LT(lo, -0.35);
+  EXPECT_GT(hi, 0.35);
+}
+
+TEST(PatchCenter, FacesAndEdgesStay) {
+  const auto box = make_box(Vec3(0.35, 0.35, 0.35)), plane = make_half_space();
+  for (const double shift : {0.0, 0.3 * h}) {
+    const CubeSide a = side(box, {Mat3::Identity(), Vec3(shift, 0, 0.17)}), b = side(plane, {});
+    ContactPair pair{0, 1, h, 3.0 * h, 0.0, 0, 0};
+    CubeFinds finds;
+    find_between_solids(a, b, pair, {Vec3i(-4, -4, -4), Vec3i(4, 4, 4)}, finds);
+    std::vector<Vec3> before;
+    for (const Contact& c : finds.contacts) before.push_back(c.point);
+    center_on_least_gap(a, b, h, finds.contacts);
+    for (std::size_t c = 0; c < before.size(); ++c) EXPECT_LT((finds.contacts[c].point - before[c]).norm(), 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace brim

@@ -1,0 +1,77 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "brim/body/points/points_body.h"
+#include "support/solids.h"
+#include "support/worlds.h"
+
+/// Coulomb's law under penalties: what is inside of the cone sticks soon, what is outside of it slides by the
+/// difference.
+namespace brim {
+namespace {
+
+using testing::box;
+using testing::ground;
+using testing::options_at;
+using testing::run;
+using testing::velocity;
+
+/// Down the fall of a plane of a given angle, and away from it.
+struct Slope {
+  double angle;
+  Vec3 down() const { return {std::cos(angle), 0.0, -std::sin(angle)}; }
+  Vec3 normal() const { return {std::sin(angle), 0.0, std::cos(angle)}; }
+};
+
+/// A box on a slope. @return its speed down after some time, [m/s]
+double slide(const Slope& slope, double friction, double start, double seconds) {
+  World w(options_at(0.125));
+  w.add(ground(friction, slope.normal()));
+  testing::Start s;
+  s.x = 0.5 * slope.normal();
+  s.rotation = Quat::FromTwoVectors(Vec3::UnitZ(), slope.normal());
+  s.v = start * slope.down();
+  const int b = w.add(box("box", s, friction));
+  run(w, seconds);
+  return slope.down().dot(velocity(w, b));
+}
+
+TEST(Friction, ABoxThatSlidesSlowlyInsideTheConeStopsAsCoulombSays) {
+  const Slope slope{25.0 * M_PI / 180.0};
+  for (const double mu : {0.5, 0.55, 0.7}) {
+    // Stops after v/(g (µ cos − sin)); five steps later it creeps no faster than regularised friction lets it.
+    const double stop = 0.1 / (9.81 * (mu * std::cos(slope.angle) - std::sin(slope.angle)));
+    EXPECT_LT(slide(slope, mu, 0.1, stop + 5.0 / 60.0), 2e-4) << mu;
+  }
+}
+
+TEST(Friction, ABoxJustOutsideOfTheConeSlidesFromRestByTheDifference) {
+  for (const double degrees : {20.0, 25.0, 30.0}) {
+    const Slope slope{degrees * M_PI / 180.0};
+    const double mu = 0.9 * std::tan(slope.angle), speed = 9.81 * 0.1 * std::sin(slope.angle);
+    EXPECT_NEAR(slide(slope, mu, 0.0, 1.0), speed, 0.15 * speed) << degrees;
+  }
+}
+
+TEST(Friction, GrainsInsideTheConeStickAsSoonAsTheyAreDown) {
+  const Slope slope{25.0 * M_PI / 180.0};
+  World w(options_at(0.02));
+  w.add(ground(0.55, slope.normal()));
+  std::vector<Vec3> centers;
+  for (int i = 0; i < 5; ++i)
+    for (int j = 0; j < 5; ++j)
+      centers.push_back(0.06 * i * slope.down() + Vec3(0.0, 0.06 * j, 0.0) + 0.02 * slope.normal());
+  PointsOptions o;
+  o.radius = {0.02};
+  o.material.friction = 0.55;
+  auto grains = std::make_unique<PointsBody>(centers, o);
+  grains->set_name("grains");
+  const int b = w.add(std::move(grains));
+  run(w, 0.15);
+  for (std::size_t i = 0; i + 2 < w.v(b).size(); i += 3)
+    EXPECT_LT(Vec3(w.v(b)[i], w.v(b)[i + 1], w.v(b)[i + 2]).norm(), 1e-3) << i / 3;
+}
+
+}  // namespace
+}  // namespace brim

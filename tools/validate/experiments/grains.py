@@ -1,0 +1,45 @@
+"""Grains."""
+import math
+
+import numpy as np
+
+from validate import fits
+from validate.experiment import BOTH, cases, experiment
+from validate.scenes import G, ball, box, floor, rigid, scene
+
+
+@experiment(law="F = N m g", source="statics", unit="N", tolerance=0.01, theory=lambda c: 1.0, cases=cases(response=BOTH), fast=True,
+            measure=lambda c, r: -np.mean(r.force("plane")[-30:, 2]) / (r.mass("grains") * G))
+def heap_weight(case):
+    """A heap of 150 grains on a floor: the load that this carries, over its weight."""
+    return scene([floor(0.02), {"kind": "points", "name": "grains", "grid": {"count": [5, 5, 6], "spacing": 0.045, "jitter": 0.002}, "radius": 0.02,
+                                "transform": {"position": [0, 0, 0.02]}}], 3.0, response=case.response)
+
+
+@experiment(law="between the slope of smooth balls and the angle of friction", source="Coulomb", unit="degrees", tolerance=1.0,
+            scale=10.0, theory=20.0, measure=lambda c, r: repose(r),
+            misses={"": "grains do not turn, and hold each other in steps: the heap is steeper than the friction alone would hold"})
+def repose_angle(case):
+    """A column of 600 loose grains, friction 0.5, falls on a rough floor: the slope of the heap. Grains do not turn, so that it lies between
+    some 10 degrees of smooth balls and little more than the 27 degrees of the friction, as is promised."""
+    return scene([floor(0.02), {"kind": "points", "name": "grains", "grid": {"count": [6, 6, 17], "spacing": 0.055, "jitter": 0.01},
+                                "radius": 0.02, "radius_spread": 0.2, "transform": {"position": [0, 0, 0.03]}}], 3.0)
+
+
+def repose(run):
+    """Slope of the surface between a fifth and four fifths of the heap's height."""
+    x = run.nodes("grains")[0][-1]
+    r = np.linalg.norm(x[:, :2] - x[:, :2].mean(0), axis=1)
+    rings = np.arange(0.0, np.percentile(r, 90), 0.04)
+    top = np.array([np.percentile(x[(r >= a) & (r < a + 0.04), 2], 95) if ((r >= a) & (r < a + 0.04)).any() else 0 for a in rings])
+    keep = (top > 0.2 * top.max()) & (top <= 0.9 * top.max())
+    return math.degrees(math.atan(-fits.slope_of(rings[keep], top[keep]))) if keep.sum() > 1 else 0.0
+
+
+@experiment(law="h = h₀ − g t²/2", source="free fall", unit="m", tolerance=0.02, theory=lambda c: 0.5 * G * 0.3**2, fast=True,
+            cases=cases(dt=(1 / 60, 1 / 240)), study="dt",
+            measure=lambda c, r: float(r.center("grains")[0, 2] - r.center("grains")[r.at(0.3), 2]) * 1.0,
+            misses={"dt 0.0166667": "v ← v + g dt, x ← x + v dt falls half a step too far: of first order"})
+def grains_fall(case):
+    """Grains fall freely for 0.3 s."""
+    return scene([{"kind": "points", "name": "grains", "grid": {"count": [2, 2, 2]}, "radius": 0.02}], 0.4, dt=case.dt)

@@ -1,0 +1,105 @@
+"""Sheets and lines."""
+import math
+
+import numpy as np
+
+from validate import fits
+from validate.experiment import BOTH, cases, experiment
+from validate.scenes import G, floor, scene
+
+
+@experiment(law="s = 8 f²/3 l of a shallow chain; y = a cosh(x/a)", source="catenary", unit="m", tolerance=0.01, study="segments", fast=True,
+            cases=cases(segments=(10, 20, 40)), theory=lambda c: catenary(1.6, 2.0),
+            measure=lambda c, r: -r.positions("chain", r.frames - 1)[:, 2].min())
+def rope_hangs(case):
+    """A rope of 2 m hangs between two points 1.6 m apart: its sag."""
+    n = case.segments
+    # Laid out as a V whose length is that of the rope.
+    return scene([{"kind": "rod", "name": "chain", "points": [[-0.8, 0, 0], [0, 0, -0.6], [0.8, 0, 0]], "segments": n, "radius": 0.02,
+                   "stretch_stiffness": 1e5, "bend_stiffness": 0, "rests_straight": True, "linear_density": 0.1, "mass_damping": 2.0,
+                   "constraints": [{"select": {"kind": "sphere", "center": [x, 0, 0], "radius": 0.01}} for x in (-0.8, 0.8)]}], 6.0)
+
+
+def catenary(span, length):
+    """Sag of a chain. span = 2 a sinh^-1(length / 2a), by bisection."""
+    lo, hi = 1e-2, 1e3
+    for _ in range(200):
+        a = 0.5 * (lo + hi)
+        lo, hi = (a, hi) if 2 * a * math.sinh(span / (2 * a)) > length else (lo, a)
+    return a * (math.cosh(span / (2 * a)) - 1)
+
+
+@experiment(law="w = q L⁴ / (8 E I)", source="Euler and Bernoulli", unit="m", tolerance=0.01, fast=True, study="segments",
+            cases=cases(segments=(10, 20)), theory=lambda c: 0.1 * G / (8 * 10.0),
+            measure=lambda c, r: -r.positions("rod", r.frames - 1)[-1, 2],
+            misses={"segments 10": "of second order in the segments"})
+def rod_cantilever(case):
+    """A rod of 1 m, clamped in its first segment, sags under its weight."""
+    d = 1.0 / case.segments
+    return scene([{"kind": "rod", "name": "rod", "points": [[-0.5 * d, 0, 0], [1.0, 0, 0]], "segments": case.segments, "radius": 0.01,
+                   "stretch_stiffness": 1e5, "bend_stiffness": 10.0, "linear_density": 0.1, "stiffness_damping": 0.05,
+                   "constraints": [{"select": {"kind": "plane", "point": [0.6 * d, 0, 0], "normal": [1, 0, 0]}}]}], 4.0)
+
+
+def end_speed(run):
+    """Mean speed of the two ends of the rope, [m/s]"""
+    v = np.linalg.norm(run.nodes("rope")[1], axis=2)
+    return 0.5 * (v[:, 0] + v[:, -1])
+
+
+MU, POST, THICK = 0.3, 0.2, 0.02
+
+
+def rope_over(case, ends, *, rope=0.5, segments=60):
+    """A rope over a post, its ends hanging down by so many metres; friction MU."""
+    R = POST + THICK
+    arc = [[-R * math.cos(t), 0, R * math.sin(t)] for t in np.linspace(0, math.pi, 17)]
+    points = [[-R, 0, -ends[0]]] + arc + [[R, 0, -ends[1]]]
+    return scene([{"kind": "obstacle", "name": "post", "voxel_size": 0.02, "shape": {"kind": "capsule", "radius": POST, "length": 0.6},
+                   "transform": {"rotation": {"axis": [1, 0, 0], "degrees": 90}}},
+                  {"kind": "rod", "name": "rope", "points": points, "segments": segments, "radius": THICK, "linear_density": rope,
+                   "stretch_stiffness": 2e4, "bend_stiffness": 1e-4, "rests_straight": True, "stiffness_damping": 0.01}],
+                 0.5, friction=MU, response=case.response)
+
+
+def rope_acceleration(case):
+    """dT/dφ = μ (T − λ R a_n...) with weight: integrated over the half turn while it slides, by bisection over the acceleration."""
+    R, lam = POST + THICK, 0.5
+
+    def misfit(a):
+        # Tension at the light end's top, then along the arc towards the heavy end; friction against the motion.
+        tension = lam * case.light * (G + a)
+        n = 4000
+        for i in range(n):
+            phi = (i + 0.5) / n * math.pi  # from the light side (0) over the top to the heavy one
+            ds = math.pi / n * R
+            along = G * math.cos(phi)      # weight along the motion: rising first, then falling
+            press = tension / R + lam * G * math.sin(phi)
+            tension += (lam * (a + along) + MU * press) * ds
+        return tension - lam * case.heavy * (G - a)
+
+    if misfit(0.0) > 0:
+        return 0.0
+    lo, hi = 0.0, G
+    for _ in range(60):
+        a = 0.5 * (lo + hi)
+        lo, hi = (a, hi) if misfit(a) < 0 else (lo, a)
+    return a
+
+
+@experiment(law="dT/dφ = μ (T + λ R g sin φ) + λ R (a + g cos φ)", source="Euler and Eytelwein, with the weight of the arc", unit="m/s²",
+            tolerance=0.05, scale=G, cases=cases(response=BOTH, light=(0.4,), heavy=(1.2, 2.0, 2.8)), theory=rope_acceleration,
+            measure=lambda c, r: end_speed(r)[r.at(0.1)] / 0.1,
+            curve=lambda c, r: (r.time, end_speed(r)), ideal=lambda c, t: rope_acceleration(c) * t, axes=("t [s]", "speed [m/s]"),
+            misses={"": "a rope that goes around a post is braked in proportion to its speed"})
+def capstan(case):
+    """A rope over a post, its ends of unequal length: the acceleration with which it starts to slide."""
+    return rope_over(case, (case.light, case.heavy))
+
+
+@experiment(law="F = m g", source="statics", unit="N", tolerance=0.01, cases=cases(response=("penalty",)), theory=lambda c: 0.25 * G * 1.0,
+            measure=lambda c, r: np.mean(r.force("plane")[-20:, 2]) * -1)
+def cloth_weight(case):
+    """A sheet of 0.5 x 0.5 m and 1 kg/m² lies on a floor: the load that this carries."""
+    return scene([floor(0.02), {"kind": "cloth", "name": "sheet", "grid": {"size": [0.5, 0.5], "cells": [12, 12]}, "areal_density": 1.0,
+                                "thickness": 0.04, "voxel_size": 0.02, "transform": {"position": [0, 0, 0.03]}}], 1.5, response=case.response)

@@ -1,0 +1,73 @@
+"""Writes docs/validation.md and its plots."""
+from validate import fits, plot
+
+HEAD = """# Validation
+
+Experiments whose answer is known, each under both responses where that makes sense: what theory says, what brim gives, and
+how far apart they are. Written by `./dev validate` ({count} experiments, {cases} cases, {seconds:.0f} s of processor time); the quick ones
+run with the tests (`Validate_NAME`). An experiment is a short function in [tools/validate/experiments](../tools/validate/experiments)
+that makes its scene, beside what is read of the run, the theory and what is promised.
+
+**{met} cases of {cases} are met.** What is missed says why. Orders are those of the error over the refined parameter, by least
+squares over the logarithms.
+
+"""
+
+
+def row(outcome):
+    e = outcome.experiment
+    why = f"**{outcome.verdict}**" if not outcome.met or outcome.known else "met"
+    if outcome.failure:
+        return f"| {outcome.case.label} | {e.theory(outcome.case):.4g} | - | {outcome.failure[:80]} | {why} |"
+    return f"| {outcome.case.label} | {e.theory(outcome.case):.4g} | {outcome.value:.4g} | {100 * outcome.error:+.2f} % | {why} |"
+
+
+def orders(experiment, outcomes):
+    """One sentence for each group of cases that differ in the studied parameter alone."""
+    groups = {}
+    for o in outcomes:
+        rest = ", ".join(f"{k} {v}" for k, v in o.case.items() if k != experiment.study)
+        if o.failure is None:
+            groups.setdefault(rest, []).append((o.case[experiment.study], o.error))
+    for rest, pairs in groups.items():
+        p = fits.order([a for a, _ in pairs], [b for _, b in pairs])
+        if p is not None:
+            yield f"Order in {experiment.study}{', ' + rest if rest else ''}: {p:.1f}."
+
+
+def section(experiment, outcomes, pictures):
+    text = [f"### {experiment.name}", "", experiment.about, "",
+            f"Theory: {experiment.law} ({experiment.source}). Promised: {100 * experiment.tolerance:g} %"
+            + (f" of {experiment.scale:g} {experiment.unit}" if experiment.scale else "") + ".", "",
+            f"| case | theory [{experiment.unit}] | brim | error | |", "|---|---|---|---|---|"]
+    text += [row(o) for o in outcomes]
+    if experiment.study:
+        found = list(orders(experiment, outcomes))
+        text += ["", " ".join(found)] if found else []
+    for why in dict.fromkeys(o.known for o in outcomes if o.known and not o.met):
+        text += ["", f"Missed: {why}"]
+    lines = [(o.case.label, o.curve) for o in outcomes if o.curve][:4]
+    if lines:
+        case = next(o.case for o in outcomes if o.curve)
+        ideal = [(x, float(experiment.ideal(case, x))) for x, _ in lines[0][1]] if experiment.ideal else []
+        (pictures / f"{experiment.name}.svg").write_text(plot.svg(lines, ideal, experiment.axes), encoding="utf-8")
+        text += ["", f"![{experiment.name}: {experiment.axes[1]} over {experiment.axes[0]}; dashed: theory](pictures/validation/{experiment.name}.svg)"]
+    return "\n".join(text) + "\n"
+
+
+def write(docs, outcomes):
+    pictures = docs / "pictures" / "validation"
+    pictures.mkdir(parents=True, exist_ok=True)
+    by_experiment = {}
+    for o in outcomes:
+        by_experiment.setdefault(o.experiment.name, []).append(o)
+    head = HEAD.format(count=len(by_experiment), cases=len(outcomes), met=sum(o.met for o in outcomes),
+                       seconds=sum(o.seconds for o in outcomes))
+    body, group = [], None
+    for found in by_experiment.values():
+        kind = found[0].experiment.scene.__module__.rsplit(".", 1)[-1].capitalize()
+        if kind != group:
+            body.append(f"## {kind}\n")
+            group = kind
+        body.append(section(found[0].experiment, found, pictures))
+    (docs / "validation.md").write_text(head + "\n".join(body), encoding="utf-8")
