@@ -46,7 +46,7 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
       drag_.resize(n), mu_.resize(n);
   pressed_.assign(n, 0.0);
   bend_.resize(contacts.pairs.size()), slip_.resize(contacts.pairs.size()), inverse_mass_.resize(contacts.pairs.size()),
-      rigid_.resize(contacts.pairs.size()), filled_.resize(contacts.pairs.size());
+      rigid_.resize(contacts.pairs.size()), fixed_.resize(contacts.pairs.size()), filled_.resize(contacts.pairs.size());
 
   choose_normals(contacts, pairs);
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
@@ -82,6 +82,7 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
       set_friction(c, load_[c], slip_after(c, {}), slip_[p].stick);
     }
     inverse_mass_[p] = pairs[p].inverse_mass, rigid_[p] = pairs[p].rigid;
+    fixed_[p] = pairs[p].fixed;
     filled_[p] = pairs[p].filled;
   });
   settle_actions();
@@ -315,7 +316,9 @@ Penalty::SlipForecast Penalty::expected_slip(const ContactPair& pair, std::size_
   const double secant = (found - h.found_before) / less;
   const bool tells = h.solves > 0 && std::abs(less) > kTellingFriction * most && secant > whole;
   const double b = tells ? std::min(secant, kLightest * whole) : whole;
-  f.ratio = std::max(0.0, 1.0 + b * (friction - most) / found);
+  // Where a part deforms and both move, masses alone tell too little: pressed between heavy bodies, a sheet would stick
+  // and slip by turns.
+  if (tells || rigid_[p] || fixed_[p]) f.ratio = std::max(0.0, 1.0 + b * (friction - most) / found);
   h.friction_before = friction, h.found_before = found, ++h.solves;
   return f;
 }

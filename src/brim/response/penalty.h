@@ -30,6 +30,7 @@ struct PairState {
   bool rigid = false;         ///< neither part deforms: no node can be driven without all the others
   bool filled = false;        ///< one part's own pressure answers the other: of this response there is friction alone
   double inverse_mass = 0.0;  ///< [1/kg] sum of those of the two bodies
+  bool fixed = false;         ///< one of them does not move
 };
 
 /// Penalty response (paper, section 4.2): contacts become forces at their points, equal and opposite on the two parts,
@@ -146,7 +147,7 @@ class Penalty {
   std::vector<Action> action_;
   std::vector<SlipHistory> slip_;            ///< per pair
   std::vector<double> inverse_mass_;         ///< [1/kg] per pair
-  std::vector<std::uint8_t> rigid_;          ///< per pair
+  std::vector<std::uint8_t> rigid_, fixed_;  ///< per pair
   std::vector<std::uint8_t> filled_;         ///< per pair
   std::vector<std::array<double, 2>> bend_;  ///< per pair: how bent each part is at the patch, 0 flat to 1
 };

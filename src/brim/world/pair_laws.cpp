@@ -123,7 +123,8 @@ void PairLaws::choose(std::span<const WorldPart> parts, std::span<const double> 
                      {a.info.shapeless, b.info.shapeless},
                      rigid,
                      filled,
-                     1.0 / a.body->mass() + 1.0 / b.body->mass()};
+                     1.0 / a.body->mass() + 1.0 / b.body->mass(),
+                     a.body->immobile() || b.body->immobile()};
   }
 }
 
