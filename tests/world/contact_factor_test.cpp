@@ -125,7 +125,7 @@ TEST(ContactFactor, InPiecesItIsTheInverseOfTheirBlocks) {
   const Problem p(40);
   ContactFactor factor;
   factor.begin(p.bodies, p.first_v, p.diagonal, p.first_block, p.sparse);
-  factor.factor(p.rows, 8);
+  factor.factor(p.rows, 8, 8);
   // The answers to unit vectors tell the pieces; each must be the inverse of its part of A.
   const auto t = touched(p);
   const auto n = static_cast<Eigen::Index>(t.size());

@@ -85,7 +85,7 @@ void ContactFactor::for_entries(const ContactRows& rows, const F& f) const {
       if (const std::int32_t t = local_[rows.offset[e]]; t >= 0) f(t, static_cast<std::int32_t>(i), e);
 }
 
-void ContactFactor::find_touched(const ContactRows& rows, std::size_t most_in_a_piece) {
+void ContactFactor::find_touched(const ContactRows& rows, std::size_t whole) {
   local_.assign(prescribed_.size(), -1);
   touched_.clear();
   contact_trace_.assign(prescribed_.size(), 0.0f);
@@ -102,7 +102,7 @@ void ContactFactor::find_touched(const ContactRows& rows, std::size_t most_in_a_
       if (strong) local_[v] = 0;
     }
   }
-  take_thin_whole(most_in_a_piece);
+  take_thin_whole(whole);
   for (std::size_t b = 0; b < owner_.size(); ++b) {
     const Owner& o = owner_[b];
     const std::size_t end = end_of(b);
@@ -135,9 +135,9 @@ void ContactFactor::take_thin_whole(std::size_t most) {
       if (!prescribed_[v]) local_[v] = 0;
 }
 
-void ContactFactor::cut(const ContactRows& rows, std::size_t most) {
+void ContactFactor::cut(const ContactRows& rows, std::size_t whole, std::size_t most) {
   piece_count_ = 1;
-  if (touched_.size() > most) {
+  if (touched_.size() > whole) {
     std::vector<float> count(touched_.size(), 0.0f);
     for_entries(rows, [&](std::int32_t t, std::int32_t i, std::int32_t) {
       touched_[t].place += rows.point[i];
@@ -250,10 +250,10 @@ void ContactFactor::assemble(const ContactRows& rows) {
   });
 }
 
-void ContactFactor::factor(const ContactRows& rows, std::size_t most_in_a_piece) {
-  find_touched(rows, most_in_a_piece);
+void ContactFactor::factor(const ContactRows& rows, std::size_t whole, std::size_t most_in_a_piece) {
+  find_touched(rows, whole);
   if (touched_.empty()) return;
-  cut(rows, most_in_a_piece);
+  cut(rows, whole, most_in_a_piece);
   find_incidence(rows);
   assemble(rows);
   // Rows lie one after another in the chunks; a piece is a run of them.

@@ -17,14 +17,16 @@ namespace brim {
 ///   T = velocities whose share in contacts that act is a tenth of their own matrix at least,   z_T = (A_TT)⁻¹ r_T
 /// with A the bodies' own matrices and Jᵀ K J of the contacts. It is what block Jacobi misses most: a tenth of the
 /// nodes of a pile, and nearly all of what couples them. Thin bodies (sheets, rods), whose factors have few entries,
-/// take part with all their velocities where T then still fits into one piece. Beyond kPiece blocks T is cut in space
+/// take part with all their velocities where T is then still factored whole. Beyond kWhole blocks T is cut in space
 /// into pieces that are factored apart (couplings between them are left out), so that cost and memory grow linearly and
 /// threads share the work. Bodies take part whose matrix is known in blocks (Body::block_system, or one block of six)
 /// and whose maps are sparse. Same bits for any number of threads.  Tests: tests/world/contact_factor_test.cpp
 class ContactFactor {
  public:
-  /// [blocks of three velocities] of a piece at most.
-  static constexpr std::size_t kPiece = 4096;
+  /// [blocks of three velocities] that are factored whole, at most.
+  static constexpr std::size_t kWhole = 4096;
+  /// [blocks] of a piece at most where they are not: more of these cost more than the iterations that they save.
+  static constexpr std::size_t kPiece = 1024;
 
   ContactFactor();
   ~ContactFactor();
@@ -34,7 +36,7 @@ class ContactFactor {
              const BlockDiagonal& diagonal, std::span<const std::size_t> first_block,
              std::span<const std::uint8_t> sparse);
   /// Assembles and factors with the contact stiffness of the rows. The structure is kept where the pattern is the same.
-  void factor(const ContactRows& rows, std::size_t most_in_a_piece = kPiece);
+  void factor(const ContactRows& rows, std::size_t whole = kWhole, std::size_t most_in_a_piece = kPiece);
   /// Makes room for the rows of all contacts, so that memory does not follow which of them act.
   void reserve(const ContactRows& rows) { incidence_.reserve(rows.offset.size()); }
   /// Nonzero for bodies of one block of six, of which the factor has all that contact touches; shape (bodies).
@@ -79,9 +81,9 @@ class ContactFactor {
   std::size_t end_of(std::size_t body) const {
     return body + 1 < owner_.size() ? owner_[body + 1].first_v : local_.size();
   }
-  void find_touched(const ContactRows& rows, std::size_t most_in_a_piece);
+  void find_touched(const ContactRows& rows, std::size_t whole);
   void take_thin_whole(std::size_t most);
-  void cut(const ContactRows& rows, std::size_t most);
+  void cut(const ContactRows& rows, std::size_t whole, std::size_t most);
   void find_incidence(const ContactRows& rows);
   void assemble(const ContactRows& rows);
   template <class Add>
