@@ -4,7 +4,7 @@ import unittest
 try:
     from validate import fits, plot
     from validate.experiment import REGISTRY, Case, Experiment, cases
-    from validate import experiments  # noqa: F401
+    from validate.experiments import every  # noqa: F401
 except ModuleNotFoundError as error:
     raise unittest.SkipTest(f"needs NumPy and h5py: {error}") from error
 import numpy as np

@@ -90,8 +90,7 @@ TEST(ImpactsOnRows, ARowOfTouchingBallsSendsOffTheLastAlone) {
       EXPECT_NEAR(testing::velocity(w, balls.back()).x(), speed, 0.01 * speed);
       for (const int b : balls) momentum += testing::velocity(w, b).x();
       EXPECT_NEAR(momentum, 2.0, 1e-9);
-      if (e == 1.0)
-        for (int i = 0; i + 1 < count; ++i) EXPECT_NEAR(testing::velocity(w, balls[i]).x(), 0.0, 0.01);
+      for (int i = 0; e == 1.0 && i + 1 < count; ++i) EXPECT_NEAR(testing::velocity(w, balls[i]).x(), 0.0, 0.01);
     }
 }
 

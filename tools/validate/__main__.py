@@ -20,7 +20,8 @@ import traceback
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 sys.path.insert(0, str(HERE.parent))
-from validate import experiments, page  # noqa: E402,F401
+from validate import page  # noqa: E402
+from validate.experiments import every  # noqa: E402,F401
 from validate.experiment import REGISTRY  # noqa: E402
 from validate.run import simulate  # noqa: E402
 

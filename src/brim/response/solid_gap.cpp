@@ -381,15 +381,15 @@ void SolidGap::find_ends(const RowPoint& least) {
     if (rise > 1.0) continue;
     // An edge is flat along itself only, a face across as well.
     const bool line = k % 4 == 0;
-    const auto change = [&](double turn) {
+    const auto slope_change = [&](double turn) {
       const Vec3 on = way(angle) + turn * way(angle + 0.5 * M_PI),
                  d = read(ring.x + kOn * h_ * on).slope() - ring.slope();
       return (turn == 0.0 ? std::abs(d.dot(on)) : d.norm()) / kTurn;
     };
-    const double turn = std::min(change(0.4), change(-0.4));
+    const double turn = std::min(slope_change(0.4), slope_change(-0.4));
     if (turn <= 1.0) {
       if (rise + turn < best) best = rise + turn, side = angle, face = ring;
-    } else if (line && change(0.0) <= 1.0) {
+    } else if (line && slope_change(0.0) <= 1.0) {
       flat[k / 4] = true, along[k / 4] = ring;
     }
   }

@@ -143,8 +143,8 @@ void ConstraintStep::find_start(std::span<const double> v) {
     return Eigen::Map<const Vec3>(v.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)] + 3);
   };
   for_grips([&](const ContactPair& pair, std::size_t c, const Vec3& way) {
-    const Vec3 more = (spin(pair.part_a) - spin(pair.part_b)).cross(way), &n = rows_.normals()[c];
-    start_[c] += more - n * n.dot(more);
+    const Vec3 more = (spin(pair.part_a) - spin(pair.part_b)).cross(way), &normal = rows_.normals()[c];
+    start_[c] += more - normal * normal.dot(more);
   });
   for (std::size_t c = 0; c < n; ++c) offset_[c] = frame_[c] * start_[c];
 }

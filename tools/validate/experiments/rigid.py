@@ -84,8 +84,7 @@ def first_to_fall(case, run):
 @experiment(law="tan θ = width / height", source="statics", unit="degrees", tolerance=0.028, study="voxels",
             cases=cases(response=BOTH, voxels=(4, 8, 16), place=(0.0, 0.4)), theory=math.degrees(math.atan(0.5)),
             measure=first_to_fall,
-            misses={"response penalty": "contact gives: at the stiffness that the loads ask for, the edge sinks in until the block leans by one to two degrees",
-                    "response constraint, voxels 16": "the block rocks by a degree when it is let go"})
+            misses={"response penalty": "contact gives: at the stiffness that the loads ask for, the edge sinks in until the block leans by one to two degrees"})
 def topple(case):
     """A block half as wide as high, so many voxels wide, on slopes from 20 to 29 degrees in steps of a half: the first that
     falls over. Within half a degree, and a quarter for the steps."""
@@ -95,7 +94,6 @@ def topple(case):
 @experiment(law="ω' = −(4/3) μ g / R for an even pressure", source="Coulomb, integrated over the disc", unit="rad/s²", tolerance=0.05,
             cases=cases(response=BOTH, friction=(0.3,)), theory=lambda c: 4 / 3 * c.friction * G / 0.5,
             measure=lambda c, r: -fits.acceleration(r.time, r.spin("disc")[:, 2], 0.1, 0.7),
-            misses={"response constraint": "four corners at the rim carry the whole load of rows: the lever is R and not 2/3 R"},
             curve=lambda c, r: (r.time, r.spin("disc")[:, 2]), ideal=lambda c, t: max(0.0, 8 - 4 / 3 * c.friction * G / 0.5 * t),
             axes=("t [s]", "spin [rad/s]"))
 def disc_torsion(case):
@@ -110,8 +108,7 @@ SQUARE = 0.3825978  # mean distance from the middle of the unit square
 
 @experiment(law="ω' = −μ m g r̄ / I, r̄ = 0.3826 a", source="Coulomb, integrated over the square", unit="rad/s²", tolerance=0.05,
             cases=cases(response=BOTH, friction=(0.3,)), theory=lambda c: 6 * c.friction * G * SQUARE,
-            measure=lambda c, r: -fits.acceleration(r.time, r.spin("box")[:, 2], 0.1, 0.7),
-            misses={"response constraint": "four corners carry the whole load of rows: their lever is 0.707 a and not 0.383 a"})
+            measure=lambda c, r: -fits.acceleration(r.time, r.spin("box")[:, 2], 0.1, 0.7))
 def box_torsion(case):
     """A flat box of 1 m spins on its face at 8 rad/s, and friction stops it."""
     h = 1 / 16
@@ -148,7 +145,7 @@ def oblique_spin(case):
 
 @experiment(law="the last ball leaves with the first one's speed", source="conservation of momentum and energy", unit="m/s", tolerance=0.02,
             cases=cases(gap=(0.02, 0.0)), theory=2.0, measure=lambda c, r: r.velocity("ball2")[-1, 0],
-            misses={"gap 0": "impacts that propagate through touching balls are solved at once, which shares the momentum",
+            misses={"gap 0": "the first ball keeps 4 % of its momentum; its cause is not known",
                     "gap 0.02": "its cause is not known"})
 def cradle(case):
     """A ball hits the first of two at rest with 2 m/s, e = 1, with a gap between these or without (rows)."""
