@@ -8,7 +8,6 @@
 #include "brim/body/distance_bound.h"
 #include "brim/body/posed_shape.h"
 #include "brim/body/rigid_frame.h"
-#include "brim/contact/face_edges.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/core/workspace_pool.h"
@@ -28,10 +27,6 @@ const PosedShape* rigid_solid(const WorldPart& part) {
   const PosedShape* solid = bound != nullptr ? bound->solid(part.index) : nullptr;
   return solid != nullptr && solid->known_distance() != nullptr ? solid : nullptr;
 }
-
-/// [voxels] how far a corner of a face may lie from the node that stands for it: nodes next to an edge tell no
-/// distances.
-constexpr double kCornerReach = 2.0;
 
 /// A curvature in tangents_of(n), [1/m]. Hollow directions count as flat: the other surface is bent more than they are.
 std::array<float, 3> pack_bend(const Mat3& bend, const Vec3& n) {
@@ -204,7 +199,7 @@ void RigidContacts::sample(Pair& pair, Workspace& ws, bool every_node) const {
   for (std::size_t c = 0; c < points.size(); ++c) {
     const Vec3& normal = ws.rows.normals()[c];
     const Constraint::Bend& bend = ws.rows.bends()[c];
-    const Vec3 x = carried_to_edge(side_[t.part_a], side_[t.part_b], points.point[c], normal, kCornerReach * t.h);
+    const Vec3& x = points.point[c];
     pair.rows.push_back(
         {x, normal, -points.depth[c], ws.rows.grips()[c] - x, pack_bend(bend.a, normal), pack_bend(bend.b, normal)});
   }
