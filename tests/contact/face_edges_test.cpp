@@ -7,6 +7,7 @@
 
 #include "brim/math/rotation.h"
 #include "brim/raster/shape.h"
+#include "contact/solid_side.h"
 
 /// Points of contact near the edge of a face go to the edge; those on curved surfaces and in a face's middle stay.
 namespace brim {
@@ -14,12 +15,7 @@ namespace {
 
 constexpr double h = 0.1;
 
-CubeSide side(const std::shared_ptr<const Shape>& shape, const Pose& pose) {
-  CubeSide s;
-  s.solid = dynamic_cast<const KnownDistance*>(shape.get());
-  s.pose = pose;
-  return s;
-}
+using testing::solid_side;
 
 TEST(FaceEdges, APointWithinAVoxelOfAnEdgeGoesThereToAFewHundredthsOfAVoxel) {
   const auto box = make_box(Vec3(1, 1, 1)), plane = make_half_space();
@@ -29,7 +25,7 @@ TEST(FaceEdges, APointWithinAVoxelOfAnEdgeGoesThereToAFewHundredthsOfAVoxel) {
     // The box stands on the plane, both turned together.
     const Pose world{rotation_from_vector(Vec3(u(rng), u(rng), u(rng))).toRotationMatrix(), Vec3(1, 2, 3)};
     const auto placed = [&](const Vec3& x) { return Vec3(world.rotation * x + world.translation); };
-    const CubeSide a = side(box, {world.rotation, placed(Vec3(0, 0, 0.5))}), b = side(plane, world);
+    const CubeSide a = solid_side(box, {world.rotation, placed(Vec3(0, 0, 0.5))}), b = solid_side(plane, world);
     const Vec3 n = world.rotation.col(2);
     const double s = u(rng) * h;
     // Straight towards it, from a place in the middle of the edge.
@@ -45,20 +41,20 @@ TEST(FaceEdges, APointWithinAVoxelOfAnEdgeGoesThereToAFewHundredthsOfAVoxel) {
 
 TEST(FaceEdges, PointsOfABallAndOfARidgeStay) {
   const auto ball = make_sphere(0.4), box = make_box(Vec3(1, 1, 1)), plane = make_half_space();
-  const CubeSide ground = side(plane, {});
+  const CubeSide ground = solid_side(plane, {});
   for (const double x : {0.0, 0.3 * h, 1.2 * h}) {
     const Vec3 at(x, 0, 0);
-    EXPECT_EQ(carried_to_edge(side(ball, {Mat3::Identity(), Vec3(0, 0, 0.4)}), ground, at, Vec3::UnitZ(), h), at);
+    EXPECT_EQ(carried_to_edge(solid_side(ball, {Mat3::Identity(), Vec3(0, 0, 0.4)}), ground, at, Vec3::UnitZ(), h), at);
     // A box that stands on one of its edges, which lies along y.
     const Pose tilted{rotation_from_vector(Vec3(0, M_PI / 4, 0)).toRotationMatrix(), Vec3(0, 0, std::sqrt(0.5))};
-    EXPECT_EQ(carried_to_edge(side(box, tilted), ground, at, Vec3::UnitZ(), h), at);
+    EXPECT_EQ(carried_to_edge(solid_side(box, tilted), ground, at, Vec3::UnitZ(), h), at);
   }
 }
 
 TEST(FaceEdges, BetweenTwoEdgesAPointGoesToTheMiddle) {
   const auto blade = make_box(Vec3(1.3 * h, 1, 1)), plane = make_half_space();
-  const Vec3 y = carried_to_edge(side(blade, {Mat3::Identity(), Vec3(0, 0, 0.5)}), side(plane, {}), Vec3(0.1 * h, 0, 0),
-                                 Vec3::UnitZ(), h);
+  const Vec3 y = carried_to_edge(solid_side(blade, {Mat3::Identity(), Vec3(0, 0, 0.5)}), solid_side(plane, {}),
+                                 Vec3(0.1 * h, 0, 0), Vec3::UnitZ(), h);
   EXPECT_NEAR(y.x(), 0.0, 0.05 * h);
 }
 

@@ -7,6 +7,7 @@
 
 #include "brim/math/rotation.h"
 #include "brim/raster/shape.h"
+#include "contact/solid_side.h"
 
 /// What touches at a point is carried at that point, what touches along a line on that line; faces keep their points.
 namespace brim {
@@ -14,12 +15,7 @@ namespace {
 
 constexpr double h = 0.1;
 
-CubeSide side(const std::shared_ptr<const Shape>& shape, const Pose& pose) {
-  CubeSide s;
-  s.solid = dynamic_cast<const KnownDistance*>(shape.get());
-  s.pose = pose;
-  return s;
-}
+using testing::solid_side;
 
 /// The contacts of two solids around a place, centred.
 std::vector<Contact> centred(const CubeSide& a, const CubeSide& b, const Vec3& place, double reach) {
@@ -40,7 +36,7 @@ TEST(PatchCenter, ABallIsCarriedStraightBelowItsMiddleWhereverTheNodesLie) {
     const Mat3 turn = rotation_from_vector(Vec3(u(rng), u(rng), u(rng))).toRotationMatrix();
     const Vec3 below = h * Vec3(u(rng), u(rng), u(rng)), n = turn.col(2);
     const Vec3 middle = below + 0.39 * n;
-    const auto contacts = centred(side(ball, {turn, middle}), side(plane, {turn, below}), below, 0.3);
+    const auto contacts = centred(solid_side(ball, {turn, middle}), solid_side(plane, {turn, below}), below, 0.3);
     ASSERT_FALSE(contacts.empty());
     for (const Contact& c : contacts) {
       const Vec3 lever = c.point - middle;
@@ -54,7 +50,8 @@ TEST(PatchCenter, ACylinderIsCarriedOnItsLine) {
   const auto cylinder = make_cylinder(0.4, 1.0), plane = make_half_space();
   const Mat3 lying = rotation_from_vector(Vec3(M_PI / 2, 0, 0)).toRotationMatrix();
   const double x = 0.37 * h;
-  const auto contacts = centred(side(cylinder, {lying, Vec3(x, 0, 0.395)}), side(plane, {}), Vec3(x, 0, 0), 0.6);
+  const auto contacts =
+      centred(solid_side(cylinder, {lying, Vec3(x, 0, 0.395)}), solid_side(plane, {}), Vec3(x, 0, 0), 0.6);
   ASSERT_GT(contacts.size(), 4u);
   double lo = 1.0, hi = -1.0;
   for (const Contact& c : contacts) {
@@ -68,7 +65,7 @@ TEST(PatchCenter, ACylinderIsCarriedOnItsLine) {
 TEST(PatchCenter, FacesAndEdgesStay) {
   const auto box = make_box(Vec3(0.35, 0.35, 0.35)), plane = make_half_space();
   for (const double shift : {0.0, 0.3 * h}) {
-    const CubeSide a = side(box, {Mat3::Identity(), Vec3(shift, 0, 0.17)}), b = side(plane, {});
+    const CubeSide a = solid_side(box, {Mat3::Identity(), Vec3(shift, 0, 0.17)}), b = solid_side(plane, {});
     ContactPair pair{0, 1, h, 3.0 * h, 0.0, 0, 0};
     CubeFinds finds;
     find_between_solids(a, b, pair, {Vec3i(-4, -4, -4), Vec3i(4, 4, 4)}, finds);

@@ -16,6 +16,11 @@ struct CubeSide {
   TileKey tile;                         ///< of the block
 };
 
+/// Distance to the surface of one solid and to that of another, together, [m]; both sides have solids.
+inline double gap_between(const CubeSide& a, const CubeSide& b, const Vec3& x) {
+  return a.solid->rough_distance(a.pose.to_local(x)) + b.solid->rough_distance(b.pose.to_local(x));
+}
+
 /// The nodes lo <= (i, j, k) <= hi.
 struct NodeBox {
   Vec3i lo, hi;

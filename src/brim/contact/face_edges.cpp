@@ -13,23 +13,19 @@ constexpr double kSteep = 0.5;
 /// Halvings of the way to an edge: 2^-6 of a voxel.
 constexpr int kHalvings = 6;
 
-double gap(const CubeSide& a, const CubeSide& b, const Vec3& x) {
-  return a.solid->rough_distance(a.pose.to_local(x)) + b.solid->rough_distance(b.pose.to_local(x));
-}
-
 /// Way from x along e to an edge, [m]; 0 where there is none within h, or the other way is no face. @param level  the
 /// gap at x
 double way_to_edge(const CubeSide& a, const CubeSide& b, const Vec3& x, const Vec3& e, double h, double level) {
-  const double most = level + kLevel * h, far = gap(a, b, x + h * e);
-  if (far <= most || std::abs(gap(a, b, x - 0.5 * h * e) - level) > kLevel * h) return 0.0;
+  const double most = level + kLevel * h, far = gap_between(a, b, x + h * e);
+  if (far <= most || std::abs(gap_between(a, b, x - 0.5 * h * e) - level) > kLevel * h) return 0.0;
   double lo = 0.0, hi = h;
   for (int i = 0; i < kHalvings; ++i) {
     const double middle = 0.5 * (lo + hi);
-    (gap(a, b, x + middle * e) <= most ? lo : hi) = middle;
+    (gap_between(a, b, x + middle * e) <= most ? lo : hi) = middle;
   }
   if (far - level < kSteep * (h - lo)) return 0.0;
   // A ridge between here and there is no face.
-  if (gap(a, b, x + 0.5 * lo * e) < level - kLevel * h) return 0.0;
+  if (gap_between(a, b, x + 0.5 * lo * e) < level - kLevel * h) return 0.0;
   return std::max(0.0, lo - kLevel * h);
 }
 
@@ -41,7 +37,7 @@ Vec3 carried_to_edge(const CubeSide& a, const CubeSide& b, const Vec3& x, const 
   Vec3 e = Vec3::Unit(across);
   e = (e - n * n.dot(e)).normalized();
   Vec3 y = x;
-  const double level = gap(a, b, x);
+  const double level = gap_between(a, b, x);
   for (const Vec3& direction : {e, Vec3(n.cross(e))}) {
     const double ahead = way_to_edge(a, b, y, direction, h, level), behind = way_to_edge(a, b, y, -direction, h, level);
     // Between two edges the middle stands for both.

@@ -20,10 +20,7 @@ struct Parabola {
 
 /// The gap along a line through x.
 Parabola along(const CubeSide& a, const CubeSide& b, const Vec3& x, const Vec3& e, double h) {
-  const auto gap = [&](double t) {
-    const Vec3 y = x + t * h * e;
-    return a.solid->rough_distance(a.pose.to_local(y)) + b.solid->rough_distance(b.pose.to_local(y));
-  };
+  const auto gap = [&](double t) { return gap_between(a, b, x + t * h * e); };
   const double m2 = gap(-1.0), m1 = gap(-0.5), p0 = gap(0.0), p1 = gap(0.5), p2 = gap(1.0);
   const double third = p2 - 2.0 * p1 + 2.0 * m1 - m2, fourth = p2 - 4.0 * p1 + 6.0 * p0 - 4.0 * m1 + m2;
   return {(p2 - m2) / (2.0 * h), (p2 - 2.0 * p0 + m2) / (h * h),

@@ -72,8 +72,6 @@ class ImplicitStep {
   std::vector<std::uint8_t> lone_;    ///< per body: one block, without coarse modes
   std::vector<double> residual_;      ///< of the last solve of the passes
   ContactFactor factor_;
-  std::vector<double>
-      factored_;  ///< [kg] per contact: trace of its matrix when it was factored, 0 where it did not act
   ConjugateGradient cg_;
 };
 

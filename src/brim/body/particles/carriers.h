@@ -11,8 +11,7 @@ namespace brim {
 
 /// Says which primitive (segment, triangle, tetrahedron) of N vertices carries a point of the density: the nearest,
 /// unless it is squeezed so flat that the point's weights w in it exceed a bound; then the best of those around it,
-/// whose weights reproduce linear fields too, so that forces keep their torque. Tests: tests/body/cloth_body_test.cpp,
-/// tests/body/fem_body_test.cpp
+/// whose weights reproduce linear fields too, so that forces keep their torque. Tests: tests/body/fem_body_test.cpp
 template <std::size_t N>
 class Carriers {
  public:

@@ -1,0 +1,241 @@
+// What ConstraintStep does before it solves: whom its rows move, how fast their points part, what the bodies answer.
+#include <algorithm>
+
+#include "brim/world/constraint_step.h"
+
+namespace brim {
+
+namespace {
+
+/// Contacts of a body up to which its answers to all of them are found: their number squared must be kept and swept.
+constexpr std::size_t kMostDirect = 400;
+
+}  // namespace
+
+void ConstraintStep::mark_bodies(const ContactSet& contacts, std::span<const ConstraintPair> pairs,
+                                 const GatheredRows& gathered) {
+  if (rigid_.size() != bodies_.size()) {
+    rigid_.resize(bodies_.size());
+    for (std::size_t b = 0; b < bodies_.size(); ++b) rigid_[b] = dynamic_cast<const RigidFrame*>(bodies_[b].get());
+  }
+  held_.assign(bodies_.size(), 0), touched_.assign(bodies_.size(), 0), mixed_.assign(bodies_.size(), 0);
+  mapped_ = false;
+  for (std::size_t p = 0; p < contacts.pairs.size(); ++p) {
+    const ContactPair& pair = contacts.pairs[p];
+    if (pair.begin == pair.end) continue;
+    const bool general = pairs[p].constrained && !rigid(pair);
+    mapped_ = mapped_ || general;
+    for (const std::int32_t part : {pair.part_a, pair.part_b}) {
+      if (parts_[part].body->immobile()) continue;
+      (pairs[p].constrained ? held_ : mixed_)[parts_[part].body_index] = 1;
+      if (general) touched_[parts_[part].body_index] = 1;
+    }
+  }
+  for (const PairRows& pair : gathered.pairs)
+    for (const std::int32_t part : {pair.part_a, pair.part_b})
+      if (!parts_[part].body->immobile()) held_[parts_[part].body_index] = 1;
+}
+
+template <class F>
+void ConstraintStep::for_arms(const F& f) const {
+  const ContactSet& points = rows_.points();
+  parallel_for(
+      points.pairs.size(),
+      [&](std::size_t p) {
+        const ContactPair& pair = points.pairs[p];
+        if (pair.begin == pair.end) return;
+        const Vec3 a = frame_of(pair.part_a)->rigid_frame().center, b = frame_of(pair.part_b)->rigid_frame().center;
+        for (std::size_t c = pair.begin; c < pair.end; ++c)
+          f(pair, c, Vec3(points.point[c] - a), Vec3(points.point[c] - b));
+      },
+      64);
+}
+
+template <class F>
+void ConstraintStep::for_grips(const F& f) const {
+  const ContactSet& points = rows_.points();
+  for (const ContactPair& pair : points.pairs) {
+    if (pair.begin == pair.end || !rigid(pair)) continue;
+    for (std::size_t c = pair.begin; c < pair.end; ++c)
+      if (const Vec3 way = rows_.grips()[c] - points.point[c]; way != Vec3::Zero()) f(pair, c, way);
+  }
+}
+
+void ConstraintStep::find_start(std::span<const double> v) {
+  const std::size_t n = rows_.points().size();
+  start_.resize(n);
+  if (mapped_) {
+    std::vector<Vec3> a(n), b(n);
+    maps_.velocities(v, a, b);
+    for (std::size_t c = 0; c < n; ++c) start_[c] = a[c] - b[c];
+  } else {
+    const auto velocity = [&](std::int32_t part, const Vec3& arm) -> Vec3 {
+      const double* u = v.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)];
+      return Vec3(u[0], u[1], u[2]) + Vec3(u[3], u[4], u[5]).cross(arm);
+    };
+    for_arms([&](const ContactPair& pair, std::size_t c, const Vec3& a, const Vec3& b) {
+      start_[c] = velocity(pair.part_a, a) - velocity(pair.part_b, b);
+    });
+  }
+  const auto spin = [&](std::int32_t part) {
+    return Eigen::Map<const Vec3>(v.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)] + 3);
+  };
+  for_grips([&](const ContactPair& pair, std::size_t c, const Vec3& way) {
+    const Vec3 more = (spin(pair.part_a) - spin(pair.part_b)).cross(way), &normal = rows_.normals()[c];
+    start_[c] += more - normal * normal.dot(more);
+  });
+  for (std::size_t c = 0; c < n; ++c) offset_[c] = frame_[c] * start_[c];
+}
+
+void ConstraintStep::add_forces(std::span<const Vec3> force, std::span<double> Q) const {
+  for_grips([&](const ContactPair& pair, std::size_t c, const Vec3& way) {
+    const Vec3 torque = way.cross(force[c]);
+    // Of friction alone: across the normal no way has a torque about it but the normal's own.
+    const Vec3 turn = rows_.normals()[c] * rows_.normals()[c].dot(torque);
+    const auto add = [&](std::int32_t part, double sign) {
+      if (parts_[part].body->immobile()) return;
+      Eigen::Map<Vec3>(Q.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)] + 3) += sign * turn;
+    };
+    add(pair.part_a, 1.0);
+    add(pair.part_b, -1.0);
+  });
+  if (mapped_) return maps_.add_forces(force, Q);
+  const ContactSet& points = rows_.points();
+  for (const ContactPair& pair : points.pairs) {
+    if (pair.begin == pair.end) continue;
+    const auto add = [&](std::int32_t part, double sign) {
+      if (parts_[part].body->immobile()) return;
+      const Vec3 center = frame_of(part)->rigid_frame().center;
+      Eigen::Map<Eigen::Matrix<double, 6, 1>> q(Q.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)]);
+      for (std::size_t c = pair.begin; c < pair.end; ++c) {
+        q.head<3>() += sign * force[c];
+        q.tail<3>() += sign * (points.point[c] - center).cross(force[c]);
+      }
+    };
+    add(pair.part_a, 1.0);
+    add(pair.part_b, -1.0);
+  }
+}
+
+void ConstraintStep::recall(std::span<const double> memory) {
+  const std::size_t n = rows_.points().size();
+  force_on_a_.resize(n);
+  recall_.recall(memory, rows_.points(), force_on_a_);
+  for (std::size_t c = 0; c < n; ++c) {
+    Vec3 l = settings_.rows.dt * (frame_[c] * force_on_a_[c]);
+    l.x() = std::max(0.0, l.x());
+    const double most = rows_.friction()[c] * l.x(), length = l.tail<2>().norm();
+    if (length > most) l.tail<2>() *= most / length;
+    lambda_[c] = l;
+  }
+}
+
+RigidPairRows::Side ConstraintStep::side_of(std::int32_t part) const {
+  const WorldPart& p = parts_[part];
+  const RigidFrame::Frame f = frame_of(part)->rigid_frame();
+  const auto body = static_cast<std::size_t>(p.body_index);
+  return {p.body->immobile() ? RigidPairRows::kFixed : first_v_[body], f.center, f.inverse_mass, f.inverse_inertia};
+}
+
+void ConstraintStep::choose_inverses() {
+  std::vector<std::size_t> rows(bodies_.size(), 0);
+  for (const ContactPair& pair : rows_.points().pairs)
+    if (pair.begin < pair.end && !rigid(pair))
+      for_bodies(pair, [&](std::size_t b, bool, bool) { rows[b] += pair.end - pair.begin; });
+  bool direct = mapped_;
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    direct = direct && !(held_[b] && mixed_[b]) &&
+             !(touched_[b] && (rows[b] > kMostDirect || first_v_[b + 1] - first_v_[b] > BodyInverses::kMostFactored));
+  const auto exact = [&] {
+    for (std::size_t b = 0; b < bodies_.size(); ++b)
+      if ((touched_[b] && !inverses_.exact(b)) || (held_[b] && mixed_[b])) return false;
+    return true;
+  };
+  std::vector<std::uint8_t> wanted(touched_);
+  if (direct) std::replace(wanted.begin(), wanted.end(), std::uint8_t{1}, std::uint8_t{2});
+  inverses_.begin(bodies_, first_v_, wanted);
+  exact_ = exact();
+  // One body that cannot be factored leaves nothing exact.
+  if (direct && !exact_) inverses_.begin(bodies_, first_v_, touched_);
+}
+
+template <class F>
+void ConstraintStep::for_bodies(const ContactPair& pair, const F& f) const {
+  const std::size_t a = static_cast<std::size_t>(parts_[pair.part_a].body_index),
+                    b = static_cast<std::size_t>(parts_[pair.part_b].body_index);
+  if (touched_[a]) f(a, true, a == b);
+  if (touched_[b] && a != b) f(b, false, true);
+}
+
+void ConstraintStep::find_forces(const ContactPair& pair, std::size_t c, std::size_t body, bool side_a, bool side_b) {
+  const ContactSet& points = rows_.points();
+  const std::size_t n = first_v_[body + 1] - first_v_[body];
+  for (int axis = 0; axis < 3; ++axis) {
+    force_[axis].assign(n, 0.0), answer_[axis].resize(n);
+    const auto add_side = [&](std::int32_t part, std::int32_t source, double sign) {
+      std::unique_ptr<Map>& map = map_[part];
+      if (axis == 0 || (side_a && side_b))
+        parts_[part].body->make_map(parts_[part].index, std::span(&points.point[c], 1), std::span(&source, 1), map);
+      const Vec3 f = sign * frame_[c].row(axis).transpose();
+      map->add_force(std::span(&f, 1), force_[axis]);
+    };
+    if (side_a) add_side(pair.part_a, points.source_a[c], 1.0);
+    if (side_b) add_side(pair.part_b, points.source_b[c], -1.0);
+    bodies_[body]->filter(force_[axis]);
+  }
+}
+
+void ConstraintStep::assemble() {
+  choose_inverses();
+  first_mode_.assign(1, first_v_.back());
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    first_mode_.push_back(first_mode_.back() + static_cast<std::size_t>(inverses_.modes(b)));
+  sweep_.clear();
+  map_.resize(parts_.size());
+  direct_.begin(bodies_.size(), first_mode_.back());
+  const ContactSet& points = rows_.points();
+  for (const ContactPair& pair : points.pairs)
+    for (std::size_t c = pair.begin; c < pair.end && !rigid(pair); ++c)
+      for_bodies(pair, [&](std::size_t b, bool side_a, bool side_b) {
+        if (!inverses_.factored(b)) return;
+        find_forces(pair, c, b, side_a, side_b);
+        direct_.add(b, c, force_);
+      });
+  direct_.solve(inverses_, first_v_);
+  width_ = first_mode_.back() + direct_.size();
+  for (const ContactPair& pair : points.pairs) {
+    const std::size_t n = pair.end - pair.begin;
+    if (n == 0) continue;
+    if (rigid(pair))
+      sweep_.add_pair(side_of(pair.part_a), side_of(pair.part_b), std::span(points.point).subspan(pair.begin, n),
+                      rows_.grips().subspan(pair.begin, n), std::span<const Mat3>(frame_).subspan(pair.begin, n),
+                      rows_.friction()[pair.begin]);
+    else
+      for (std::size_t c = pair.begin; c < pair.end; ++c) add_row(pair, c);
+  }
+}
+
+void ConstraintStep::add_row(const ContactPair& pair, std::size_t c) {
+  entries_.clear();
+  for_bodies(pair, [&](std::size_t b, bool side_a, bool side_b) {
+    if (inverses_.factored(b)) return direct_.append(b, c, entries_);
+    find_forces(pair, c, b, side_a, side_b);
+    for (int axis = 0; axis < 3; ++axis) inverses_.local(b, force_[axis], answer_[axis]);
+    for (std::size_t i = 0; i < force_[0].size(); ++i) {
+      const Vec3 row(force_[0][i], force_[1][i], force_[2][i]), answer(answer_[0][i], answer_[1][i], answer_[2][i]);
+      if (row != Vec3::Zero() || answer != Vec3::Zero()) entries_.push_back({first_v_[b] + i, row, answer});
+    }
+    const int modes = inverses_.modes(b);
+    if (modes == 0) return;
+    Eigen::MatrixXd row(modes, 3), answer(modes, 3);
+    for (int axis = 0; axis < 3; ++axis) {
+      row.col(axis) = inverses_.to_modes(b, force_[axis]);
+      answer.col(axis) = inverses_.mode_response(b, row.col(axis));
+    }
+    for (int k = 0; k < modes; ++k)
+      entries_.push_back({first_mode_[b] + static_cast<std::size_t>(k), row.row(k), answer.row(k)});
+  });
+  sweep_.add(entries_, rows_.friction()[c]);
+}
+
+}  // namespace brim
