@@ -86,6 +86,24 @@ TEST(TetLanes, GiveTheForcesAndBlocksOfOneTetrahedronAtATime) {
       }
 }
 
+TEST(TetLanes, GiveTheEnergyOfSingularValues) {
+  SCOPED_TRACE(kSeed);
+  const Lame lame = Lame::from(1e4, 0.3);
+  for (const ElasticLaw law : {ElasticLaw::CorotationalLinear, ElasticLaw::StableNeoHookean})
+    for (const double amount : {0.05, 0.5, 2.0}) {
+      testing::Noise noise(kSeed);
+      for (int trial = 0; trial < 100; ++trial) {
+        const Sample s(noise, amount);
+        double e[TetLanes::kCount];
+        energy(law, lame, s.tets, s.edge, e);
+        for (int l = 0; l < TetLanes::kCount; ++l) {
+          const double expected = s.tets.volume[l] * elastic_energy_density(law, lame, svd3(s.F[l]).s);
+          EXPECT_NEAR(e[l], expected, 1e-12 * std::abs(expected) + 1e-13 * s.tets.volume[l] * lame.mu) << amount;
+        }
+      }
+    }
+}
+
 TEST(TetLanes, OnesBitsDoNotDependOnTheOthers) {
   const Lame lame = Lame::from(1e4, 0.3);
   testing::Noise noise(kSeed);

@@ -32,6 +32,9 @@ Eigen::Map<const Eigen::MatrixXd> BlockDiagonal::block(std::size_t b) const {
 
 namespace {
 
+/// Determinant of a symmetric matrix over the product of its diagonal, above which cofactors give its inverse well.
+constexpr double kFar = 1e-6;
+
 /// Inverse of a small symmetric matrix in place, of fixed size where the compiler can profit.
 template <int N>
 void invert(Eigen::Map<Eigen::MatrixXd> m) {
@@ -49,13 +52,27 @@ void invert(Eigen::Map<Eigen::MatrixXd> m) {
   }
 }
 
+/// The same of three rows by cofactors.
+void invert_three(Eigen::Map<Eigen::MatrixXd> m) {
+  const Mat3 a = m;
+  const double c00 = a(1, 1) * a(2, 2) - a(1, 2) * a(1, 2), c01 = a(0, 2) * a(1, 2) - a(0, 1) * a(2, 2),
+               c02 = a(0, 1) * a(1, 2) - a(0, 2) * a(1, 1), c22 = a(0, 0) * a(1, 1) - a(0, 1) * a(0, 1);
+  const double determinant = a(0, 0) * c00 + a(0, 1) * c01 + a(0, 2) * c02;
+  // Far from singular: what cancels is far above rounding.
+  if (!(a(0, 0) > 0.0 && c22 > 0.0 && determinant > kFar * a(0, 0) * a(1, 1) * a(2, 2))) return invert<3>(m);
+  const double c11 = a(0, 0) * a(2, 2) - a(0, 2) * a(0, 2), c12 = a(0, 1) * a(0, 2) - a(0, 0) * a(1, 2);
+  const double inverse = 1.0 / determinant;
+  m(0, 0) = c00 * inverse, m(1, 1) = c11 * inverse, m(2, 2) = c22 * inverse;
+  m(0, 1) = m(1, 0) = c01 * inverse, m(0, 2) = m(2, 0) = c02 * inverse, m(1, 2) = m(2, 1) = c12 * inverse;
+}
+
 }  // namespace
 
 void BlockDiagonal::factor() {
   parallel_blocks(block_count(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t b = begin; b < end; ++b) {
       if (size_[b] == 3)
-        invert<3>(block(b));
+        invert_three(block(b));
       else if (size_[b] == 6)
         invert<6>(block(b));
       else

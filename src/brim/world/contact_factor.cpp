@@ -255,6 +255,11 @@ void ContactFactor::factor(const ContactRows& rows, std::size_t whole, std::size
   if (touched_.empty()) return;
   cut(rows, whole, most_in_a_piece);
   find_incidence(rows);
+  refactor(rows);
+}
+
+void ContactFactor::refactor(const ContactRows& rows) {
+  if (touched_.empty()) return;
   assemble(rows);
   // Rows lie one after another in the chunks; a piece is a run of them.
   std::size_t chunk = 0, at = 0;

@@ -37,6 +37,8 @@ class ContactFactor {
              std::span<const std::uint8_t> sparse);
   /// Assembles and factors with the contact stiffness of the rows. The structure is kept where the pattern is the same.
   void factor(const ContactRows& rows, std::size_t whole = kWhole, std::size_t most_in_a_piece = kPiece);
+  /// The same with the rows of the last call, of which the stiffness alone has changed: what is touched stays.
+  void refactor(const ContactRows& rows);
   /// Makes room for the rows of all contacts, so that memory does not follow which of them act.
   void reserve(const ContactRows& rows) { incidence_.reserve(rows.offset.size()); }
   /// Nonzero for bodies of one block of six, of which the factor has all that contact touches; shape (bodies).

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
+#include <functional>
 #include <optional>
 
 #include "brim/body/rigid_frame.h"
@@ -198,7 +200,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     diagonal_.factor();
     if (contacts > 0) {
       const ScopedSeconds contact_timer(contact_seconds);
-      factor_contacts(response);
+      factor_contacts(response, pass == 0);
       const ProfileScope scope("coarse modes, factored");
       coarse = !whole && modes_.factor(contact_set, response);
     }
@@ -259,15 +261,24 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   return finite;
 }
 
-void ImplicitStep::factor_contacts(const Penalty& response) {
-  {
+void ImplicitStep::factor_contacts(const Penalty& response, bool first) {
+  // Contacts that let go stay as rows without stiffness; those that come ask for new ones.
+  const auto acting = response.acting();
+  std::size_t held = 0;
+  for (const std::uint32_t c : contact_rows_.contact) held += !first && acting[c] != 0;
+  const bool known =
+      !first && held == static_cast<std::size_t>(std::count_if(acting.begin(), acting.end(), std::identity()));
+  if (!known) {
     const ProfileScope scope("contact rows");
     acting_.gather_rows(contact_rows_);
   }
   const ProfileScope scope("contact factor, made");
   for (std::size_t i = 0; i < contact_rows_.size(); ++i)
     contact_rows_.stiffness[i] = response.block(contact_rows_.contact[i]).cast<float>();
-  factor_.factor(contact_rows_);
+  if (known)
+    factor_.refactor(contact_rows_);
+  else
+    factor_.factor(contact_rows_);
   profile_count("blocks that contact touches", static_cast<double>(factor_.touched()));
   profile_count("floats of the contact factor", static_cast<double>(factor_.entries()));
 }

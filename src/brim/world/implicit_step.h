@@ -53,8 +53,8 @@ class ImplicitStep {
   std::span<const Vec3> contact_delta() const { return contact_delta_; }
 
  private:
-  /// Factors what contact touches, with the stiffness of the contacts as it is.
-  void factor_contacts(const Penalty& response);
+  /// Factors what contact touches, with the stiffness of the contacts as it is. @param first  of the passes
+  void factor_contacts(const Penalty& response, bool first);
   /// Where all bodies are rigid frames and nothing couples them: Δv from their own masses and inertias.
   /// @return false where some are not
   bool solve_frames(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "brim/core/error.h"
-#include "brim/math/svd3.h"
 
 namespace brim {
 
@@ -42,7 +41,6 @@ TetElements::TetElements(const TetMesh& rest, ElasticLaw law, const Lame& lame) 
     node_.insert(node_.end(), t.begin(), t.end());
     volume_.push_back(volume);
   }
-  lane_.resize(size());
   schedule_.for_chunks([&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < begin + (end - begin + kLaneCount - 1) / kLaneCount * kLaneCount; ++k) {
       const std::size_t place = std::min(k, end - 1), lane = (k - begin) % kLaneCount;
@@ -52,17 +50,8 @@ TetElements::TetElements(const TetMesh& rest, ElasticLaw law, const Lame& lame) 
       for (int i = 0; i < 3; ++i)
         for (int c = 0; c < 3; ++c) lanes.gradient[i][c][lane] = g(c, i);
       lanes.volume[lane] = volume_[place];
-      if (k < end) lane_[k] = static_cast<std::int32_t>(kLaneCount * first_lanes(begin) + k - begin);
     }
   });
-}
-
-Mat3 TetElements::gradient(std::size_t place) const {
-  const std::size_t at = static_cast<std::size_t>(lane_[place]);
-  Mat3 g;
-  for (int i = 0; i < 3; ++i)
-    for (int c = 0; c < 3; ++c) g(c, i) = lanes_[at / kLaneCount].gradient[i][c][at % kLaneCount];
-  return g;
 }
 
 void TetElements::find_pairs(const BlockMatrix& matrix) {
@@ -72,16 +61,21 @@ void TetElements::find_pairs(const BlockMatrix& matrix) {
       for (int j = i + 1; j < 4; ++j, ++p) pair_[k][p] = matrix.pair(node_[4 * k + i], node_[4 * k + j]);
 }
 
+void TetElements::take_edges(std::size_t at, std::size_t end, std::span<const Vec3> x,
+                             double edge[3][3][TetLanes::kCount]) const {
+  for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
+    const std::int32_t* n = node_.data() + 4 * std::min(at + lane, end - 1);
+    for (int i = 0; i < 3; ++i)
+      for (int c = 0; c < 3; ++c) edge[i][c][lane] = x[n[i + 1]][c] - x[n[0]][c];
+  }
+}
+
 void TetElements::add_chunk(std::size_t begin, std::size_t end, std::span<const Vec3> x, std::span<Vec3> force,
                             BlockMatrix& stiffness, bool project) const {
   TetResponse r;
   double edge[3][3][kLaneCount];
   for (std::size_t at = begin; at < end; at += kLaneCount) {
-    for (std::size_t lane = 0; lane < kLaneCount; ++lane) {
-      const std::int32_t* n = node_.data() + 4 * std::min(at + lane, end - 1);
-      for (int i = 0; i < 3; ++i)
-        for (int c = 0; c < 3; ++c) edge[i][c][lane] = x[n[i + 1]][c] - x[n[0]][c];
-    }
+    take_edges(at, end, x, edge);
     respond(law_, lame_, project, lanes_[first_lanes(begin) + (at - begin) / kLaneCount], edge, r);
     for (std::size_t lane = 0; lane < std::min<std::size_t>(kLaneCount, end - at); ++lane) {
       const std::int32_t* n = node_.data() + 4 * (at + lane);
@@ -101,17 +95,18 @@ void TetElements::add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatri
 }
 
 double TetElements::energy(std::span<const Vec3> x) const {
-  return ordered_sum(size(), [&](std::size_t begin, std::size_t end) {
-    double sum = 0.0;
-    for (std::size_t k = begin; k < end; ++k) {
-      const std::int32_t* n = node_.data() + 4 * k;
-      Mat3 edges;
-      edges << x[n[1]] - x[n[0]], x[n[2]] - x[n[0]], x[n[3]] - x[n[0]];
-      const Svd3 d = svd3(edges * gradient(k).transpose());
-      sum += volume_[k] * elastic_energy_density(law_, lame_, d.s);
+  std::vector<double> of_element(size());
+  schedule_.for_chunks([&](std::size_t begin, std::size_t end) {
+    double edge[3][3][kLaneCount], e[kLaneCount];
+    for (std::size_t at = begin; at < end; at += kLaneCount) {
+      take_edges(at, end, x, edge);
+      brim::energy(law_, lame_, lanes_[first_lanes(begin) + (at - begin) / kLaneCount], edge, e);
+      std::copy_n(e, std::min<std::size_t>(kLaneCount, end - at), of_element.data() + at);
     }
-    return sum;
   });
+  double sum = 0.0;
+  for (const double e : of_element) sum += e;
+  return sum;
 }
 
 double TetElements::volume() const {

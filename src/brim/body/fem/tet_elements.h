@@ -40,7 +40,8 @@ class TetElements {
  private:
   /// Lanes of the elements of a chunk that starts at a place; the last lanes of a chunk may repeat its last element.
   static std::size_t first_lanes(std::size_t place) { return (place + TetLanes::kCount - 1) / TetLanes::kCount; }
-  Mat3 gradient(std::size_t place) const;  // columns: g_1, g_2, g_3
+  /// Edges of the elements at, at + 1, ... of a chunk that ends at `end`, in lanes.
+  void take_edges(std::size_t at, std::size_t end, std::span<const Vec3> x, double edge[3][3][TetLanes::kCount]) const;
   void add_chunk(std::size_t begin, std::size_t end, std::span<const Vec3> x, std::span<Vec3> force,
                  BlockMatrix& stiffness, bool project) const;
 
@@ -50,7 +51,6 @@ class TetElements {
   // All by place in the schedule.
   std::vector<double> volume_;
   std::vector<TetLanes> lanes_;
-  std::vector<std::int32_t> lane_;                 // of each element, counted through lanes_
   std::vector<std::int32_t> node_;                 // corners, ascending
   std::vector<std::array<std::int32_t, 6>> pair_;  // 01, 02, 03, 12, 13, 23: above the diagonal
 };

@@ -217,17 +217,48 @@ BRIM_INLINE WideFloats narrow(const double* x) {
   return f;
 }
 
-/// Forces, and R and F Rᵀ in single precision, of one half of the tetrahedra.
-BRIM_INLINE void forces(ElasticLaw law, const Lame& lame, const TetLanes& tets, const double edge[3][3][kCount],
-                        int half, double (&rotation)[3][3][kCount], double (&left)[3][3][kCount], TetResponse& out) {
+/// F of one half of the tetrahedra, and their gradients g.
+BRIM_INLINE void deformation(const TetLanes& tets, const double edge[3][3][kCount], int half, Mat3L& g, Mat3L& F) {
   const int at = half * kLanes;
-  Mat3L F, R, P, g;
   for (int i = 0; i < 3; ++i)
     for (int c = 0; c < 3; ++c) g[i][c] = load_lanes(tets.gradient[i][c] + at);
   for (int r = 0; r < 3; ++r) {
     const Lanes e0 = load_lanes(edge[0][r] + at), e1 = load_lanes(edge[1][r] + at), e2 = load_lanes(edge[2][r] + at);
     for (int c = 0; c < 3; ++c) F[r][c] = e0 * g[0][c] + e1 * g[1][c] + e2 * g[2][c];
   }
+}
+
+/// Energy density.
+BRIM_INLINE Lanes density(ElasticLaw law, const Lame& lame, const Mat3L& F) {
+  Mat3L C;
+  if (law == ElasticLaw::CorotationalLinear) {
+    nearest_rotation(F, C);
+    Lanes trace = Lanes{} - 3.0, gap = {};
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) {
+        const Lanes d = F[r][c] - C[r][c];
+        trace += C[r][c] * F[r][c], gap += d * d;
+      }
+    return lame.mu * gap + 0.5 * lame.lambda * trace * trace;
+  }
+  const StableNeoHookean n(lame);
+  cofactor(F, C);
+  Lanes ic = {};
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) ic += F[r][c] * F[r][c];
+  const Lanes volume = determinant(F, C) - n.alpha;
+  const double rest = 1.0 - n.alpha;
+  Lanes log = 0.25 * (ic + 1.0);
+  for (int k = 0; k < kLanes; ++k) log[k] = std::log(log[k]);
+  return 0.5 * n.mu * (ic - 3.0 - log) + 0.5 * n.lambda * (volume * volume - rest * rest);
+}
+
+/// Forces, and R and F Rᵀ in single precision, of one half of the tetrahedra.
+BRIM_INLINE void forces(ElasticLaw law, const Lame& lame, const TetLanes& tets, const double edge[3][3][kCount],
+                        int half, double (&rotation)[3][3][kCount], double (&left)[3][3][kCount], TetResponse& out) {
+  const int at = half * kLanes;
+  Mat3L F, R, P, g;
+  deformation(tets, edge, half, g, F);
   nearest_rotation(F, R);
   stress(law, lame, F, R, P);
   const Lanes volume = load_lanes(tets.volume + at);
@@ -247,6 +278,16 @@ BRIM_INLINE void forces(ElasticLaw law, const Lame& lame, const TetLanes& tets, 
 }
 
 }  // namespace
+
+BRIM_WIDE void energy(ElasticLaw law, const Lame& lame, const TetLanes& tets,
+                      const double edge[3][3][TetLanes::kCount], double out[TetLanes::kCount]) {
+  for (int half = 0; half < 2; ++half) {
+    Mat3L g, F;
+    deformation(tets, edge, half, g, F);
+    const int at = half * kLanes;
+    store_lanes(out + at, Lanes(load_lanes(tets.volume + at) * density(law, lame, F)));
+  }
+}
 
 BRIM_WIDE void respond(ElasticLaw law, const Lame& lame, bool project, const TetLanes& tets,
                        const double edge[3][3][TetLanes::kCount], TetResponse& out) {

@@ -24,5 +24,8 @@ struct TetResponse {
 /// @param edge  x_i − x_0 of corners 1 to 3 by coordinate, [m]
 void respond(ElasticLaw law, const Lame& lame, bool project, const TetLanes& tets,
              const double edge[3][3][TetLanes::kCount], TetResponse& out);
+/// Their elastic energy, [J].
+void energy(ElasticLaw law, const Lame& lame, const TetLanes& tets, const double edge[3][3][TetLanes::kCount],
+            double out[TetLanes::kCount]);
 
 }  // namespace brim
