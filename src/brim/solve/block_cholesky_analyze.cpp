@@ -1,6 +1,7 @@
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 #include <algorithm>
+#include <numeric>
 
 #include "brim/solve/block_cholesky.h"
 #include "brim/solve/panel.h"
@@ -30,12 +31,21 @@ void grow(std::vector<T>& v, std::size_t n) {
   v.resize(n);
 }
 
-/// Parent of each column in the elimination tree of a lower triangle given by rows (Liu 1986).
-std::vector<std::int32_t> elimination_tree(std::span<const std::vector<std::int32_t>> below_diagonal) {
-  const auto n = static_cast<std::int32_t>(below_diagonal.size());
+/// Rows of a lower triangle: what lies left of the diagonal in each, in any order.
+struct LowerRows {
+  std::vector<std::int32_t> first, column;
+
+  std::span<const std::int32_t> row(std::int32_t i) const {
+    return {column.data() + first[i], static_cast<std::size_t>(first[i + 1] - first[i])};
+  }
+};
+
+/// Parent of each column in the elimination tree (Liu 1986).
+std::vector<std::int32_t> elimination_tree(const LowerRows& lower) {
+  const auto n = static_cast<std::int32_t>(lower.first.size()) - 1;
   std::vector<std::int32_t> parent(n, -1), ancestor(n, -1);
   for (std::int32_t i = 0; i < n; ++i)
-    for (std::int32_t j : below_diagonal[i])
+    for (std::int32_t j : lower.row(i))
       while (j != -1 && j < i) {
         const std::int32_t next = ancestor[j];
         ancestor[j] = i;
@@ -43,6 +53,21 @@ std::vector<std::int32_t> elimination_tree(std::span<const std::vector<std::int3
         j = next;
       }
   return parent;
+}
+
+/// Calls f(i, j) for the entries of the factor below its diagonal, row after row: those of row i are the columns between
+/// the entries of the matrix and the diagonal in the elimination tree.
+template <class F>
+void for_factor(const LowerRows& lower, std::span<const std::int32_t> parent, const F& f) {
+  std::vector<std::int32_t> seen(parent.size(), -1);
+  for (std::int32_t i = 0; i < static_cast<std::int32_t>(parent.size()); ++i) {
+    seen[i] = i;
+    for (std::int32_t j : lower.row(i))
+      for (; seen[j] != i; j = parent[j]) {
+        seen[j] = i;
+        f(i, j);
+      }
+  }
 }
 
 /// Children before parents, each subtree in one run; the order of children is kept.
@@ -83,41 +108,31 @@ void BlockCholesky::analyze(std::span<const std::int32_t> first, std::span<const
 void BlockCholesky::find_order(std::span<const std::int32_t> first, std::span<const std::int32_t> column) {
   const auto n = static_cast<Eigen::Index>(first.size()) - 1;
   using Pattern = Eigen::SparseMatrix<char, Eigen::ColMajor, std::int32_t>;
-  // The whole pattern, as the ordering wants it.
-  std::vector<std::int32_t> count(n + 1, 0);
-  for (Eigen::Index r = 0; r < n; ++r)
-    for (std::int32_t e = first[r]; e < first[r + 1]; ++e) {
-      ++count[r + 1];
-      if (column[e] != r) ++count[column[e] + 1];
-    }
-  for (Eigen::Index r = 0; r < n; ++r) count[r + 1] += count[r];
-  std::vector<std::int32_t> next(count.begin(), count.end() - 1), index(count[n]);
-  std::vector<char> one(count[n], 1);
-  for (Eigen::Index r = 0; r < n; ++r)
-    for (std::int32_t e = first[r]; e < first[r + 1]; ++e) {
-      index[next[column[e]]++] = static_cast<std::int32_t>(r);
-      if (column[e] != r) index[next[r]++] = column[e];
-    }
-  const Eigen::Map<const Pattern> pattern(n, n, count[n], count.data(), index.data(), one.data());
-  Pattern matrix = pattern;
+  // The rows of the upper triangle are the columns of the lower one.
+  const std::vector<char> one(column.size(), 1);
+  const Eigen::Map<const Pattern> lower(n, n, first[n], first.data(), column.data(), one.data());
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, std::int32_t> minimum;
-  Eigen::AMDOrdering<std::int32_t>()(matrix, minimum);
+  Eigen::AMDOrdering<std::int32_t>()(lower.selfadjointView<Eigen::Lower>(), minimum);
   order_.assign(minimum.indices().data(), minimum.indices().data() + n);
 }
 
 void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::span<const std::int32_t> column) {
   const auto n = static_cast<std::int32_t>(order_.size());
   place_.resize(n);
-  std::vector<std::vector<std::int32_t>> lower(n);  // by rows, in the order at hand
+  LowerRows lower;
   const auto arrange = [&] {
     for (std::int32_t i = 0; i < n; ++i) place_[order_[i]] = i;
-    for (auto& row : lower) row.clear();
-    for (std::int32_t r = 0; r < n; ++r)
-      for (std::int32_t e = first[r]; e < first[r + 1]; ++e) {
-        const std::int32_t a = place_[r], b = place_[column[e]];
-        if (a != b) lower[std::max(a, b)].push_back(std::min(a, b));
-      }
-    for (auto& row : lower) std::sort(row.begin(), row.end());
+    const auto for_lower = [&](const auto& f) {
+      for (std::int32_t r = 0; r < n; ++r)
+        for (std::int32_t e = first[r]; e < first[r + 1]; ++e)
+          if (column[e] != r) f(std::max(place_[r], place_[column[e]]), std::min(place_[r], place_[column[e]]));
+    };
+    lower.first.assign(n + 1, 0);
+    for_lower([&](std::int32_t i, std::int32_t) { ++lower.first[i + 1]; });
+    for (std::int32_t i = 0; i < n; ++i) lower.first[i + 1] += lower.first[i];
+    lower.column.resize(static_cast<std::size_t>(lower.first[n]));
+    std::vector<std::int32_t> next(lower.first.begin(), lower.first.end() - 1);
+    for_lower([&](std::int32_t i, std::int32_t j) { lower.column[next[i]++] = j; });
   };
   arrange();
   const std::vector<std::int32_t> post = postorder(elimination_tree(lower));
@@ -127,7 +142,7 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
   arrange();
   const std::vector<std::int32_t> parent = elimination_tree(lower);
 
-  // Entries by columns, and the rows of each column of the factor: its own and those of its children.
+  // Entries by columns.
   entry_first_.assign(n + 1, 0);
   for (std::int32_t r = 0; r < n; ++r)
     for (std::int32_t e = first[r]; e < first[r + 1]; ++e) ++entry_first_[std::min(place_[r], place_[column[e]]) + 1];
@@ -141,36 +156,20 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
       entry_[next[std::min(a, b)]++] = {std::max(a, b), e, a < b};
     }
 
-  std::vector<std::vector<std::int32_t>> rows(n), children(n);
-  std::vector<std::int32_t> mark(n, -1), count(n);
-  for (std::int32_t j = 0; j < n; ++j) {
-    std::vector<std::int32_t>& mine = rows[j];
-    mark[j] = j;
-    const auto add = [&](std::int32_t i) {
-      if (i > j && mark[i] != j) mark[i] = j, mine.push_back(i);
-    };
-    for (std::int32_t e = entry_first_[j]; e < entry_first_[j + 1]; ++e) add(entry_[e].row);
-    for (const std::int32_t c : children[j]) {
-      for (const std::int32_t i : rows[c]) add(i);
-      // A child whose pattern is that of its parent lives on in it.
-      if (c != j - 1) rows[c].shrink_to_fit();
-    }
-    std::sort(mine.begin(), mine.end());
-    count[j] = static_cast<std::int32_t>(mine.size()) + 1;
-    if (parent[j] >= 0) children[parent[j]].push_back(j);
-  }
+  std::vector<std::int32_t> count(n, 1);  // entries of each column of the factor
+  for_factor(lower, parent, [&](std::int32_t, std::int32_t j) { ++count[j]; });
 
   // Supernodes: a column joins the one before it where that costs few zeros.
-  supernode_.clear(), row_.clear();
+  supernode_.clear();
   std::int32_t begin = 0;
+  std::size_t room = 0;
   double zeros = 0.0;
   const auto close = [&](std::int32_t end) {
     Supernode s;
     s.begin = begin, s.end = end;
-    s.row = row_.size();
-    for (std::int32_t j = begin; j < end; ++j) row_.push_back(j);
-    row_.insert(row_.end(), rows[end - 1].begin(), rows[end - 1].end());
-    s.rows = static_cast<std::int32_t>(row_.size() - s.row);
+    s.row = room;
+    s.rows = end - begin + count[end - 1] - 1;
+    room += static_cast<std::size_t>(s.rows);
     supernode_.push_back(s);
   };
   for (std::int32_t j = 1; j <= n; ++j) {
@@ -189,8 +188,19 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
     begin = j;
     zeros = 0.0;
   }
+  // Their rows: its own columns, and what its last column has below.
+  grow(row_, room);
+  std::vector<std::size_t> fill(n, room);  // of a last column: the next row's place
+  for (const Supernode& s : supernode_) {
+    std::iota(row_.begin() + static_cast<std::ptrdiff_t>(s.row),
+              row_.begin() + static_cast<std::ptrdiff_t>(s.row) + (s.end - s.begin), s.begin);
+    fill[s.end - 1] = s.row + static_cast<std::size_t>(s.end - s.begin);
+  }
+  for_factor(lower, parent, [&](std::int32_t i, std::int32_t j) {
+    if (fill[j] < room) row_[fill[j]++] = i;
+  });
+
   std::size_t total = 0, streamed = 0;
-  std::int32_t most = 0;
   supernode_of_.resize(n);
   for (std::size_t k = 0; k < supernode_.size(); ++k) {
     Supernode& s = supernode_[k];
@@ -200,7 +210,6 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
     total += s.stride * 3 * static_cast<std::size_t>(s.end - s.begin);
     s.stream = streamed;
     streamed += panel::stream_size(3 * static_cast<std::size_t>(s.rows), 3 * static_cast<std::size_t>(s.end - s.begin));
-    most = std::max(most, s.rows);
   }
   grow(panel_, total + 2 * panel::kPad);
   compressed_ = total > kWorthCompressing;
