@@ -93,6 +93,10 @@ void BlockDiagonal::solve_from(std::size_t first, std::span<const double> r, std
       const double* x = r.data() + (row_[b] - row);
       double* y = z.data() + (row_[b] - row);
       const int n = size_[b];
+      if (n == 3) {  // the common case
+        for (int i = 0; i < 3; ++i) y[i] = a[i] * x[0] + a[3 + i] * x[1] + a[6 + i] * x[2];
+        continue;
+      }
       for (int i = 0; i < n; ++i) {
         double sum = 0.0;
         for (int j = 0; j < n; ++j) sum += a[i * n + j] * x[j];

@@ -83,7 +83,8 @@ struct BlockSystem {
   double mass_share = 1.0;                     ///< 1 + dt a
   std::span<const double> mass;                ///< [kg] per row, shape (rows)
   std::span<const std::int32_t> prescribed{};  ///< rows whose velocity is given, sorted: filtered from the solve
-  std::span<const Vec3> place{};               ///< [m] of each row, shape (rows) or empty
+  /// [m] of what each row moves: rigid motions of the body have velocity t + ω × place; shape (rows) or empty
+  std::span<const Vec3> place{};
   bool thin = false;                           ///< rows lie along a surface or a line: a factor has few entries
 };
 

@@ -4,15 +4,24 @@
 #include <cmath>
 
 #include "brim/core/parallel.h"
+#include "brim/core/simd.h"
 
 namespace brim {
 
 namespace {
 
+/// In lanes, whose order of adding does not depend on the machine.
 double dot(std::span<const double> a, std::span<const double> b) {
   return ordered_sum(a.size(), [&](std::size_t begin, std::size_t end) {
-    double s = 0.0;
-    for (std::size_t i = begin; i < end; ++i) s += a[i] * b[i];
+    constexpr std::size_t kStep = 4 * kLanes;
+    Lanes sum[4] = {};
+    std::size_t i = begin;
+    for (; i + kStep <= end; i += kStep)
+      for (std::size_t k = 0; k < 4; ++k)
+        sum[k] += load_lanes(a.data() + i + k * kLanes) * load_lanes(b.data() + i + k * kLanes);
+    const Lanes all = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    double s = (all[0] + all[1]) + (all[2] + all[3]);
+    for (; i < end; ++i) s += a[i] * b[i];
     return s;
   });
 }

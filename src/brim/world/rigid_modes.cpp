@@ -1,10 +1,12 @@
 #include "brim/world/rigid_modes.h"
 
 #include <Eigen/Cholesky>
+#include <optional>
 
 #include "brim/body/filling.h"
 #include "brim/body/walled.h"
 #include "brim/core/parallel.h"
+#include "brim/math/block_matrix.h"
 
 namespace brim {
 
@@ -26,6 +28,10 @@ void RigidModes::take_modes(const Body& body, std::size_t n, Modes& m) const {
   const Aabb box = body.part_count() > 0 ? body.bounds(0) : Aabb{Vec3::Zero(), Vec3::Zero()};
   const Vec3 center = box.lo.allFinite() && box.hi.allFinite() ? box.center() : Vec3::Zero();
   const bool fluid = dynamic_cast<const Filling*>(&body) != nullptr;
+  const std::optional<BlockSystem> blocks = body.block_system();
+  m.place = blocks ? blocks->place : std::span<const Vec3>();
+  m.center = center;
+  m.basis.setZero();
   for (int k = 0; k < kModes; ++k) {
     const Vec3 w = k < 3 ? Vec3::Zero() : Vec3(Vec3::Unit(k - 3));
     const Vec3 t = k < 3 ? Vec3(Vec3::Unit(k)) : Vec3(-w.cross(center));
@@ -36,13 +42,17 @@ void RigidModes::take_modes(const Body& body, std::size_t n, Modes& m) const {
     m.free = m.free && x.squaredNorm() == unfiltered;
     const double length = x.norm();
     if (!(length > 0.0)) continue;
+    auto basis = m.basis.col(m.count);
+    basis = Block::Identity().col(k);
     for (int j = 0; j < m.count; ++j) {
       const Eigen::Map<const Eigen::VectorXd> y(m.columns.data() + j * n, static_cast<Eigen::Index>(n));
-      x -= y.dot(x) * y;
+      const double share = y.dot(x);
+      x -= share * y;
+      basis -= share * m.basis.col(j);
     }
     const double left = x.norm();
     if (!(left > kIndependentMode * length)) continue;
-    x /= left;
+    x /= left, basis /= left;
     ++m.count;
   }
   std::vector<double> image(n);
@@ -148,22 +158,44 @@ void RigidModes::give_back(std::span<const double> r, std::span<double> x) const
   });
 }
 
+Eigen::VectorXd RigidModes::restricted(const Modes& m, std::span<const double> r) {
+  const auto n = static_cast<Eigen::Index>(r.size());
+  if (m.place.empty())
+    return Eigen::Map<const Eigen::MatrixXd>(m.columns.data(), n, m.count).transpose() *
+           Eigen::Map<const Eigen::VectorXd>(r.data(), n);
+  Eigen::Vector<double, kModes> sum = Eigen::Vector<double, kModes>::Zero();
+  for (std::size_t i = 0; i < m.place.size(); ++i) {
+    const Vec3 f(r[3 * i], r[3 * i + 1], r[3 * i + 2]);
+    sum.head<3>() += f;
+    sum.tail<3>() += (m.place[i] - m.center).cross(f);
+  }
+  return m.basis.leftCols(m.count).transpose() * sum;
+}
+
+void RigidModes::add_prolonged(const Modes& m, const Eigen::VectorXd& c, std::span<double> z) {
+  const auto n = static_cast<Eigen::Index>(z.size());
+  if (m.place.empty()) {
+    Eigen::Map<Eigen::VectorXd>(z.data(), n).noalias() +=
+        Eigen::Map<const Eigen::MatrixXd>(m.columns.data(), n, m.count) * c;
+    return;
+  }
+  const Eigen::Vector<double, kModes> motion = m.basis.leftCols(m.count) * c;
+  const Vec3 w = motion.tail<3>(), t = motion.head<3>() - w.cross(m.center);
+  parallel_blocks(m.place.size(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) Eigen::Map<Vec3>(z.data() + 3 * i) += t + w.cross(m.place[i]);
+  });
+}
+
 void RigidModes::add(std::span<const double> r, std::span<double> z) {
   if (coarse_.size() == 0) return;
+  const auto segment = [&](const Modes& m) { return coarse_.segment(static_cast<Eigen::Index>(m.row), m.count); };
+  const auto slice = [&](auto x, std::size_t b) { return x.subspan(first_v_[b], first_v_[b + 1] - first_v_[b]); };
   parallel_for(modes_.size(), [&](std::size_t b) {
-    const Modes& m = modes_[b];
-    const auto n = static_cast<Eigen::Index>(first_v_[b + 1] - first_v_[b]);
-    const Eigen::Map<const Eigen::VectorXd> rb(r.data() + first_v_[b], n);
-    const Eigen::Map<const Eigen::MatrixXd> R(m.columns.data(), n, m.count);
-    if (m.count > 0) coarse_.segment(static_cast<Eigen::Index>(m.row), m.count).noalias() = R.transpose() * rb;
+    if (modes_[b].count > 0) segment(modes_[b]) = restricted(modes_[b], slice(r, b));
   });
   coarse_ = solver_.solve(coarse_);
   parallel_for(modes_.size(), [&](std::size_t b) {
-    const Modes& m = modes_[b];
-    const auto n = static_cast<Eigen::Index>(first_v_[b + 1] - first_v_[b]);
-    Eigen::Map<Eigen::VectorXd> zb(z.data() + first_v_[b], n);
-    const Eigen::Map<const Eigen::MatrixXd> R(m.columns.data(), n, m.count);
-    if (m.count > 0) zb.noalias() += R * coarse_.segment(static_cast<Eigen::Index>(m.row), m.count);
+    if (modes_[b].count > 0) add_prolonged(modes_[b], segment(modes_[b]), slice(z, b));
   });
 }
 

@@ -18,7 +18,8 @@ namespace brim {
 ///   P⁻¹ = (local part) + R (Rᵀ A R)⁻¹ Rᵀ
 /// so that what travels through a pile of bodies (weights, impacts) needs no iterations per body. A body with nothing
 /// but rigid motions is solved here alone.
-/// Cost of a build: six products per body and six per contact; of an application: two passes over six vectors.
+/// Cost of a build: six products per body and six per contact; of an application: two passes over the places of the
+/// nodes where a body has told them (BlockSystem), else over six vectors.
 class RigidModes {
  public:
   /// Takes the motions of the bodies and what the contacts see of them. Bodies must have begun their solve.
@@ -48,7 +49,14 @@ class RigidModes {
     std::size_t row = 0;          ///< first unknown in the coarse system
     std::vector<double> columns;  ///< orthonormal, one after the other, shape (count, v_size)
     Block system = Block::Zero();
+    // Where the nodes' places are known: column j is the sum over k of basis(k, j) times e_k, or e_k × (x − center).
+    std::span<const Vec3> place;
+    Vec3 center = Vec3::Zero();
+    Block basis = Block::Zero();
   };
+  /// Rᵀ r of one body, and z += R c.
+  static Eigen::VectorXd restricted(const Modes& m, std::span<const double> r);
+  static void add_prolonged(const Modes& m, const Eigen::VectorXd& c, std::span<double> z);
   void take_modes(const Body& body, std::size_t n, Modes& m) const;
   void add_block(const Block& block, const Modes& a, const Modes& b);
 
