@@ -55,6 +55,27 @@ TEST(ConjugateGradient, TwoUnknownsByHandInTwoIterations) {
   EXPECT_NEAR(x[1], 7.0 / 11.0, 1e-14);
 }
 
+TEST(ConjugateGradient, AScaleFromBeforeSavesAPreconditioningAndTellsWhenToStop) {
+  SCOPED_TRACE(kSeed);
+  Problem p(120);
+  Eigen::VectorXd first = Eigen::VectorXd::Zero(120);
+  ConjugateGradient cg;
+  const SolveReport draft = cg.solve(p.system, view(p.b), 1e-2, 1000, view(first));
+  int preconditionings = 0;
+  const auto precondition = p.system.precondition;
+  p.system.precondition = [&](std::span<const double> r, std::span<double> z) {
+    ++preconditionings, precondition(r, z);
+  };
+  Eigen::VectorXd alone = first, told = first;
+  const SolveReport a = cg.solve(p.system, view(p.b), 1e-8, 1000, view(alone));
+  EXPECT_EQ(preconditionings, a.iterations + 2);
+  preconditionings = 0;
+  const SolveReport b = cg.solve(p.system, view(p.b), 1e-8, 1000, view(told), draft.scale);
+  EXPECT_EQ(preconditionings, b.iterations + 1);
+  EXPECT_EQ(alone, told);
+  EXPECT_EQ(a.residual, b.residual);
+}
+
 TEST(ConjugateGradient, EqualsAFactorisationOnARandomSystem) {
   SCOPED_TRACE(kSeed);
   Problem p(120);

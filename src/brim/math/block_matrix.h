@@ -85,7 +85,7 @@ struct BlockSystem {
   std::span<const std::int32_t> prescribed{};  ///< rows whose velocity is given, sorted: filtered from the solve
   /// [m] of what each row moves: rigid motions of the body have velocity t + ω × place; shape (rows) or empty
   std::span<const Vec3> place{};
-  bool thin = false;                           ///< rows lie along a surface or a line: a factor has few entries
+  bool thin = false;  ///< rows lie along a surface or a line: a factor has few entries
 };
 
 }  // namespace brim

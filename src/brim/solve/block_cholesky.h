@@ -52,7 +52,7 @@ class BlockCholesky {
     std::vector<std::int32_t> supernode;
     // Workspace.
     std::vector<float> product, rows, above;  ///< above: what the top takes from here, shape (3 blocks of the top)
-    std::vector<std::int32_t> local;
+    std::vector<std::int32_t> local, run;
     int lifted = 0;
   };
   void find_order(std::span<const std::int32_t> first, std::span<const std::int32_t> column);

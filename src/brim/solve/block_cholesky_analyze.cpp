@@ -55,8 +55,8 @@ std::vector<std::int32_t> elimination_tree(const LowerRows& lower) {
   return parent;
 }
 
-/// Calls f(i, j) for the entries of the factor below its diagonal, row after row: those of row i are the columns between
-/// the entries of the matrix and the diagonal in the elimination tree.
+/// Calls f(i, j) for the entries of the factor below its diagonal, row after row: those of row i are the columns
+/// between the entries of the matrix and the diagonal in the elimination tree.
 template <class F>
 void for_factor(const LowerRows& lower, std::span<const std::int32_t> parent, const F& f) {
   std::vector<std::int32_t> seen(parent.size(), -1);

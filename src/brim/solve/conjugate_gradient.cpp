@@ -29,16 +29,20 @@ double dot(std::span<const double> a, std::span<const double> b) {
 }  // namespace
 
 SolveReport ConjugateGradient::solve(const LinearSystem& system, std::span<const double> b, double tolerance,
-                                     int max_iterations, std::span<double> x) {
+                                     int max_iterations, std::span<double> x, double scale) {
   const std::size_t n = b.size();
   r_.resize(n), z_.resize(n), p_.resize(n), y_.resize(n);
   SolveReport report;
 
-  // Scale of the right-hand side in the preconditioner's norm.
-  std::copy(b.begin(), b.end(), r_.begin());
-  system.filter(r_);
-  system.precondition(r_, z_);
-  const double scale = dot(r_, z_);
+  system.filter(x);
+  const bool warm = std::any_of(x.begin(), x.end(), [](double xi) { return xi != 0.0; });
+  if (!warm || scale == 0.0) {
+    std::copy(b.begin(), b.end(), r_.begin());
+    system.filter(r_);
+    system.precondition(r_, z_);
+    scale = dot(r_, z_);
+  }
+  report.scale = scale;
   report.finite = std::isfinite(scale);
   if (!report.finite) return report;
   if (scale <= 0.0) {
@@ -48,9 +52,6 @@ SolveReport ConjugateGradient::solve(const LinearSystem& system, std::span<const
   }
 
   // r = S (b − A x)
-  system.filter(x);
-  bool warm = false;
-  for (double xi : x) warm = warm || xi != 0.0;
   if (warm) {
     system.apply(x, y_);
     for (std::size_t i = 0; i < n; ++i) r_[i] = b[i] - y_[i];

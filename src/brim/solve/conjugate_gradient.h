@@ -17,6 +17,7 @@ struct LinearSystem {
 struct SolveReport {
   int iterations = 0;
   double residual = 0.0;  ///< |S(b − A x)| over |S b| in the preconditioner's norm
+  double scale = 0.0;     ///< |S b|² in that norm
   bool converged = false;
   bool finite = true;
 };
@@ -25,10 +26,11 @@ struct SolveReport {
 /// the imposed directions of x are zero). Vectors are kept between calls.
 class ConjugateGradient {
  public:
-  /// @param x  first guess on entry, solution on return; filtered
+  /// @param x      first guess on entry, solution on return; filtered
+  /// @param scale  what counts as |S b|², from an earlier solve of nearly the same system; 0: found here
   /// Same bits for any number of threads.
   SolveReport solve(const LinearSystem& system, std::span<const double> b, double tolerance, int max_iterations,
-                    std::span<double> x);
+                    std::span<double> x, double scale = 0.0);
   /// S (b − A x) of the last solve.
   std::span<const double> residual() const { return r_; }
 

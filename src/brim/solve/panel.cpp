@@ -52,6 +52,48 @@ BRIM_INLINE void invert_triangle(float* L, std::size_t stride, std::size_t n) {
   }
 }
 
+/// Replaces the lower triangle of a small matrix by its Cholesky factor. @return pivots that were lifted
+BRIM_INLINE int factor_square(float* L, std::size_t stride, std::size_t n) {
+  int lifted = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    float* column = L + k * stride;
+    for (std::size_t j = 0; j < k; ++j) {
+      const float s = L[j * stride + k];
+      for (std::size_t i = k; i < n; ++i) column[i] -= L[j * stride + i] * s;
+    }
+    if (!(column[k] >= kLeastPivot)) column[k] = kLeastPivot, ++lifted;
+    const float root = std::sqrt(column[k]), inverse = 1.0f / root;
+    column[k] = root;
+    for (std::size_t i = k + 1; i < n; ++i) column[i] *= inverse;
+  }
+  return lifted;
+}
+
+/// B := B L⁻ᵀ for the rows below a square of N columns that holds L⁻¹.
+template <int N>
+BRIM_INLINE void divide(float* square, std::size_t stride, std::size_t rows) {
+  const auto combine = [&](auto(&b)[N]) {
+    for (int j = N; j-- > 0;) {
+      b[j] *= square[static_cast<std::size_t>(j) * stride + static_cast<std::size_t>(j)];
+      for (int k = 0; k < j; ++k)
+        b[j] += b[k] * square[static_cast<std::size_t>(k) * stride + static_cast<std::size_t>(j)];
+    }
+  };
+  std::size_t i = N;
+  for (; i + kWide <= N + rows; i += kWide) {
+    Wide b[N];
+    for (int k = 0; k < N; ++k) b[k] = load(square + static_cast<std::size_t>(k) * stride + i);
+    combine(b);
+    for (int k = 0; k < N; ++k) store(square + static_cast<std::size_t>(k) * stride + i, b[k]);
+  }
+  for (; i < N + rows; ++i) {
+    float b[N];
+    for (int k = 0; k < N; ++k) b[k] = square[static_cast<std::size_t>(k) * stride + i];
+    combine(b);
+    for (int k = 0; k < N; ++k) square[static_cast<std::size_t>(k) * stride + i] = b[k];
+  }
+}
+
 /// Chunks of rows of a stream.
 BRIM_INLINE std::size_t chunks(std::size_t rows) { return (rows + kWide - 1) / kWide; }
 
@@ -60,9 +102,26 @@ BRIM_INLINE float step_for(float, float) { return 1.0f; }
 BRIM_INLINE float step_for(std::int16_t, float most) { return most / kSteps; }
 BRIM_INLINE float inverse_step(float, float) { return 1.0f; }
 BRIM_INLINE float inverse_step(std::int16_t, float most) { return most > 0.0f ? kSteps / most : 0.0f; }
-BRIM_INLINE void encode(float x, float& out) { out = x; }
-BRIM_INLINE void encode(float x, std::int16_t& out) {  // to the nearest: what is cut off here is positive
-  out = static_cast<std::int16_t>(static_cast<std::int32_t>(x + kLift) - kSteps - 1);
+BRIM_INLINE void encode(Wide x, float* out) { store(out, x); }
+BRIM_INLINE void encode(Wide x, std::int16_t* out) {  // to the nearest: what is cut off here is positive
+  typedef std::int32_t Long __attribute__((vector_size(kWide * sizeof(std::int32_t))));
+  typedef std::int16_t Narrow __attribute__((vector_size(kWide * sizeof(std::int16_t))));
+  const Narrow n = __builtin_convertvector(__builtin_convertvector(x + kLift, Long) - (kSteps + 1), Narrow);
+  __builtin_memcpy(out, &n, sizeof n);
+}
+
+/// The largest magnitude of some numbers.
+BRIM_INLINE float largest(const float* x, std::size_t n) {
+  Wide most = {};
+  std::size_t i = 0;
+  for (; i + kWide <= n; i += kWide) {
+    const Wide v = load(x + i), size = v < 0.0f ? -v : v;
+    most = size > most ? size : most;
+  }
+  float m = 0.0f;
+  for (int k = 0; k < kWide; ++k) m = std::max(m, most[k]);
+  for (; i < n; ++i) m = std::max(m, std::abs(x[i]));
+  return m;
 }
 
 template <class T>
@@ -74,16 +133,16 @@ BRIM_INLINE void to_stream(const float* panel, std::size_t stride, std::size_t r
     for (std::size_t k = 0; k < block; ++k) {
       const float *column = panel + (first + k) * stride, *below = column + end;
       std::copy_n(column + first, block, out.square + (first + k) * kBlock);
-      float most = 0.0f;
-      for (std::size_t i = 0; i < rows - end; ++i) most = std::max(most, std::abs(below[i]));
+      const float most = largest(below, rows - end);
       out.step[first + k] = step_for(T{}, most);
       const float inverse = inverse_step(T{}, most);
-      for (std::size_t c = 0; c < n; ++c) {
-        T* at = stream + (c * block + k) * kWide;
-        const std::size_t have = std::min<std::size_t>(kWide, rows - end - c * kWide);
-        for (std::size_t i = 0; i < have; ++i) encode(below[c * kWide + i] * inverse, at[i]);
-        for (std::size_t i = have; i < kWide; ++i) at[i] = 0;
-      }
+      const std::size_t full = (rows - end) / kWide, rest = (rows - end) % kWide;
+      for (std::size_t c = 0; c < full; ++c)
+        encode(load(below + c * kWide) * inverse, stream + (c * block + k) * kWide);
+      if (rest == 0) continue;
+      float last[kWide] = {};
+      std::copy_n(below + full * kWide, rest, last);
+      encode(load(last) * inverse, stream + (full * block + k) * kWide);
     }
     stream += n * kWide * block;
   }
@@ -222,7 +281,7 @@ BRIM_WIDE void multiply_transposed(const float* a, const float* b, std::size_t s
 BRIM_WIDE int factor(float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* workspace) {
   int lifted = 0;
   for (std::size_t first = 0; first < width; first += kBlock) {
-    const std::size_t block = std::min(kBlock, width - first);
+    const std::size_t block = std::min(kBlock, width - first), end = first + block;
     if (first > 0) {
       // What the columns before take from this block.
       const std::size_t n = rows - first, out = padded(n);
@@ -230,18 +289,23 @@ BRIM_WIDE int factor(float* panel, std::size_t stride, std::size_t rows, std::si
       for (std::size_t j = 0; j < block; ++j)
         subtract(panel + (first + j) * stride + first, workspace + j * out, 1.0f, n);
     }
-    for (std::size_t k = first; k < first + block; ++k) {
-      float* column = panel + k * stride;
-      for (std::size_t j = first; j < k; ++j)
-        subtract(column + k, panel + j * stride + k, panel[j * stride + k], rows - k);
-      if (!(column[k] >= kLeastPivot)) column[k] = kLeastPivot, ++lifted;
-      const float root = std::sqrt(column[k]), inverse = 1.0f / root;
-      column[k] = root;
-      for (std::size_t i = k + 1; i < rows; ++i) column[i] *= inverse;
+    float* square = panel + first * stride + first;
+    lifted += factor_square(square, stride, block);
+    invert_triangle(square, stride, block);
+    switch (block) {
+      case 3:
+        divide<3>(square, stride, rows - end);
+        break;
+      case 6:
+        divide<6>(square, stride, rows - end);
+        break;
+      case 9:
+        divide<9>(square, stride, rows - end);
+        break;
+      default:
+        divide<12>(square, stride, rows - end);
     }
   }
-  for (std::size_t first = 0; first < width; first += kBlock)
-    invert_triangle(panel + first * stride + first, stride, std::min(kBlock, width - first));
   return lifted;
 }
 

@@ -183,6 +183,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   std::fill(delta.begin(), delta.end(), 0.0);
   const int passes = contacts > 0 ? settings.passes : 1;
   bool settled = contacts > 0 && response.settled(), near = false;
+  double scale = 0.0;  // of the first pass, for all
   for (int pass = 0; pass < passes; ++pass) {
     diagonal_ = bodies_diagonal_;
     rhs_ = internal_;
@@ -207,7 +208,8 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     // What only tells which contacts let go and how friction is loaded is solved less sharply than what is kept.
     const bool kept = settled || pass + 1 == passes;
     const double tolerance = std::min((kept || near ? 1.0 : kDraft) * settings.tolerance, whole ? kExact : 1.0);
-    const SolveReport s = cg_.solve(system, rhs_, tolerance, settings.max_iterations, delta);
+    const SolveReport s = cg_.solve(system, rhs_, tolerance, settings.max_iterations, delta, scale);
+    scale = s.scale;
     report.cg_iterations += s.iterations;
     ++report.solves;
     if (!s.finite) return false;

@@ -279,8 +279,8 @@ BRIM_INLINE void forces(ElasticLaw law, const Lame& lame, const TetLanes& tets, 
 
 }  // namespace
 
-BRIM_WIDE void energy(ElasticLaw law, const Lame& lame, const TetLanes& tets,
-                      const double edge[3][3][TetLanes::kCount], double out[TetLanes::kCount]) {
+BRIM_WIDE void energy(ElasticLaw law, const Lame& lame, const TetLanes& tets, const double edge[3][3][TetLanes::kCount],
+                      double out[TetLanes::kCount]) {
   for (int half = 0; half < 2; ++half) {
     Mat3L g, F;
     deformation(tets, edge, half, g, F);
