@@ -105,10 +105,23 @@ def pile_peers(scene):
     return measure
 
 
-def cloth(bench):
-    r = bench.peer("bench/scenes/cloth_ball.json", "brim", **({"seconds": 1} if bench.quick else {}))
-    return {"ms": r["ms_rest"], "falling_ms": r["ms_before"], "overlap": r["overlap_mm"],
-            "cut": "first second" if bench.quick else note(r)}
+def drafted(bench, scene):
+    """A copy of a scene that asks for "quality": "draft"."""
+    text = json.loads((ROOT / scene).read_text())
+    text.pop("$schema", None)
+    text.setdefault("world", {})["quality"] = "draft"
+    file = bench.home / f"{pathlib.Path(scene).stem}_draft.json"
+    file.write_text(json.dumps(text))
+    return file
+
+
+def cloth(draft=False):
+    def measure(bench):
+        scene = "bench/scenes/cloth_ball.json"
+        r = bench.peer(drafted(bench, scene) if draft else scene, "brim", **({"seconds": 1} if bench.quick else {}))
+        return {"ms": r["ms_rest"], "falling_ms": r["ms_before"], "overlap": r["overlap_mm"],
+                "cut": "first second" if bench.quick else note(r)}
+    return measure
 
 
 def cloth_peers(bench):
@@ -121,12 +134,18 @@ def scaled(r, seconds):
     return seconds / r["steps"] * r["ms_mean"] / r["wall_ms_mean"] * 1e3
 
 
-def soft(scene, seconds=None):
+def soft(scene, draft=False):
     def measure(bench):
-        r = bench.peer(scene, "brim", seconds=seconds if bench.quick else None)
+        r = bench.peer(drafted(bench, scene) if draft else scene, "brim")
         return {"ms": r["ms_mean"], "overlap_voxels": r["overlap_voxels"], "cut": note(r),
                 "iterations": r["report"]["cg_iterations"] / max(1, r["report"]["solves"])}
     return measure
+
+
+def slabs_draft(bench):
+    r = bench.peer(drafted(bench, "bench/scenes/slabs.json"), "brim", seconds=0.03 if bench.quick else 0.1)
+    return {"ms": r["ms_mean"], "cut": note(r), "overlap_voxels": r["overlap_voxels"],
+            "iterations": r["report"]["cg_iterations"] / max(1, r["report"]["solves"])}
 
 
 def slabs(bench):
@@ -176,12 +195,18 @@ ROWS = [
     {"name": "pile", "work": "`pile`: 200 gears, stars and rings, a step at rest", "before_ms": 480, "bound": ("Bullet", 1.5),
      "aim": ("Bullet", 0.7), "measure": pile("scenes/pile.json", 20), "peers": pile_peers("scenes/pile.json")},
     {"name": "cloth_ball", "work": "cloth of 50 x 50 nodes on a ball, a step", "before": 10.6, "bound": 2, "aim": 0.6,
-     "elsewhere": "STARK 70 B (steps of 10 ms)", "measure": cloth, "peers": cloth_peers},
+     "elsewhere": "STARK 70 B (steps of 10 ms)", "measure": cloth(), "peers": cloth_peers},
+    {"name": "cloth_ball_draft", "work": "the same, `\"quality\": \"draft\"`", "before": 10.6, "bound": 2, "aim": 0.6,
+     "measure": cloth(draft=True)},
     {"name": "blocks", "work": "two soft blocks and the floor, a step", "before": 5.6, "bound": 1.2, "aim": 0.5,
      "elsewhere": "STARK 2.5 to 3.1 B", "measure": soft("bench/scenes/blocks.json")},
+    {"name": "blocks_draft", "work": "the same, `\"quality\": \"draft\"`", "before": 5.6, "bound": 1.2, "aim": 0.5,
+     "measure": soft("bench/scenes/blocks.json", draft=True)},
     {"name": "slabs_contact", "work": "two soft slabs, contact without the solve, a step", "before": 26, "bound": 10, "aim": 4,
      "elsewhere": "IPC Toolkit 23 B, and 133 B for the Hessian", "measure": slabs, "makes": ["slabs_contact", "slabs"]},
     {"name": "slabs", "work": "the same, the whole step", "before": 1210, "bound": 120, "aim": 50, "made_by": "slabs_contact"},
+    {"name": "slabs_draft", "work": "the same, `\"quality\": \"draft\"`", "before": 1210, "bound": 120, "aim": 50,
+     "measure": slabs_draft},
     {"name": "dam_large", "work": "`dam_large`, a second of motion", "before": 8600, "bound": 4000, "aim": 2000,
      "elsewhere": "SPlisHSPlasH (DFSPH) 2,120 B", "measure": dam},
     {"name": "mixed_stack", "work": "`mixed_stack`, 2 s of motion, two threads, wall clock", "before_ms": 155e3,
