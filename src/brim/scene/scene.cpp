@@ -58,6 +58,7 @@ WorldOptions read_world(const Node& n) {
   o.response = read_response(n);
   o.constraint_tolerance = number("constraint_tolerance", quality.constraint_tolerance);
   o.constraint_sweeps = integer("constraint_sweeps", quality.constraint_sweeps);
+  o.sleep = n.boolean("sleep");
   o.memory_limit = n.number("memory_limit");
   if (o.min_substeps > o.max_substeps)
     throw n.at("min_substeps")

@@ -30,8 +30,9 @@ constexpr double kExact = 1e-10;
 }  // namespace
 
 bool ImplicitStep::solve_frames(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
-                                const Environment& env, double dt, std::span<const double> impulse,
+                                const Environment& env, const Settings& settings, std::span<const double> impulse,
                                 std::span<double> delta) {
+  const double dt = settings.dt;
   for (const auto& body : bodies)
     if (dynamic_cast<const RigidFrame*>(body.get()) == nullptr) return false;
   parallel_for(
@@ -39,13 +40,15 @@ bool ImplicitStep::solve_frames(std::span<const std::unique_ptr<Body>> bodies, s
       [&](std::size_t b) {
         const ProfileScope scope("elements", *bodies[b]);
         using Six = Eigen::Matrix<double, 6, 1>;
+        Eigen::Map<Six> change(delta.data() + first_v[b]);
+        change.setZero();
+        if (!settings.asleep.empty() && settings.asleep[b]) return;
         Six force = Six::Zero();
         bodies[b]->begin_solve(dt);
         bodies[b]->add_forces(env, {force.data(), 6});
         force *= dt;
         if (!impulse.empty()) force += Eigen::Map<const Six>(impulse.data() + first_v[b]);
         const RigidFrame::Frame f = dynamic_cast<const RigidFrame&>(*bodies[b]).rigid_frame();
-        Eigen::Map<Six> change(delta.data() + first_v[b]);
         change << f.inverse_mass * force.head<3>(), f.inverse_inertia * force.tail<3>();
       },
       64);
@@ -71,7 +74,8 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   const auto slice = [&](auto& x, std::size_t b) {
     return std::span(x).subspan(first_v[b], first_v[b + 1] - first_v[b]);
   };
-  if (alone && solve_frames(bodies, first_v, env, dt, impulse, delta)) {
+  const auto asleep = [&](std::size_t b) { return !settings.asleep.empty() && settings.asleep[b]; };
+  if (alone && solve_frames(bodies, first_v, env, settings, impulse, delta)) {
     // Each body by its own mass and inertia; what rows do besides is theirs.
     contact_delta_.assign(contact_set.size(), Vec3::Zero());
     ++report.solves;
@@ -79,6 +83,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     return !correct || correct([](std::span<const double>, std::span<double>) { return SolveReport{}; }, delta);
   }
   parallel_for(bodies.size(), [&](std::size_t b) {
+    if (asleep(b)) return;
     const ProfileScope scope("elements", *bodies[b]);
     bodies[b]->begin_solve(dt);
     bodies[b]->add_forces(env, slice(internal_, b));
@@ -98,14 +103,21 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     first_block_.push_back(sizes.size());
   }
   bodies_diagonal_.reset(sizes);
-  parallel_for(bodies.size(),
-               [&](std::size_t b) { bodies[b]->add_system_diagonal(first_block_[b], bodies_diagonal_); });
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    if (!asleep(b)) bodies[b]->add_system_diagonal(first_block_[b], bodies_diagonal_);
+  });
 
   LinearSystem system;
   for (std::size_t b = 0; b < bodies.size(); ++b)
     system.negligible += kNegligible * kNegligible * 2.0 * bodies[b]->kinetic_energy(slice(v, b));
   system.filter = [&](std::span<double> x) {
-    parallel_for(bodies.size(), [&](std::size_t b) { bodies[b]->filter(slice(x, b)); });
+    parallel_for(bodies.size(), [&](std::size_t b) {
+      const auto xb = slice(x, b);
+      if (asleep(b))
+        std::fill(xb.begin(), xb.end(), 0.0);
+      else
+        bodies[b]->filter(xb);
+    });
   };
   system.apply = [&](std::span<const double> x, std::span<double> y) {
     if (contacts > 0) {
@@ -117,6 +129,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
       const ProfileScope scope("product", *bodies[b]);
       const auto yb = slice(y, b);
       std::fill(yb.begin(), yb.end(), 0.0);
+      if (asleep(b)) return;
       if (fill.handles(b))
         fill.apply_system(b, slice(x, b), yb);
       else
@@ -150,13 +163,15 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     const auto contact_timer =
         contacts > 0 ? std::make_optional<ScopedSeconds>(contact_seconds) : std::optional<ScopedSeconds>();
     const ProfileScope scope("coarse modes, made");
-    modes_.begin(bodies, first_v, parts, maps, contact_set, lone_);
+    without_ = lone_;
+    for (std::size_t b = 0; b < bodies.size(); ++b) without_[b] |= asleep(b);
+    modes_.begin(bodies, first_v, parts, maps, contact_set, without_);
   }
   system.precondition = [&](std::span<const double> r, std::span<double> z) {
     parallel_for(bodies.size(), [&](std::size_t b) {
       const ProfileScope scope("precondition", *bodies[b]);
       const auto zb = slice(z, b);
-      if (coarse && modes_.complete(b))
+      if (asleep(b) || (coarse && modes_.complete(b)))
         std::fill(zb.begin(), zb.end(), 0.0);
       else
         bodies[b]->precondition(first_block_[b], diagonal_, slice(r, b), zb);
@@ -197,7 +212,9 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
       acting_.add_forces(contact_force_, rhs_);
       acting_.add_block_diagonal([&](std::size_t c) { return response.block(c); }, first_block_, diagonal_);
     }
-    parallel_for(bodies.size(), [&](std::size_t b) { bodies[b]->prepare_preconditioner(first_block_[b], diagonal_); });
+    parallel_for(bodies.size(), [&](std::size_t b) {
+      if (!asleep(b)) bodies[b]->prepare_preconditioner(first_block_[b], diagonal_);
+    });
     diagonal_.factor();
     if (contacts > 0) {
       const ScopedSeconds contact_timer(contact_seconds);
@@ -239,7 +256,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     if (whole || alone) return;
     modes_.give_back(residual_, delta);
     for (std::size_t b = 0; b < bodies.size(); ++b)
-      if (lone_[b] && !bodies[b]->immobile())
+      if (lone_[b] && !bodies[b]->immobile() && !asleep(b))
         Eigen::Map<Eigen::VectorXd>(delta.data() + first_v[b], size(b)) +=
             bodies_diagonal_.block(first_block_[b])
                 .ldlt()

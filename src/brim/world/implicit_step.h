@@ -31,6 +31,8 @@ class ImplicitStep {
     int max_iterations = 2000;
     int passes = 3;  ///< solves at most: after each, nodes that pull let go and friction takes its new loads
     double load_tolerance = 0.01;  ///< passes end when the contact forces would change by less than this share
+    /// Nonzero for bodies that are left as they are, without contacts; shape (bodies) or empty.
+    std::span<const std::uint8_t> asleep{};
   };
 
   /// x = A⁻¹ b once the system stands.
@@ -58,7 +60,8 @@ class ImplicitStep {
   /// Where all bodies are rigid frames and nothing couples them: Δv from their own masses and inertias.
   /// @return false where some are not
   bool solve_frames(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
-                    const Environment& env, double dt, std::span<const double> impulse, std::span<double> delta);
+                    const Environment& env, const Settings& settings, std::span<const double> impulse,
+                    std::span<double> delta);
 
   std::vector<double> internal_, rhs_, scratch_;
   std::vector<Vec3> contact_delta_, contact_force_;
@@ -70,6 +73,7 @@ class ImplicitStep {
   ContactRows contact_rows_;
   std::vector<std::uint8_t> sparse_;  ///< per body: its maps show their rows
   std::vector<std::uint8_t> lone_;    ///< per body: one block, without coarse modes
+  std::vector<std::uint8_t> without_;  ///< per body: without coarse modes
   std::vector<double> residual_;      ///< of the last solve of the passes
   ContactFactor factor_;
   ConjugateGradient cg_;

@@ -61,6 +61,7 @@ constexpr ReportField kFields[] = {
     field<&StepReport::momentum_error, Joining::Largest>("momentum_error", ""),
     field<&StepReport::angular_error, Joining::Largest>("angular_error", ""),
     field<&StepReport::max_speed, Joining::Last>("max_speed", "m/s"),
+    field<&StepReport::asleep, Joining::Last>("asleep", ""),
     field<&StepReport::stiffness, Joining::Last>("stiffness", "Pa"),
 };
 

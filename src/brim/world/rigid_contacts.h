@@ -57,6 +57,12 @@ class RigidContacts {
   GatheredRows gather();
 
   std::int64_t contacts() const { return contacts_; }  ///< of all pairs
+  /// Calls f(part_a, part_b) for the pairs that have some.
+  template <class F>
+  void for_pairs(const F& f) const {
+    for (const Pair& p : pairs_)
+      if (p.contacts > 0) f(p.touch.part_a, p.touch.part_b);
+  }
   std::int64_t engulfed() const { return engulfed_; }
   /// Adds the reports of pairs, in order, and the work of the last find.
   void report(std::span<const WorldPart> parts, double time, StepReport& report) const;

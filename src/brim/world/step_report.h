@@ -64,6 +64,7 @@ struct StepReport {
   double momentum_error = 0.0;    ///< [-] worst body: mapped contact force against the sum of its nodal forces
   double angular_error = 0.0;     ///< [-] likewise for the torque about the body's centre of contact
   double max_speed = 0.0;         ///< [m/s] upper bound over movable parts
+  int asleep = 0;                 ///< bodies that sleep at the end of the step
   double stiffness = 0.0;         ///< [Pa] contact stiffness k in use
   std::vector<PairReport> pairs;  ///< of the last sub-step, ordered by part numbers
   std::vector<Warning> warnings;

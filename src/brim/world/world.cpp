@@ -18,6 +18,7 @@
 #include "brim/world/momentum_check.h"
 #include "brim/world/pair_laws.h"
 #include "brim/world/pair_reports.h"
+#include "brim/world/sleep.h"
 #include "brim/world/substeps.h"
 
 namespace brim {
@@ -37,6 +38,7 @@ struct World::Impl {
   State state;
   bool started = false;
   PairLaws laws;
+  Sleep sleep;
 
   ContactStage stage;
   FillStage fill;
@@ -57,6 +59,12 @@ struct World::Impl {
 
   void start();
   void update_bodies();
+  /// Those that sleep are as they were; all others must be updated.
+  void stir();
+  void prescribe(double dt);
+  void find_contacts(double dt, StepReport& report);
+  /// Wakes what something awake has contacts with. @return true where there was something
+  bool wake_touched();
   double substep(double left, StepReport& report);
   bool solve_substep(double dt, StepReport& report);
   void measure(StepReport& report);
@@ -123,8 +131,21 @@ void World::set_state(State state) {
                                  state.q.size(), state.v.size(), w.state.q.size(), w.state.v.size()));
   w.start();  // what is chosen from the initial state stays as it was chosen there
   w.state = std::move(state);
+  w.sleep.take(w.state.memory);
   w.stage.rigid().restore(w.state.memory);
+  for (std::size_t b = 0; b < w.bodies.size(); ++b)
+    if (std::any_of(w.v(b).begin(), w.v(b).end(), [](double x) { return x != 0.0; })) w.sleep.wake(b);
+  w.sleep.keep(w.state.memory);
   w.update_bodies();
+}
+
+bool World::asleep(int b) const { return impl_->sleep.asleep(static_cast<std::size_t>(b)); }
+
+void World::wake(int b) {
+  Impl& w = *impl_;
+  w.sleep.take(w.state.memory);
+  w.sleep.wake(static_cast<std::size_t>(b));
+  w.sleep.keep(w.state.memory);
 }
 
 void World::density(int part, double h, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {
@@ -162,12 +183,17 @@ void World::Impl::start() {
   }
   laws.start(parts, state.v, first_v, options, h0);
   stage.rigid().start(parts, laws, options);
+  if (options.sleep) sleep.start(bodies);
   stage.rigid().restore(state.memory);
 }
 
+void World::Impl::stir() {
+  for (std::size_t b = 0; b < fresh.size(); ++b) fresh[b] &= sleep.asleep(b);
+}
+
 void World::Impl::update_bodies() {
-  if (updated_q.size() != state.q.size() || updated_v.size() != state.v.size() || updated_time != state.time)
-    fresh.clear();
+  if (updated_q.size() != state.q.size() || updated_v.size() != state.v.size()) fresh.clear();
+  if (updated_time != state.time) stir();
   updated_q.resize(state.q.size()), updated_v.resize(state.v.size()), fresh.resize(bodies.size(), 0);
   updated_time = state.time;
   // A step begins where the last was measured: what is known is not found again.
@@ -196,6 +222,10 @@ StepReport World::step() {
     w.start();
     report.stiffness = w.laws.stiffness();
     if (w.state.step == 0) w.laws.warn(w.parts, w.options, report);
+    if (w.sleep.on()) {
+      w.sleep.take(w.state.memory);
+      w.sleep.mark(w.parts, w.state.v, w.first_v);
+    }
     double left = w.options.time_step;
     const double end = w.state.time + left;
     while (report.ok && left > 1e-9 * w.options.time_step) left -= w.substep(left, report);
@@ -207,20 +237,47 @@ StepReport World::step() {
   return report;
 }
 
+void World::Impl::prescribe(double dt) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    bodies[b]->prescribe(state.time, dt, q(b), v(b));
+    if (sleep.asleep(b) && std::any_of(v(b).begin(), v(b).end(), [](double x) { return x != 0.0; })) sleep.wake(b);
+  }
+  if (sleep.on()) sleep.mark(parts, state.v, first_v);
+}
+
+bool World::Impl::wake_touched() {
+  bool woke = false;
+  const auto touch = [&](std::int32_t a, std::int32_t b) {
+    const auto i = static_cast<std::size_t>(parts[a].body_index), j = static_cast<std::size_t>(parts[b].body_index);
+    woke = sleep.wake(i) || woke;
+    woke = sleep.wake(j) || woke;
+  };
+  // No two that sleep are looked at, nor one and something fixed that does not move.
+  for (const ContactPair& p : stage.contacts().pairs)
+    if (p.begin < p.end) touch(p.part_a, p.part_b);
+  stage.rigid().for_pairs(touch);
+  if (woke) sleep.mark(parts, state.v, first_v);
+  return woke;
+}
+
+void World::Impl::find_contacts(double dt, StepReport& report) {
+  do {
+    stage.find(parts, state.v, first_v, dt, options, report);
+    const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Detect)]);
+    fill.find(bodies, parts, options, stage.contacts());
+  } while (sleep.on() && wake_touched());
+}
+
 bool World::Impl::solve_substep(double dt, StepReport& report) {
   const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
-  for (std::size_t b = 0; b < bodies.size(); ++b) bodies[b]->prescribe(state.time, dt, q(b), v(b));
+  prescribe(dt);
   {
     const ScopedSeconds timer(seconds(Phase::Advance));
     update_bodies();
   }
 
-  stage.find(parts, state.v, first_v, dt, options, report);
-  ContactSet& contacts = stage.contacts();
-  {
-    const ScopedSeconds timer(seconds(Phase::Detect));
-    fill.find(bodies, parts, options, contacts);
-  }
+  find_contacts(dt, report);
+  const ContactSet& contacts = stage.contacts();
   velocity_a.resize(contacts.size()), velocity_b.resize(contacts.size());
   {
     const ScopedSeconds timer(seconds(Phase::Respond));
@@ -256,6 +313,9 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
   settings.tolerance = options.cg_tolerance;
   settings.max_iterations = options.cg_max_iterations;
   settings.passes = options.max_passes;
+  std::vector<std::uint8_t> asleep(sleep.on() ? bodies.size() : 0);
+  for (std::size_t b = 0; b < asleep.size(); ++b) asleep[b] = sleep.asleep(b);
+  settings.asleep = asleep;
   delta.resize(state.v.size());
   ImplicitStep::Correct rows;
   if (!constraints.empty())
@@ -324,11 +384,12 @@ double World::Impl::substep(double left, StepReport& report) {
   travel = state.v;
   for (std::size_t i = 0; i < constraints.travel().size(); ++i) travel[i] += constraints.travel()[i];
   parallel_for(bodies.size(), [&](std::size_t b) {
+    if (sleep.asleep(b)) return;
     const ProfileScope scope("advance", *bodies[b]);
     bodies[b]->advance(dt, q(b), std::span<const double>(travel).subspan(first_v[b], first_v[b + 1] - first_v[b]));
     bodies[b]->finish_step(state.time, dt, q(b), v(b));
   });
-  fresh.clear();
+  stir();
   state.time += dt;
   return dt;
 }
@@ -337,6 +398,11 @@ void World::Impl::measure(StepReport& report) {
   const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Advance)]);
   update_bodies();
   stage.rigid().keep(state.memory);
+  if (sleep.on()) {
+    if (report.ok) sleep.settle(parts, report.pairs, report.dt, state.v, first_v);
+    sleep.keep(state.memory);
+    report.asleep = sleep.count();
+  }
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     report.kinetic_energy += bodies[b]->kinetic_energy(v(b));
     report.potential_energy += bodies[b]->potential_energy(options.environment);

@@ -41,6 +41,7 @@ struct WorldOptions {
   double constraint_tolerance = 1e-4;     ///< change of velocity by the last sweep, over that of a free fall in a step
   int constraint_sweeps = 200;            ///< most sweeps of projected Gauss-Seidel in a sub-step
   bool constraint_every_node = false;     ///< a row for every node instead of a few per patch: dear, for comparison
+  bool sleep = false;                     ///< leaves islands of bodies at rest out of the step until they are touched (Sleep)
   double memory_limit = 8e9;              ///< [bytes] of density blocks; more is refused before it is allocated
   std::map<std::pair<std::string, std::string>, PairMaterial> pair_materials;  ///< by material names, sorted
 };
@@ -51,7 +52,8 @@ struct State {
   std::int64_t step = 0;       ///< number of steps taken
   std::vector<double> q;       ///< generalised coordinates, shape (nq)
   std::vector<double> v;       ///< generalised velocities, shape (nv)
-  std::vector<double> memory;  ///< impulses of constraint rows, where the next step starts from
+  /// Impulses of constraint rows, where the next step starts from; references of solids; who sleeps.
+  std::vector<double> memory;
 };
 
 /// A global part: part `index` of body `body`.
@@ -83,6 +85,10 @@ class World {
 
   /// Advances by options().time_step. Never throws for numerical trouble: the report says it.
   StepReport step();
+  /// True while a body sleeps. Only where options().sleep is set.
+  bool asleep(int b) const;
+  /// Wakes a body and what sleeps with it: before something acts on it that the world does not see.
+  void wake(int b);
   /// Contact nodes of the last sub-step, in a fixed order.
   std::span<const ContactSample> contacts() const;
   /// Tiles that were rasterized for two parts or more in the last sub-step: key and step h.

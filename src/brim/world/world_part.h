@@ -11,12 +11,13 @@ struct WorldPart {
   int index = 0;   ///< within the body
   double h = 0.0;  ///< [m] its own grid step, h0 2^l
   PartInfo info;
+  bool still = false;  ///< as Sleep marks it: asleep, or fixed and not moving; nothing is, where bodies do not sleep
 };
 
-/// False for pairs that are never looked at: nothing moves, or their body says that they do not touch.
+/// False for pairs that are not looked at: nothing moves, or their body says that they do not touch.
 inline bool may_touch(const WorldPart& a, const WorldPart& b) {
   if (a.body == b.body && !a.body->parts_collide(a.index, b.index)) return false;
-  return !(a.body->immobile() && b.body->immobile());
+  return !(a.still && b.still) && !(a.body->immobile() && b.body->immobile());
 }
 
 }  // namespace brim

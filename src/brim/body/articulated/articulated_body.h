@@ -1,5 +1,6 @@
 #pragma once
 
+#include "brim/body/restless.h"
 #include "brim/body/articulated/joint_forces.h"
 #include "brim/body/articulated/tree_flow.h"
 #include "brim/body/articulated/tree_map.h"
@@ -15,7 +16,7 @@ namespace brim {
 ///
 /// The forces of the common solve are weight, drives, limits, damping and friction; what turning links do to each other
 /// (Coriolis and centrifugal terms) acts in finish_step, where the tree moves freely for the step (TreeFlow).
-class ArticulatedBody final : public Body, public DistanceBound, public PosedDisplay {
+class ArticulatedBody final : public Body, public DistanceBound, public PosedDisplay, public Restless {
  public:
   /// @throws InputError for what Tree refuses, and for a joint that moves nothing with mass
   explicit ArticulatedBody(ArticulatedModel model);
@@ -71,6 +72,9 @@ class ArticulatedBody final : public Body, public DistanceBound, public PosedDis
   void display_positions(std::span<Vec3f> x) const override;
   std::size_t piece_count() const override { return parts_.size(); }
   const PosedShape& piece(std::size_t i) const override { return parts_[i].solid; }
+
+  /// Where a joint has a motor.
+  bool restless() const override { return joints_.driven(); }
 
   const Tree& tree() const { return tree_; }
   /// Of the last update.

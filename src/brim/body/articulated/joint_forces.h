@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "brim/body/articulated/tree_inverse.h"
 
 namespace brim {
@@ -33,6 +35,11 @@ class JointForces {
 
   /// Drive of a joint, by its link's number; to be changed between steps.
   JointDrive& drive(std::size_t link) { return joint_[link].drive; }
+  /// True when some joint has a drive that acts.
+  bool driven() const {
+    return std::any_of(joint_.begin(), joint_.end(),
+                       [](const Joint& j) { return j.drive.stiffness > 0.0 || j.drive.damping > 0.0; });
+  }
 
  private:
   struct Joint {

@@ -2,6 +2,7 @@
 
 #include <functional>
 
+#include "brim/body/restless.h"
 #include "brim/body/body.h"
 #include "brim/body/changing_surface.h"
 #include "brim/body/grid_fluid/face_transport.h"
@@ -33,12 +34,13 @@ struct GridFluidModel {
 /// volume of every wet cell, so conjugate gradients never leave these, and pressure, contact and all solids are solved
 /// together. After it: the level set is moved, and shifted along its normal by what moving it has lost.
 /// The box's closed sides let fluid slip.
-class GridFluidBody final : public Body, public Walled, public ChangingSurface {
+class GridFluidBody final : public Body, public Walled, public ChangingSurface, public Restless {
  public:
   /// @throws InputError for a grid without cells, or numbers out of range
   explicit GridFluidBody(GridFluidModel model);
 
   std::string_view kind() const override { return "grid_fluid"; }
+  bool restless() const override { return true; }
   std::size_t q_size() const override { return model_.grid.cells() + 1; }
   std::size_t v_size() const override { return model_.grid.faces(); }
   void initial_state(std::span<double> q, std::span<double> v) const override;

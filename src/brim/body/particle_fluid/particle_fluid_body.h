@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "brim/body/restless.h"
 #include "brim/body/body.h"
 #include "brim/body/filling.h"
 #include "brim/body/particle_fluid/cohesion.h"
@@ -37,13 +38,14 @@ struct ParticleFluidOptions {
 /// step of divergence-free SPH does (Bender and Koschier 2017); E takes compression back. Both are linearly implicit
 /// (energy and its treatment: Weiler, Koschier and Bender 2016), so κ does not limit the time step.
 /// Tests: tests/body/particle_fluid_test.cpp
-class ParticleFluidBody final : public Body, public Filling {
+class ParticleFluidBody final : public Body, public Filling, public Restless {
  public:
   /// @param x  particles at the start, world frame, [m]
   /// @throws InputError  when a number is out of range or there are no particles
   ParticleFluidBody(std::vector<Vec3> x, ParticleFluidOptions options);
 
   std::string_view kind() const override { return "particle_fluid"; }
+  bool restless() const override { return true; }
   std::size_t q_size() const override { return 3 * start_.size(); }
   std::size_t v_size() const override { return 3 * start_.size(); }
   void initial_state(std::span<double> q, std::span<double> v) const override;

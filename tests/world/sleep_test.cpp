@@ -1,0 +1,166 @@
+#include "brim/world/sleep.h"
+
+#include <gtest/gtest.h>
+
+#include "support/soft_worlds.h"
+
+/// Islands at rest are left out of the step, and come back when something touches them.
+namespace brim::testing {
+namespace {
+
+WorldOptions sleeping(Response response = Response::Constraint) {
+  WorldOptions o = options_at(0.1);
+  o.time_step = 1.0 / 120.0;
+  o.response = response;
+  o.sleep = true;
+  return o;
+}
+
+/// Three boxes of 0.5 m on each other, and their ground.
+void add_tower(World& w, const std::string& name, double x) {
+  for (int i = 0; i < 3; ++i)
+    w.add(box(name + std::to_string(i), {Vec3(x, 0, 0.25 + 0.5 * i)}, 0.5, 0.5));
+}
+
+int run_until_asleep(World& w, int most) {
+  for (int s = 1; s <= most; ++s)
+    if (w.step().asleep > 0) return s;
+  return -1;
+}
+
+TEST(Sleep, ATowerFallsAsleepAfterHalfASecondOfRestAndStays) {
+  for (const Response response : {Response::Constraint, Response::Penalty}) {
+    World w(sleeping(response));
+    w.add(ground(0.5));
+    add_tower(w, "box", 0.0);
+    const int steps = run_until_asleep(w, 360);
+    ASSERT_GE(steps, 60);
+    const StepReport asleep = w.step();
+    EXPECT_EQ(asleep.asleep, 3);
+    EXPECT_EQ(asleep.contacts, 0);
+    EXPECT_EQ(asleep.kinetic_energy, 0.0);
+    const std::vector<double> q = w.state().q;
+    for (int s = 0; s < 50; ++s) w.step();
+    EXPECT_EQ(w.state().q, q);
+  }
+}
+
+TEST(Sleep, UntilThenTheBitsAreThoseWithoutIt) {
+  WorldOptions awake = sleeping();
+  awake.sleep = false;
+  World a(sleeping()), b(awake);
+  for (World* w : {&a, &b}) w->add(ground(0.5)), add_tower(*w, "box", 0.0);
+  while (a.step().asleep == 0) {
+    b.step();
+    ASSERT_EQ(a.state().q, b.state().q);
+  }
+}
+
+TEST(Sleep, TouchWakesTheIslandAndNoOther) {
+  World w(sleeping());
+  w.add(ground(0.5));
+  add_tower(w, "hit", 0.0);
+  add_tower(w, "far", 3.0);
+  const int ball_body = w.add(ball("ball", {Vec3(0, 0, 14.0)}, 0.5, 0.2));
+  bool slept = false;
+  for (int s = 0; s < 240 && !(slept && !w.asleep(1)); ++s) slept = w.step().asleep == 6 || slept;
+  ASSERT_TRUE(slept);
+  ASSERT_FALSE(w.asleep(1));
+  EXPECT_FALSE(w.asleep(3));
+  EXPECT_TRUE(w.asleep(4));
+  EXPECT_NEAR(w.q(ball_body)[2], 1.7, 0.3);
+  double lowest = 0.0;
+  for (int s = 0; s < 5; ++s) w.step(), lowest = std::min(lowest, w.v(3)[2]);
+  EXPECT_LT(lowest, 0.0) << "the blow must have gone through to the topmost box";
+}
+
+TEST(Sleep, WhatIsHitMovesAsItWouldHaveAwake) {
+  const auto run = [](bool sleep) {
+    WorldOptions o = sleeping();
+    o.sleep = sleep;
+    World w(o);
+    w.add(ground(0.5));
+    w.add(box("box", {Vec3(0, 0, 0.25)}, 0.5, 0.5));
+    w.add(box("thrown", {Vec3(-6.0, 0, 0.25), Quat::Identity(), Vec3(8.0, 0, 0)}, 0.1, 0.5));
+    for (int s = 0; s < 240; ++s) w.step();
+    return w.q(1)[0];
+  };
+  const double awake = run(false);
+  EXPECT_GT(awake, 0.1);
+  EXPECT_NEAR(run(true), awake, 0.02);
+}
+
+TEST(Sleep, AResumedRunHasTheSameBits) {
+  World a(sleeping()), b(sleeping());
+  for (World* w : {&a, &b}) {
+    w->add(ground(0.5));
+    add_tower(*w, "box", 0.0);
+    w->add(ball("ball", {Vec3(0.1, 0, 12.0)}, 0.5, 0.2));
+  }
+  for (int s = 0; s < 100; ++s) a.step();
+  EXPECT_TRUE(a.asleep(1));
+  b.set_state(a.state());
+  EXPECT_TRUE(b.asleep(1));
+  bool woke = false;
+  for (int s = 0; s < 150; ++s) {
+    a.step(), b.step();
+    ASSERT_EQ(a.hash(), b.hash()) << s;
+    woke = woke || !a.asleep(1);
+  }
+  EXPECT_TRUE(woke) << "the ball has come down";
+}
+
+TEST(Sleep, AVelocityThatIsSetAndAWordWake) {
+  World w(sleeping());
+  w.add(ground(0.5));
+  add_tower(w, "box", 0.0);
+  ASSERT_GT(run_until_asleep(w, 360), 0);
+  w.wake(2);
+  EXPECT_FALSE(w.asleep(1));
+  ASSERT_GT(run_until_asleep(w, 360), 0);
+  State s = w.state();
+  s.v[s.v.size() - 4] = 1.0;  // the topmost goes up
+  w.set_state(s);
+  EXPECT_FALSE(w.asleep(1));
+  const double before = w.q(3)[2];
+  for (int k = 0; k < 5; ++k) w.step();
+  EXPECT_GT(w.q(3)[2], before + 0.02);
+}
+
+TEST(Sleep, AnObstacleThatSetsOffWakesWhatLiesOnIt) {
+  ObstacleModel m;
+  m.shape = make_box(Vec3(4, 4, 0.5));
+  m.keys = {{0.0, Vec3(0, 0, -0.25)}, {2.0, Vec3(0, 0, -0.25)}, {3.0, Vec3(0, 0, 0.75)}};
+  World w(sleeping());
+  auto lift = std::make_unique<ObstacleBody>(m);
+  lift->set_name("lift");
+  w.add(std::move(lift));
+  add_tower(w, "box", 0.0);
+  ASSERT_GT(run_until_asleep(w, 200), 0);
+  for (int s = 0; w.state().time < 3.0; ++s) w.step();
+  EXPECT_NEAR(w.q(1)[2], 1.25, 0.05);
+}
+
+TEST(Sleep, SoftBodiesSleepAndAreWoken) {
+  World w(sleeping(Response::Penalty));
+  w.add(ground(0.5));
+  w.add(jelly("jelly", 0.6, Vec3(0, 0, 0)));
+  w.add(ball("ball", {Vec3(0.3, 0.3, 20.0)}, 0.5, 0.2, 300));
+  ASSERT_GT(run_until_asleep(w, 230), 0);
+  while (w.q(2)[2] > 0.85 && w.state().time < 3.0) w.step();
+  w.step();
+  EXPECT_FALSE(w.asleep(1));
+  double speed = 0.0;
+  for (const double v : w.v(1)) speed = std::max(speed, std::abs(v));
+  EXPECT_GT(speed, 0.1);
+}
+
+TEST(Sleep, FluidsNeverSleep) {
+  World w(sleeping(Response::Penalty));
+  w.add(ground(0.5));
+  w.add(blob("water", 3, 0.1, Vec3(0, 0, 0.1)));
+  EXPECT_EQ(run_until_asleep(w, 200), -1);
+}
+
+}  // namespace
+}  // namespace brim::testing
