@@ -68,10 +68,7 @@ TriMesh read_by_assimp(const std::string& name, const std::string& extension) {
 TriMesh read_triangles(const std::filesystem::path& path, const std::string& extension) {
   if (extension != ".ply" && extension != ".off") return read_by_assimp(path.string(), extension);
   PolygonSoup soup = extension == ".ply" ? read_ply(path) : read_off(path);
-  TriMesh mesh{std::move(soup.vertices), soup.triangles()};
-  // Single precision as in the other formats: the same vertices are joined whatever the file.
-  for (Vec3& x : mesh.vertices) x = x.cast<float>().cast<double>();
-  return mesh;
+  return {std::move(soup.vertices), soup.triangles()};
 }
 
 }  // namespace
@@ -89,7 +86,14 @@ TriMesh read_surface(const std::filesystem::path& path) {
         fmt::format("{}: surfaces are read from {}, not from '{}' files", name, fmt::join(kFormats, " "), extension));
   if (std::filesystem::file_size(path, ignored) == 0) throw InputError(fmt::format("{}: the file is empty", name));
 
-  const TriMesh soup = read_triangles(path, extension);
+  return clean_surface(read_triangles(path, extension), name);
+}
+
+TriMesh clean_surface(TriMesh soup, const std::string& name) {
+  // Single precision as in most formats: the same vertices are joined whatever the file. Number by number: Eigen 3.4
+  // drops a cast to float and back from whole packets.
+  for (Vec3& x : soup.vertices)
+    for (double& number : x) number = static_cast<double>(static_cast<float>(number));
   if (soup.triangles.empty()) throw InputError(fmt::format("{}: the file holds no triangles", name));
   for (std::size_t v = 0; v < soup.vertices.size(); ++v)
     if (!soup.vertices[v].allFinite())

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "brim/mesh/tri_mesh.h"
 
@@ -14,5 +15,10 @@ namespace brim {
 ///                     not finite, only triangles without area
 /// Tests: tests/io/surface_reader_test.cpp
 TriMesh read_surface(const std::filesystem::path& path);
+
+/// What read_surface does with triangles that it has read: checks them, rounds positions to single precision, joins
+/// equal vertices and drops those that no triangle uses. Order is kept.
+/// @param name  for messages  @throws InputError
+TriMesh clean_surface(TriMesh soup, const std::string& name);
 
 }  // namespace brim

@@ -13,20 +13,24 @@ namespace brim {
 
 namespace {
 
+[[noreturn]] void fail(const std::string& name, const std::string& reason) {
+  throw InputError(fmt::format("{}: {}", name, reason));
+}
+
 // Only the vertices that a tetrahedron uses, in the order of the file.
-TetMesh without_unused(const FileCursor& file, const RawTets& raw) {
+TetMesh without_unused(const std::string& name, const RawTets& raw) {
   const auto n = static_cast<std::int64_t>(raw.points.size());
   std::vector<std::int32_t> number(raw.points.size(), -1);
   for (std::size_t e = 0; e < raw.tets.size(); ++e)
     for (const std::int64_t v : raw.tets[e]) {
-      if (v < 0 || v >= n) file.fail(fmt::format("tetrahedron {} names vertex {}, but there are {}", e, v, n));
+      if (v < 0 || v >= n) fail(name, fmt::format("tetrahedron {} names vertex {}, but there are {}", e, v, n));
       number[static_cast<std::size_t>(v)] = 0;
     }
   TetMesh mesh;
   for (std::size_t v = 0; v < raw.points.size(); ++v) {
     if (number[v] < 0) continue;
     const Vec3& x = raw.points[v];
-    if (!x.allFinite()) file.fail(fmt::format("vertex {} is not finite: ({}, {}, {})", v, x.x(), x.y(), x.z()));
+    if (!x.allFinite()) fail(name, fmt::format("vertex {} is not finite: ({}, {}, {})", v, x.x(), x.y(), x.z()));
     number[v] = static_cast<std::int32_t>(mesh.vertices.size());
     mesh.vertices.push_back(x);
   }
@@ -36,7 +40,7 @@ TetMesh without_unused(const FileCursor& file, const RawTets& raw) {
 }
 
 // Turns a mesh that is inside out as a whole; refuses one that is so in part, or has flat tetrahedra.
-void orient(const FileCursor& file, TetMesh& mesh) {
+void orient(const std::string& name, TetMesh& mesh) {
   std::size_t inverted = 0, flat = 0, first_inverted = 0, first_flat = 0;
   for (std::size_t e = 0; e < mesh.tets.size(); ++e) {
     const Tetrahedron& t = mesh.tets[e];
@@ -51,13 +55,13 @@ void orient(const FileCursor& file, TetMesh& mesh) {
     }
   }
   if (flat > 0)
-    file.fail(fmt::format("{} of {} tetrahedra are flat, the first is number {} (from 0)", flat, mesh.tets.size(),
-                          first_flat));
+    fail(name, fmt::format("{} of {} tetrahedra are flat, the first is number {} (from 0)", flat, mesh.tets.size(),
+                           first_flat));
   if (inverted == mesh.tets.size()) {
     for (Tetrahedron& t : mesh.tets) std::swap(t[2], t[3]);
   } else if (inverted > 0) {
-    file.fail(fmt::format("{} of {} tetrahedra are inverted, the first is number {} (from 0)", inverted,
-                          mesh.tets.size(), first_inverted));
+    fail(name, fmt::format("{} of {} tetrahedra are inverted, the first is number {} (from 0)", inverted,
+                           mesh.tets.size(), first_inverted));
   }
 }
 
@@ -74,8 +78,17 @@ TetMesh read_tets(const std::filesystem::path& path) {
   if (raw.tets.empty()) file.fail("the file holds no tetrahedra");
   if (raw.points.size() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
     file.fail(fmt::format("{} vertices are more than can be counted", raw.points.size()));
-  TetMesh mesh = without_unused(file, raw);
-  orient(file, mesh);
+  TetMesh mesh = without_unused(path.string(), raw);
+  orient(path.string(), mesh);
+  return mesh;
+}
+
+TetMesh clean_tets(const TetMesh& given, const std::string& name) {
+  RawTets raw{given.vertices, {}};
+  for (const Tetrahedron& t : given.tets) raw.tets.push_back({t[0], t[1], t[2], t[3]});
+  if (raw.tets.empty()) fail(name, "there are no tetrahedra");
+  TetMesh mesh = without_unused(name, raw);
+  orient(name, mesh);
   return mesh;
 }
 

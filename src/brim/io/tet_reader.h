@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "brim/mesh/tri_mesh.h"
 
@@ -16,5 +17,9 @@ namespace brim {
 ///                     index)
 /// Tests: tests/io/tet_reader_test.cpp
 TetMesh read_tets(const std::filesystem::path& path);
+
+/// What read_tets does with tetrahedra that it has read: the checks, the turning, the dropping.
+/// @param name  for messages  @throws InputError
+TetMesh clean_tets(const TetMesh& mesh, const std::string& name);
 
 }  // namespace brim

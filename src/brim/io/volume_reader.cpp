@@ -172,9 +172,13 @@ VoxelImage read_volume(const VolumeInfo& info, const VolumeReadOptions& options)
   image.values.assign(image.count(), 0.0f);
 
   const bool text_of_numbers = info.encoding == VolumeInfo::Encoding::Text;
-  ByteSource source(info.data_path, info.file_offset, info.encoding == VolumeInfo::Encoding::Gzip);
-  source.skip(info.data_offset);
-  TextNumbers text(info.data_path, source);
+  std::optional<ByteSource> source;
+  std::optional<TextNumbers> text;
+  if (!info.slices) {
+    source.emplace(info.data_path, info.file_offset, info.encoding == VolumeInfo::Encoding::Gzip);
+    source->skip(info.data_offset);
+    text.emplace(info.data_path, *source);
+  }
   const std::size_t nx = static_cast<std::size_t>(info.size.x()), ny = static_cast<std::size_t>(info.size.y());
   const std::size_t slice = nx * ny, width = voxel_bytes(info.type);
   std::vector<char> raw(text_of_numbers || info.slices ? 0 : slice * width);
@@ -184,9 +188,9 @@ VoxelImage read_volume(const VolumeInfo& info, const VolumeReadOptions& options)
     if (info.slices) {
       info.slices->read(k, value);
     } else if (text_of_numbers) {
-      text.read(slice, value.data());
+      text->read(slice, value.data());
     } else {
-      source.read(raw.data(), raw.size());
+      source->read(raw.data(), raw.size());
       parallel_for(
           ny,
           [&](std::size_t j) {

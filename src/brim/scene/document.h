@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -11,12 +12,15 @@ namespace brim {
 /// JSON whose keys keep the order in which they were written.
 using Json = nlohmann::ordered_json;
 
+struct GivenArrays;  // brim/scene/given_arrays.h
+
 /// A JSON text together with where each of its values stands.
 struct Document {
   std::string file;  ///< as the user named it
   std::string text;  ///< the bytes as read
   Json root;
-  std::map<std::string, int> line;  ///< JSON pointer -> line, from 1; of the key for members of objects
+  std::map<std::string, int> line;              ///< JSON pointer -> line, from 1; of the key for members of objects
+  std::shared_ptr<const GivenArrays> arrays{};  ///< what stands in memory for files; may be nothing
 
   /// Line of a pointer, or of its nearest ancestor that is written in the file (defaults are not).
   int line_of(std::string pointer) const;

@@ -5,6 +5,7 @@
 
 #include "brim/core/parallel.h"
 #include "brim/io/volume_reader.h"
+#include "brim/scene/given_arrays.h"
 #include "brim/scene/limits.h"
 #include "brim/scene/solid.h"
 
@@ -18,8 +19,8 @@ constexpr double kVoxelsAcross = 48.0;
 constexpr double kBytesPerVoxel = 6.0;
 
 VolumeInfo read_info(const Node& n) {
-  const std::string path = scene_path(n.at("file"));
-  return n.at("file").placed([&] {
+  const Node file = n.at("file");
+  return file.placed([&] {
     VolumeInfo info;
     if (n.has("raw")) {
       const Node raw = n.at("raw");
@@ -29,9 +30,9 @@ VolumeInfo read_info(const Node& n) {
       layout.type = *voxel_type(raw.string("type"));
       layout.big_endian = raw.boolean("big_endian");
       layout.skip = static_cast<std::size_t>(raw.integer("skip"));
-      info = raw_volume_info(path, layout);
+      info = raw_volume_info(scene_path(file), layout);
     } else {
-      info = read_volume_info(path, n.has("grid") ? n.string("grid") : "");
+      info = named_volume(file, n.has("grid") ? n.string("grid") : "");
     }
     if (const auto unit = n.number_if("unit")) info.unit = *unit;
     return info;

@@ -192,7 +192,9 @@ std::vector<Expectation> read_expect(const Node& list, const std::set<std::strin
   return expect;
 }
 
-Scene read_scene(Document&& read) {
+}  // namespace
+
+Scene check_scene(Document read) {
   auto document = std::make_shared<Document>(std::move(read));
   validate(*document, scene_schema());
   const Node root(*document, document->root, "");
@@ -216,14 +218,12 @@ Scene read_scene(Document&& read) {
   return scene;
 }
 
-}  // namespace
+Scene load_scene(const std::string& path) { return check_scene(read_document(path)); }
 
-Scene load_scene(const std::string& path) { return read_scene(read_document(path)); }
+Scene parse_scene(std::string_view text, const std::string& file) { return check_scene(parse_document(text, file)); }
 
-Scene parse_scene(std::string_view text, const std::string& file) { return read_scene(parse_document(text, file)); }
-
-World build_world(const Scene& scene) {
-  World world(scene.world);
+std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene) {
+  std::vector<std::unique_ptr<Body>> bodies;
   const Node list(*scene.document, scene.document->root.at("bodies"), "/bodies");
   const double duration = static_cast<double>(scene.frames) * scene.frame_time();
   for (std::size_t i = 0; i < list.size(); ++i) {
@@ -239,10 +239,16 @@ World build_world(const Scene& scene) {
       node.placed([&] {
         std::unique_ptr<Body> body = maker->body(p);
         body->set_name(p.name);
-        world.add(std::move(body));
+        bodies.push_back(std::move(body));
       });
     }
   }
+  return bodies;
+}
+
+World build_world(const Scene& scene) {
+  World world(scene.world);
+  for (std::unique_ptr<Body>& body : build_bodies(scene)) world.add(std::move(body));
   return world;
 }
 

@@ -44,6 +44,13 @@ Scene parse_scene(std::string_view text, const std::string& file = "scene.json")
 ///   the memory limit
 World build_world(const Scene& scene);
 
+/// The bodies alone, named, in the order of the scene. @throws InputError  likewise
+std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene);
+
+/// Checks a document that was read or made: all that load_scene does after reading.
+/// @throws InputError
+Scene check_scene(Document document);
+
 /// The schema of scene files (JSON Schema 2020-12), the single source of what load_scene accepts.
 const std::string& scene_schema_text();
 

@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <numbers>
 
-#include "brim/io/surface_reader.h"
 #include "brim/mesh/mass_properties.h"
 #include "brim/mesh/primitives.h"
 #include "brim/mesh/topology.h"
 #include "brim/raster/grid_shape.h"
+#include "brim/scene/given_arrays.h"
 #include "brim/scene/limits.h"
 
 namespace brim {
@@ -32,8 +32,7 @@ TriMesh plane_surface(double side) {
 
 SolidSurface read_file(const Node& n, double scale) {
   SolidSurface s;
-  const std::string path = scene_path(n.at("file"));
-  s.mesh = n.at("file").placed([&] { return read_surface(path); });
+  s.mesh = named_surface(n.at("file"));
   s.treatment = treatment_of(n.string("treatment"));
   if (s.treatment == SurfaceTreatment::Thickness) s.thickness = n.number("thickness") * scale;
   if (n.string("up") == "y")

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "brim/io/tet_reader.h"
 #include "brim/mesh/mass_properties.h"
 #include "brim/mesh/tet_lattice.h"
 #include "brim/mesh/topology.h"
+#include "brim/scene/given_arrays.h"
 #include "brim/scene/limits.h"
 #include "brim/scene/solid.h"
 
@@ -63,8 +63,7 @@ void check_fill(const Node& n) {
 FilledSolid read_filled(const Node& n, double scale, double memory_limit) {
   FilledSolid out;
   if (n.has("tet_mesh")) {
-    const std::string path = scene_path(n.at("tet_mesh"));
-    out.mesh = n.at("tet_mesh").placed([&] { return read_tets(path); });
+    out.mesh = named_tets(n.at("tet_mesh"));
     for (Vec3& x : out.mesh.vertices) x *= scale;
   } else {
     const SolidSurface source = read_surface_of(n.at("shape"), scale);

@@ -27,20 +27,6 @@ double step_at(double q, double relative) { return relative * std::max(1.0, std:
 Eigen::Map<const Vector> vector(std::span<const double> x) { return {x.data(), static_cast<Eigen::Index>(x.size())}; }
 Eigen::Map<Vector> writable(std::span<double> x) { return {x.data(), static_cast<Eigen::Index>(x.size())}; }
 
-/// −∂E/∂q.
-Vector force_of(const OwnBody& body, std::vector<double> q) {
-  Vector f(static_cast<Eigen::Index>(q.size()));
-  for (std::size_t i = 0; i < q.size(); ++i) {
-    const double at = q[i], d = step_at(at, kForceStep);
-    q[i] = at + d;
-    const double up = body.energy(q);
-    q[i] = at - d;
-    f[static_cast<Eigen::Index>(i)] = -(up - body.energy(q)) / (2.0 * d);
-    q[i] = at;
-  }
-  return f;
-}
-
 }  // namespace
 
 OwnBody::OwnBody(OwnModel model) : model_(std::move(model)) {
@@ -86,6 +72,35 @@ void OwnBody::jacobian(Coordinates q, const Vec3& X, Eigen::Ref<Jacobian> J) con
   }
 }
 
+Eigen::VectorXd OwnBody::energy_force(Coordinates given) const {
+  std::vector<double> q(given.begin(), given.end());
+  Vector f(static_cast<Eigen::Index>(q.size()));
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    const double at = q[i], d = step_at(at, kForceStep);
+    q[i] = at + d;
+    const double up = energy(q);
+    q[i] = at - d;
+    f[static_cast<Eigen::Index>(i)] = -(up - energy(q)) / (2.0 * d);
+    q[i] = at;
+  }
+  return f;
+}
+
+void OwnBody::place_all(Coordinates q, std::span<const Vec3> X, std::span<Vec3> x) const {
+  parallel_for(
+      X.size(), [&](std::size_t p) { x[p] = place(q, X[p]); }, 64);
+}
+
+void OwnBody::rest_all(Coordinates q, std::span<const Vec3> x, std::span<Vec3> X) const {
+  parallel_for(
+      x.size(), [&](std::size_t p) { X[p] = rest(q, x[p]); }, 64);
+}
+
+void OwnBody::jacobian_all(Coordinates q, std::span<const Vec3> X, DenseMap& J) const {
+  parallel_for(
+      X.size(), [&](std::size_t p) { jacobian(q, X[p], J.row(p)); }, 16);
+}
+
 void OwnBody::initial_state(std::span<double> q, std::span<double> v) const {
   std::copy(model_.q.begin(), model_.q.end(), q.begin());
   std::copy(model_.v.begin(), model_.v.end(), v.begin());
@@ -95,8 +110,9 @@ void OwnBody::update(double, std::span<const double> q, std::span<const double> 
   q_.assign(q.begin(), q.end());
   v_.assign(v.begin(), v.end());
   vertex_.resize(model_.surface.vertices.size());
+  place_all(q_, model_.surface.vertices, vertex_);
   bounds_ = Aabb();
-  for (std::size_t i = 0; i < vertex_.size(); ++i) bounds_.extend(vertex_[i] = place(q_, model_.surface.vertices[i]));
+  for (const Vec3& x : vertex_) bounds_.extend(x);
   bounds_ = bounds_.inflated(kBulge * bounds_.extent().maxCoeff());
   measure_matter();
   measure_energy();
@@ -113,33 +129,36 @@ void OwnBody::measure_matter() {
   const double d = kPlaceStep / std::max(1.0, vector(v_).lpNorm<Eigen::Infinity>());
   std::vector<double> ahead(q_), behind(q_);
   for (std::size_t i = 0; i < q_.size(); ++i) ahead[i] += d * v_[i], behind[i] -= d * v_[i];
-  Jacobian J(3, n), J_ahead(3, n), J_behind(3, n);
+  std::vector<Vec3> x(piece_.size());
+  place_all(q_, piece_, x);
+  DenseMap at_q, at_ahead, at_behind;
+  for (const auto& [where, map] : {std::pair{&q_, &at_q}, {&ahead, &at_ahead}, {&behind, &at_behind}}) {
+    map->reset(piece_.size(), q_.size());
+    jacobian_all(*where, piece_, *map);
+  }
   for (std::size_t k = 0; k < piece_.size(); ++k) {
     const double m = piece_mass_[k];
-    const Vec3 x = place(q_, piece_[k]);
-    jacobian(q_, piece_[k], J);
-    jacobian(ahead, piece_[k], J_ahead);
-    jacobian(behind, piece_[k], J_behind);
+    const auto J = at_q.row(k);
     M_ += m * J.transpose() * J;
     linear_ += m * J;
-    angular_ += m * skew(x) * J;
-    bias_ += m * J.transpose() * ((J_ahead - J_behind) * vector(v_)) / (2.0 * d);
-    first_moment_ += m * x;
+    angular_ += m * skew(x[k]) * J;
+    bias_ += m * J.transpose() * ((at_ahead.row(k) - at_behind.row(k)) * vector(v_)) / (2.0 * d);
+    first_moment_ += m * x[k];
   }
 }
 
 void OwnBody::measure_energy() {
   const auto n = static_cast<Eigen::Index>(q_.size());
-  force_ = force_of(*this, q_);
+  force_ = energy_force(q_);
   K_.resize(n, n);
   std::vector<double> q = q_;
   for (Eigen::Index i = 0; i < n; ++i) {
     double& at = q[static_cast<std::size_t>(i)];
     const double start = at, d = step_at(start, kStiffnessStep);
     at = start + d;
-    const Vector up = force_of(*this, q);
+    const Vector up = energy_force(q);
     at = start - d;
-    K_.col(i) = (up - force_of(*this, q)) / (2.0 * d);
+    K_.col(i) = (up - energy_force(q)) / (2.0 * d);
     at = start;
   }
   // The solve needs a definite matrix: keep what resists.
@@ -172,9 +191,12 @@ double OwnBody::relative_speed_bound(int, std::span<const double> v) const {
   const double d = kPlaceStep / std::max(1.0, vector(v).lpNorm<Eigen::Infinity>());
   std::vector<double> ahead(q_), behind(q_);
   for (std::size_t i = 0; i < q_.size(); ++i) ahead[i] += d * v[i], behind[i] -= d * v[i];
+  std::vector<Vec3> front(model_.surface.vertices.size()), back(front.size());
+  place_all(ahead, model_.surface.vertices, front);
+  place_all(behind, model_.surface.vertices, back);
   double most = 0.0;
-  for (const Vec3& X : model_.surface.vertices)
-    most = std::max(most, ((place(ahead, X) - place(behind, X)) / (2.0 * d) - mean).norm());
+  for (std::size_t i = 0; i < front.size(); ++i)
+    most = std::max(most, ((front[i] - back[i]) / (2.0 * d) - mean).norm());
   return (1.0 + kBulge) * most;
 }
 
@@ -196,8 +218,9 @@ void OwnBody::make_map(int, std::span<const Vec3> points, std::span<const std::i
   if (!map) map = std::make_unique<DenseMap>();
   auto& dense = static_cast<DenseMap&>(*map);
   dense.reset(points.size(), q_.size());
-  parallel_for(
-      points.size(), [&](std::size_t p) { jacobian(q_, rest(q_, points[p]), dense.row(p)); }, 16);
+  std::vector<Vec3> X(points.size());
+  rest_all(q_, points, X);
+  jacobian_all(q_, X, dense);
 }
 
 double OwnBody::potential_energy(const Environment& env) const { return energy(q_) - env.gravity.dot(first_moment_); }

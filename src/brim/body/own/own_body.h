@@ -46,6 +46,14 @@ class OwnBody : public Body {
   virtual double energy(Coordinates q) const { return static_cast<void>(q), 0.0; }
   /// ∂place/∂q, shape (3, n). The default takes central differences.
   virtual void jacobian(Coordinates q, const Vec3& X, Eigen::Ref<Jacobian> J) const;
+  /// −∂E/∂q, shape (n). The default takes central differences.
+  virtual Eigen::VectorXd energy_force(Coordinates q) const;
+
+  // ---- the same for many points at once, for authors who work on arrays; the defaults go point by point -------------
+  virtual void place_all(Coordinates q, std::span<const Vec3> X, std::span<Vec3> x) const;
+  virtual void rest_all(Coordinates q, std::span<const Vec3> x, std::span<Vec3> X) const;
+  /// @param J  made for X.size() points and n coordinates
+  virtual void jacobian_all(Coordinates q, std::span<const Vec3> X, DenseMap& J) const;
 
   // ---- what follows ------------------------------------------------------------------------------------------------
   std::size_t q_size() const override { return model_.q.size(); }
@@ -78,6 +86,8 @@ class OwnBody : public Body {
  protected:
   /// @throws InputError  for a surface that is not closed, numbers that are not finite, sizes that do not fit
   explicit OwnBody(OwnModel model);
+  /// Of the last update.
+  Coordinates coordinates() const { return q_; }
 
  private:
   void measure_matter();

@@ -1,14 +1,13 @@
 #include <algorithm>
 
 #include "brim/body/cloth/cloth_body.h"
-#include "brim/io/surface_reader.h"
 #include "brim/mesh/mass_properties.h"
 #include "brim/mesh/primitives.h"
 #include "brim/mesh/topology.h"
 #include "brim/scene/constraints.h"
+#include "brim/scene/given_arrays.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/limits.h"
-#include "brim/scene/solid.h"
 
 namespace brim {
 
@@ -46,8 +45,7 @@ class ClothMaker final : public BodyMaker {
       const int row = cells[0] + 1;
       corners_ = {0, cells[0], cells[1] * row, cells[1] * row + cells[0]};
     } else {
-      const std::string path = scene_path(n.at("mesh"));
-      mesh_ = n.at("mesh").placed([&] { return read_surface(path); });
+      mesh_ = named_surface(n.at("mesh"));
       for (Vec3& x : mesh_.vertices) x *= scale;
     }
     const double voxel = n.number("voxel_size");

@@ -1,13 +1,13 @@
 #include <variant>
 
 #include "brim/body/mass_spring/mass_spring_body.h"
-#include "brim/io/surface_reader.h"
 #include "brim/io/tet_reader.h"
 #include "brim/mesh/mass_properties.h"
 #include "brim/mesh/primitives.h"
 #include "brim/mesh/tet_lattice.h"
 #include "brim/mesh/topology.h"
 #include "brim/scene/constraints.h"
+#include "brim/scene/given_arrays.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/limits.h"
 #include "brim/scene/solid.h"
@@ -119,8 +119,7 @@ class MassSpringMaker final : public BodyMaker {
       corners_ = {0, cells[0], cells[1] * row, cells[1] * row + cells[0]};
       return;
     }
-    const std::string path = scene_path(n.at("mesh"));
-    TriMesh surface = n.at("mesh").placed([&] { return read_surface(path); });
+    TriMesh surface = named_surface(n.at("mesh"));
     for (Vec3& x : surface.vertices) x *= scale;
     if (net)
       mesh_ = edges_of(surface);

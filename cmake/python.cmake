@@ -1,0 +1,68 @@
+# BRIM_PYTHON: the Python module, made where pybind11 and a Python with its headers and NumPy are found; AUTO by default.
+#
+# A Python that stands first on the PATH often has no NumPy (pyenv, conda): Python_EXECUTABLE where it is given, else the
+# first of the system's own and the one on the PATH that can import NumPy, is taken. What was found is said.
+set(BRIM_PYTHON AUTO CACHE STRING "Build the Python module: AUTO (where pybind11 and NumPy are found), ON or OFF")
+set_property(CACHE BRIM_PYTHON PROPERTY STRINGS AUTO ON OFF)
+
+if(IS_ABSOLUTE "${BRIM_PYTHON}")  # in caches of older versions the name was that of a program
+  set(BRIM_PYTHON AUTO CACHE STRING "Build the Python module: AUTO (where pybind11 and NumPy are found), ON or OFF" FORCE)
+endif()
+
+# Where BRIM_PYTHON asks for the module, says why there is none; else leaves it out.
+macro(brim_no_python reason)
+  if(BRIM_PYTHON STREQUAL "AUTO")
+    message(STATUS "Python module: left out: ${reason}")
+    set(BRIM_PYTHON OFF)
+  else()
+    message(FATAL_ERROR "BRIM_PYTHON is ${BRIM_PYTHON}, but ${reason}")
+  endif()
+endmacro()
+
+function(brim_has_numpy python result)
+  execute_process(COMMAND ${python} -c "import numpy; print(numpy.__version__)" RESULT_VARIABLE failed
+    OUTPUT_VARIABLE version ERROR_QUIET OUTPUT_STRIP_TRAILING_WHITESPACE)
+  set(${result} "" PARENT_SCOPE)
+  if(failed EQUAL 0)
+    set(${result} ${version} PARENT_SCOPE)
+  endif()
+endfunction()
+
+if(BRIM_PYTHON AND BRIM_SANITIZE)
+  brim_no_python("sanitizers are on: the interpreter would need them too")
+endif()
+if(BRIM_PYTHON)
+  if(NOT Python_EXECUTABLE)
+    find_program(BRIM_PYTHON_ON_PATH NAMES python3)
+    set(tried)
+    foreach(python /usr/bin/python3 ${BRIM_PYTHON_ON_PATH})
+      if(EXISTS ${python} AND NOT Python_EXECUTABLE)
+        brim_has_numpy(${python} numpy)
+        if(numpy)
+          set(Python_EXECUTABLE ${python})
+        else()
+          list(APPEND tried ${python})
+        endif()
+      endif()
+    endforeach()
+  endif()
+  if(NOT Python_EXECUTABLE)
+    list(JOIN tried ", " tried)
+    brim_no_python("no Python with NumPy was found (without it: ${tried}); on Debian: python3-numpy, or set Python_EXECUTABLE")
+  endif()
+endif()
+if(BRIM_PYTHON)
+  brim_has_numpy(${Python_EXECUTABLE} BRIM_NUMPY_VERSION)
+  find_package(Python 3.9 COMPONENTS Interpreter Development.Module QUIET)
+  find_package(pybind11 2.10 CONFIG QUIET)
+  if(NOT Python_Development.Module_FOUND)
+    brim_no_python("the headers of ${Python_EXECUTABLE} are not here (Debian: python3-dev)")
+  elseif(NOT pybind11_FOUND)
+    brim_no_python("pybind11 2.10 is not here (Debian: pybind11-dev)")
+  else()
+    message(STATUS "Python module: ${Python_EXECUTABLE} ${Python_VERSION}, pybind11 ${pybind11_VERSION}")
+    if(NOT BRIM_NUMPY_VERSION)  # it was chosen by name: the module is made, and needs NumPy when it is imported
+      message(STATUS "Python module: ${Python_EXECUTABLE} has no NumPy, which the module needs; its tests are left out")
+    endif()
+  endif()
+endif()

@@ -1,0 +1,32 @@
+"""brim: bodies of any kind in contact through a grid of densities.
+
+A world holds bodies and steps them; a body is added by the keys of an entry of a scene file::
+
+    import brim
+
+    world = brim.World(time_step=1 / 60)
+    world.add("obstacle", name="floor", shape=brim.plane())
+    ball = world.add("rigid", shape=brim.sphere(0.2), transform={"position": (0, 0, 1)})
+    for frame in world.run(frames=60):
+        print(frame.time, ball.v)
+
+SI units and right-handed axes with z up, as in scene files. docs/python.md is the tutorial.
+"""
+
+from ._core import Defect, InputError, State, StepReport, Warning, __version__, set_threads, thread_count
+from .body import Body
+from .env import Env, Envs
+from .own_body import OwnBody
+from .plugin import load_plugin
+from .recorded import Run, RunBody
+from .shapes import (blob, bowl, box, capsule, cup, cylinder, gear, l_profile, mesh, plane, sphere, star, torus,
+                     u_profile)
+from .view import View, view
+from .world import Frame, Running, StepError, World, load
+
+__all__ = [
+    "Body", "Defect", "Env", "Envs", "Frame", "InputError", "OwnBody", "Run", "RunBody", "Running", "State",
+    "StepError", "StepReport", "View", "Warning", "World", "__version__", "blob", "bowl", "box", "capsule", "cup",
+    "cylinder", "gear", "l_profile", "load", "load_plugin", "mesh", "plane", "set_threads", "sphere", "star", "thread_count",
+    "torus", "u_profile", "view",
+]

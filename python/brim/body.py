@@ -1,0 +1,193 @@
+"""Handles of bodies."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from .world import World
+
+Array = NDArray[np.float64]
+Force = Callable[[float, Array, Array], Any]
+
+
+class Body:
+    """A body of a world; made by World.add and World.__getitem__."""
+
+    def __init__(self, world: World, number: int) -> None:
+        self._world = world
+        self._core = world._core
+        self._number = number
+
+    @property
+    def world(self) -> World:
+        return self._world
+
+    @property
+    def number(self) -> int:
+        """Its place among the world's bodies, from 0; body_a and body_b of contacts are such numbers."""
+        return self._number
+
+    @property
+    def name(self) -> str:
+        return self._core.name(self._number)
+
+    @property
+    def kind(self) -> str:
+        """The word for its kind in scenes: "rigid", "cloth", ..."""
+        return self._core.kind(self._number)
+
+    @property
+    def mass(self) -> float:
+        """[kg]; infinite when it is fixed or animated."""
+        return self._core.mass(self._number)
+
+    # ---- state -------------------------------------------------------------------------------------------------------
+
+    @property
+    def q(self) -> Array:
+        """Generalised coordinates, shape (nq,): a view that stays valid and follows every step.
+
+        Rigid bodies: centre of mass [m] and quaternion w x y z; bodies of nodes: their positions [m]. Writing to it moves
+        the body at the next step, or when anything that depends on it is asked for.
+        """
+        return self._core.q(self._number)
+
+    @q.setter
+    def q(self, value: Any) -> None:
+        self._core.q(self._number)[:] = value
+
+    @property
+    def v(self) -> Array:
+        """Generalised velocities, shape (nv,): a view that stays valid and follows every step; writing sets them.
+
+        Rigid bodies: velocity of the centre of mass [m/s] and spin [rad/s] in the world's axes; bodies of nodes: those of
+        the nodes.
+        """
+        return self._core.v(self._number)
+
+    @v.setter
+    def v(self, value: Any) -> None:
+        self._core.v(self._number)[:] = value
+
+    @property
+    def nodal(self) -> bool:
+        """True where coordinates are the positions of nodes: finite elements, cloth, springs, rods, grains, particles."""
+        return self._core.nodal(self._number)
+
+    @property
+    def positions(self) -> Array:
+        """[m], shape (n, 3). Of bodies of nodes: the nodes, a view of q. Of others: the vertices shown, a copy."""
+        if self.nodal:
+            return self.q.reshape(-1, 3)
+        return self._core.positions(self._number).astype(np.float64)
+
+    @property
+    def velocities(self) -> Array:
+        """[m/s], shape (n, 3), of the nodes of bodies of nodes: a view of v. @raises TypeError for others"""
+        if not self.nodal:
+            raise TypeError(f"{self!r} has no nodes; its velocities are v")
+        return self.v.reshape(-1, 3)
+
+    @property
+    def surface(self) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+        """Vertices [m] (n, 3) and triangles (m, 3) as the viewer shows them: copies. Lines and points have no triangles."""
+        return self._core.positions(self._number), self._core.triangles(self._number)
+
+    # ---- measures ----------------------------------------------------------------------------------------------------
+
+    @property
+    def kinetic_energy(self) -> float:
+        """[J]"""
+        return self._core.kinetic_energy(self._number)
+
+    @property
+    def linear_momentum(self) -> Array:
+        """[kg m/s], shape (3,)"""
+        return self._core.linear_momentum(self._number)
+
+    @property
+    def angular_momentum(self) -> Array:
+        """About the world's origin [kg m²/s], shape (3,)"""
+        return self._core.angular_momentum(self._number)
+
+    @property
+    def contact_force(self) -> Array:
+        """Sum of the contact forces on the body in the last sub-step, friction included [N], shape (3,)."""
+        pairs = self._world.pairs
+        on_a, on_b = pairs["body_a"] == self._number, pairs["body_b"] == self._number
+        return pairs["force"][on_a].sum(0) - pairs["force"][on_b].sum(0)
+
+    # ---- forces ------------------------------------------------------------------------------------------------------
+
+    def force(self, function: Force) -> Force:
+        """Decorator: a force, called once a step as function(t, x, v) and broadcast to shape (n, 3), [N].
+
+        t: time [s]; x, v: positions [m] and velocities [m/s], shape (n, 3). Bodies of nodes: a row a node. Rigid bodies: one
+        row, the centre of mass. The force acts over the whole step. Other kinds take generalized_force.
+        """
+        if not self.nodal and self._core.frame_center(self._number) is None:
+            raise TypeError(f"{self!r} has neither nodes nor a rigid frame; use generalized_force")
+        self._world._forces.append((self, self._nodal_force if self.nodal else self._frame_force, function))
+        return function
+
+    def torque(self, function: Force) -> Force:
+        """Decorator for rigid bodies: a torque about the centre of mass, function(t, q, v) -> (3,), [N m]."""
+        if self.nodal or self._core.frame_center(self._number) is None:
+            raise TypeError(f"{self!r} is not rigid; use force or generalized_force")
+        self._world._forces.append((self, self._frame_torque, function))
+        return function
+
+    def generalized_force(self, function: Force) -> Force:
+        """Decorator: function(t, q, v) -> (nv,), the force along each of the body's velocities."""
+        self._world._forces.append((self, self._own_force, function))
+        return function
+
+    def remove_force(self, function: Force) -> None:
+        """Takes a force away again. @raises ValueError when the body has no such force"""
+        for entry in self._world._forces:
+            if entry[0]._number == self._number and entry[2] is function:
+                self._world._forces.remove(entry)
+                return
+        raise ValueError(f"{self!r} has no such force")
+
+    def _given(self, function: Force, value: Any, shape: tuple[int, ...]) -> Array:
+        try:
+            force = np.broadcast_to(np.asarray(value, dtype=np.float64), shape)
+        except (ValueError, TypeError) as error:
+            name = getattr(function, "__name__", "force")
+            raise ValueError(f"{name}: its value cannot be broadcast to shape {shape}: {error}") from None
+        return force
+
+    def _nodal_force(self, t: float, function: Force) -> Array:
+        x, v = self.positions.copy(), self.velocities.copy()
+        return self._given(function, function(t, x, v), x.shape).ravel()
+
+    def _frame_force(self, t: float, function: Force) -> Array:
+        v = self.v.copy()
+        x = np.asarray(self._core.frame_center(self._number)).reshape(1, 3)
+        total = np.zeros(v.shape)
+        total[:3] = self._given(function, function(t, x, v[:3].reshape(1, 3)), (1, 3))[0]
+        return total
+
+    def _frame_torque(self, t: float, function: Force) -> Array:
+        v = self.v.copy()
+        total = np.zeros(v.shape)
+        total[3:] = self._given(function, function(t, self.q.copy(), v), (3,))
+        return total
+
+    def _own_force(self, t: float, function: Force) -> Array:
+        v = self.v.copy()
+        return self._given(function, function(t, self.q.copy(), v), v.shape)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Body) and other._core is self._core and other._number == self._number
+
+    def __hash__(self) -> int:
+        return hash((id(self._core), self._number))
+
+    def __repr__(self) -> str:
+        return f'<{self.kind} "{self.name}">'

@@ -1,0 +1,354 @@
+"""Worlds."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any, Iterator, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from .body import Array, Body, Force
+from .own_body import OwnBody
+from .scene_file import scene_text, take_arrays, write_arrays
+from .view import View, view
+
+_SCENE_KEYS = ("name", "description", "duration", "frames", "steps_per_frame", "materials", "pairs", "expect")
+
+
+class StepError(RuntimeError):
+    """A step whose solve failed; the state is that before the failed sub-step. ``report`` says what happened."""
+
+    def __init__(self, report: _core.StepReport) -> None:
+        super().__init__("; ".join(w.message for w in report.warnings) or "the step failed")
+        self.report = report
+
+
+class Frame(NamedTuple):
+    """One frame of a run."""
+
+    number: int
+    """From 1."""
+    time: float
+    """[s]"""
+    report: _core.StepReport
+
+
+class World:
+    """Bodies, their state, and the step that moves them.
+
+    Keywords are those of "world" in a scene file (time_step [s], voxel_size [m], gravity, stiffness [Pa], response, ...), and
+    of the scene itself: name, materials, pairs, steps_per_frame, frames or duration.
+    """
+
+    def __init__(self, **keys: Any) -> None:
+        scene: dict[str, Any] = {"brim": 1, "name": keys.pop("name", "world")}
+        for key in _SCENE_KEYS:
+            if key in keys:
+                scene[key] = keys.pop(key)
+        if "frames" not in scene and "duration" not in scene:
+            scene["duration"] = 60.0
+        scene["world"] = keys
+        self._start(_core.Session(scene, os.getcwd()))
+
+    @classmethod
+    def _of(cls, core: _core.Session) -> World:
+        world = cls.__new__(cls)
+        world._start(core)
+        return world
+
+    def _start(self, core: _core.Session) -> None:
+        self._core = core
+        self._forces: list[tuple[Body, Any, Force]] = []
+        self._recorded: str | None = None
+        self._view: View | None = None
+
+    # ---- bodies ------------------------------------------------------------------------------------------------------
+
+    def add(self, kind: str | OwnBody, **keys: Any) -> Any:
+        """Adds a body and gives its handle; with the key "repeat", adds all copies and gives a list of handles.
+
+        kind: one of a scene file ("rigid", "cloth", ...), whose keys, defaults and messages hold, or an OwnBody.
+        Without a name the body is called by its kind and a number.
+
+        Meshes and volumes may be arrays: vertices (n, 3) [m] with triangles (m, 3) in place of "mesh", with tetrahedra
+        (m, 4) in place of "tet_mesh"; intensities (nx, ny, nz) with spacing (3,) [m] in place of "file". Surfaces and
+        intensities are kept in single precision; vertices at equal positions become one.
+
+        @raises InputError for what a scene file could not say either; nothing is added then
+        """
+        if isinstance(kind, OwnBody):
+            return self._add_own(kind, **keys)
+        name = keys.pop("name", None) or self._free_name(kind)
+        keys = take_arrays(self._core, name, keys)
+        numbers = self._core.add({"kind": kind, "name": name, **keys})
+        bodies = [Body(self, number) for number in numbers]
+        return bodies if "repeat" in keys else bodies[0]
+
+    def _add_own(self, author: OwnBody, name: str | None = None) -> Body:
+        name = name or author.name or self._free_name(type(author).__name__.lower())
+        entry = take_arrays(self._core, name, {"shape": author.surface})
+        entry.update(kind="rigid", name=name, density=author.density, voxel_size=author.voxel_size)
+        if author.material is not None:
+            entry["material"] = author.material
+        if author.response is not None:
+            entry["response"] = author.response
+        number = self._core.add_own(entry, author, author.q0, author.v0, author.mass_spacing, author.stiffness_damping)
+        return Body(self, number)
+
+    def _free_name(self, kind: str) -> str:
+        names = {body.name for body in self.bodies}
+        number = 1
+        while f"{kind}_{number}" in names:
+            number += 1
+        return f"{kind}_{number}"
+
+    @property
+    def bodies(self) -> list[Body]:
+        return [Body(self, number) for number in range(self._core.body_count)]
+
+    def __getitem__(self, name: str) -> Body:
+        """The body of that name. @raises KeyError"""
+        for body in self.bodies:
+            if body.name == name:
+                return body
+        raise KeyError(name)
+
+    def __len__(self) -> int:
+        return self._core.body_count
+
+    def __iter__(self) -> Iterator[Body]:
+        return iter(self.bodies)
+
+    # ---- stepping ----------------------------------------------------------------------------------------------------
+
+    def step(self) -> _core.StepReport:
+        """Advances by time_step. Other Python threads run meanwhile.
+
+        @raises StepError when the solve fails; whatever a force or a body written in Python raises, the world then being
+        as it was before the step
+        """
+        return self._step(False)
+
+    def _step(self, joined: bool) -> _core.StepReport:
+        if self._forces:
+            self._push()
+        self._core.step(joined)
+        report = self._core.report()
+        if not report.ok:
+            raise StepError(report)
+        return report
+
+    def _push(self) -> None:
+        """Applies the forces over the coming step: all are asked before any acts."""
+        time = self._core.time
+        total: dict[int, Array] = {}
+        for body, ask, function in list(self._forces):
+            force = ask(time, function)
+            total[body.number] = total[body.number] + force if body.number in total else force
+        self._core.push(total)
+
+    def run(self, frames: int | None = None, record: str | os.PathLike[str] | None = None, *,
+            force: bool = False) -> Running:
+        """Steps frame by frame: ``for frame in world.run(frames=120): ...``; ``world.run(...).all()`` runs to the end.
+
+        frames: how many; those of the scene unless given. record: folder for a run that brim.Run, `brim view` and
+        `brim export` open. force: replace an old run there.
+        """
+        return Running(self, self._core.frames if frames is None else frames, record, force)
+
+    @property
+    def time(self) -> float:
+        """[s]"""
+        return self._core.time
+
+    @property
+    def time_step(self) -> float:
+        """[s]"""
+        return self._core.time_step
+
+    @property
+    def report(self) -> _core.StepReport:
+        """Of the last step, or of the last frame of a run."""
+        return self._core.report()
+
+    # ---- state -------------------------------------------------------------------------------------------------------
+
+    def save(self) -> _core.State:
+        """All that changes, for restore: a copy, which can be pickled."""
+        return self._core.state()
+
+    def restore(self, state: _core.State) -> None:
+        """Goes back to a saved state, bit for bit. @raises InputError when bodies were added since"""
+        self._core.set_state(state)
+
+    @property
+    def hash(self) -> int:
+        """Of the whole state: equal runs have equal hashes at every step."""
+        return self._core.hash
+
+    # ---- contact -----------------------------------------------------------------------------------------------------
+
+    @property
+    def contacts(self) -> NDArray[Any]:
+        """Contacts of the last sub-step, an array with named fields, shape (n,): a copy.
+
+        position [m] (3,); force (normal) and friction [N] (3,), on body_a; overlap [voxels]; part_a, part_b, body_a,
+        body_b. ``world.contacts["force"]`` has shape (n, 3).
+        """
+        return self._core.contacts()
+
+    @property
+    def pairs(self) -> NDArray[Any]:
+        """Totals of touching pairs of parts in the last sub-step, an array with named fields, shape (n,): a copy.
+
+        force (normal and friction) and friction [N] (3,), on body_a; center of pressure [m] (3,); worst_overlap [voxels];
+        contacts; part_a, part_b, body_a, body_b.
+        """
+        return self._core.pairs()
+
+    def force(self, a: Body, b: Body) -> Array:
+        """Contact force of b on a in the last sub-step, friction included [N], shape (3,)."""
+        pairs = self._core.pairs()
+        on_a = (pairs["body_a"] == a.number) & (pairs["body_b"] == b.number)
+        on_b = (pairs["body_a"] == b.number) & (pairs["body_b"] == a.number)
+        return pairs["force"][on_a].sum(0) - pairs["force"][on_b].sum(0)
+
+    @property
+    def tiles(self) -> tuple[NDArray[np.int64], Array]:
+        """Tiles of 8 x 8 x 8 nodes on which two parts met: keys (n, 3) and steps h [m] (n,). Node (i, j, k) of tile
+        (x, y, z) is at h (8 x + i, 8 y + j, 8 z + k)."""
+        return self._core.tiles()
+
+    def density(self, part: int, h: float, tiles: Any) -> Array:
+        """Fraction filled by a part at the nodes of tiles of step h [m]: shape (n, 8, 8, 8), axes x, y, z. tiles: (n, 3)."""
+        return self._core.density(part, h, np.ascontiguousarray(tiles, dtype=np.int64).reshape(-1, 3))
+
+    # ---- files and views ---------------------------------------------------------------------------------------------
+
+    @property
+    def name(self) -> str:
+        return str(self._core.head()["name"])
+
+    def save_scene(self, path: str | os.PathLike[str], frames: int | None = None) -> None:
+        """Writes the world, as it was built, as a scene file; arrays go to files in "arrays" beside it. Forces and bodies
+        written in Python are not in it. @raises InputError for bodies written in Python"""
+        for entry in self._core.entries():
+            if entry["kind"] == "python":
+                raise _core.InputError(f'"{entry["name"]}" is written in Python and cannot be saved in a scene file')
+        path = Path(path)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(scene_text(self._core, self.name, frames or max(1, self._core.frames)))
+        write_arrays(self._core, path.parent)
+
+    def show(self, record: str | os.PathLike[str] | None = None, *, height: int = 520) -> View:
+        """Shows the last recorded run, or the world as it is now, in the viewer's page; in a notebook as a frame."""
+        folder = str(record) if record is not None else self._recorded
+        if folder is None:
+            import tempfile
+            folder = os.path.join(tempfile.mkdtemp(prefix="brim_"), self.name)
+            Running(self, 0, folder, False).all()
+        if self._view is not None:
+            self._view.close()
+        self._view = view(folder, height=height)
+        return self._view
+
+    def __repr__(self) -> str:
+        return f'<World "{self.name}": {len(self)} bodies, {self.time:.6g} s>'
+
+
+def load(path: str | os.PathLike[str]) -> World:
+    """The world of a scene file. @raises InputError "file:line: pointer: what, and what is allowed\""""
+    return World._of(_core.Session.load(os.fspath(path)))
+
+
+class Running:
+    """An iterator over the frames of a run; made by World.run. A run that is left early is closed with what it has."""
+
+    def __init__(self, world: World, frames: int, record: str | os.PathLike[str] | None, force: bool) -> None:
+        if frames < 0:
+            raise ValueError(f"frames: {frames} is not allowed; must be at least 0")
+        self._world = world
+        self._frames = frames
+        self._number = 0
+        self._recorder: _core.Recorder | None = None
+        self._done = False
+        self.findings: list[dict[str, Any]] = []
+        """What became of the scene's expectations, after the last frame of a recorded run."""
+        if record is not None:
+            self._open(os.fspath(record), force)
+
+    def _open(self, folder: str, force: bool) -> None:
+        core = self._world._core
+        folder = os.path.abspath(folder)
+        text, origin = core.text, core.file
+        if not text:  # built here: the run's own folder is where relative paths start from
+            text, origin = scene_text(core, self._world.name, max(1, self._frames)), os.path.join(folder, "scene.json")
+        self._recorder = _core.Recorder(core, folder, self._world.name, self._frames, core.steps_per_frame, text, origin,
+                                        force)
+        if not core.text:
+            write_arrays(core, Path(folder))
+        self._world._recorded = folder
+
+    def __len__(self) -> int:
+        return self._frames
+
+    def __iter__(self) -> Running:
+        return self
+
+    def __next__(self) -> Frame:
+        if self._number >= self._frames:
+            self._finish("completed")
+            raise StopIteration
+        core = self._world._core
+        try:
+            for step in range(core.steps_per_frame):
+                report = self._world._step(step > 0)
+        except StepError:
+            self._record(core.steps_per_frame)
+            self._finish("failed")
+            raise
+        except BaseException:
+            self._finish("interrupted")
+            raise
+        self._number += 1
+        self._record(core.steps_per_frame)
+        if self._number == self._frames:
+            self._finish("completed")
+        return Frame(self._number, core.time, report)
+
+    def _record(self, steps: int) -> None:
+        if self._recorder is not None and not self._done:
+            self._recorder.add(self._world._core, steps)
+
+    def _finish(self, end: str) -> None:
+        if self._recorder is not None and not self._done:
+            self.findings = self._recorder.finish(self._world._core, end)
+        self._done = True
+
+    def all(self) -> Frame | None:
+        """Runs to the end. @return the last frame"""
+        last = None
+        for last in self:
+            pass
+        return last
+
+    def close(self) -> None:
+        """Ends the run; what is recorded of it stays."""
+        self._finish("interrupted" if self._number < self._frames else "completed")
+        self._frames = self._number
+
+    def __enter__(self) -> Running:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def __del__(self) -> None:
+        try:
+            if self._recorder is not None and not self._done:
+                self.close()
+        except Exception:
+            pass

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <memory>
+
+#include "brim/body/own/own_body.h"
+#include "caller_thread.h"
+
+namespace brim::python {
+
+/// A body whose author answers in Python, for whole arrays of points: place, rest, distance, energy, and where the
+/// author has them jacobian and force (brim.OwnBody in brim/own_body.py says what each is).
+/// Each call of the world is handed to the thread that steps it (CallerThread), so that Python is entered once for a
+/// whole part and never from within a loop of brim's own threads.
+/// Tests: python/tests/own_body_test.py
+class ArrayBody final : public OwnBody {
+ public:
+  /// @param author  object with the methods
+  /// @throws InputError
+  ArrayBody(OwnModel model, pybind11::object author, std::shared_ptr<CallerThread> caller);
+  ~ArrayBody() override;
+
+  std::string_view kind() const override { return kind_; }
+
+  Vec3 place(Coordinates q, const Vec3& X) const override;
+  Vec3 rest(Coordinates q, const Vec3& x) const override;
+  double distance(Coordinates q, const Vec3& x) const override;
+  double energy(Coordinates q) const override;
+  Eigen::VectorXd energy_force(Coordinates q) const override;
+  void place_all(Coordinates q, std::span<const Vec3> X, std::span<Vec3> x) const override;
+  void rest_all(Coordinates q, std::span<const Vec3> x, std::span<Vec3> X) const override;
+  void jacobian_all(Coordinates q, std::span<const Vec3> X, DenseMap& J) const override;
+
+  void update(double time, std::span<const double> q, std::span<const double> v) override;
+  double relative_speed_bound(int p, std::span<const double> v) const override;
+  void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
+  void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
+                std::unique_ptr<Map>& map) const override;
+  double potential_energy(const Environment& env) const override;
+
+ private:
+  std::string kind_;
+  pybind11::object author_;
+  bool has_jacobian_ = false, has_force_ = false;
+  std::shared_ptr<CallerThread> caller_;
+};
+
+}  // namespace brim::python

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+/// One function per idea of the module; module.cpp calls them in order.
+namespace brim::python {
+
+void bind_reports(pybind11::module_& m);
+void bind_session(pybind11::module_& m);
+void bind_runs(pybind11::module_& m);
+
+}  // namespace brim::python

@@ -1,0 +1,332 @@
+#include "session.h"
+
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+
+#include "array_body.h"
+#include "arrays.h"
+#include "brim/scene/kinds.h"
+#include "brim/scene/node.h"
+#include "brim/scene/solid.h"
+#include "brim/world/report_fields.h"
+#include "json_of.h"
+
+namespace brim::python {
+
+namespace {
+
+/// Stands for the file of an entry that was added; messages lose it again.
+constexpr const char* kAdded = "<added>";
+
+/// Takes the made-up file's place out of a message: "FILE:1: /bodies/0/shape/radius: ..." -> "shape/radius: ...".
+template <class F>
+auto in_words(const std::string& file, const std::string& what, const F& f) {
+  try {
+    return f();
+  } catch (const InputError& e) {
+    std::string text = e.what();
+    if (!text.starts_with(file + ":")) throw InputError(what + ": " + text);
+    text = text.substr(text.find(": ") + 2);
+    for (const char* prefix : {"/bodies/0/", "/bodies/0: ", "/world/", "/"})
+      if (text.starts_with(prefix)) {
+        text = text.substr(std::strlen(prefix));
+        break;
+      }
+    throw InputError(what + ": " + text);
+  }
+}
+
+Json floor_entry() { return {{"kind", "obstacle"}, {"name", "floor"}, {"shape", {{"kind", "plane"}}}}; }
+
+}  // namespace
+
+struct Session::Busy {
+  explicit Busy(Session& s) : session(s) {
+    if (s.busy_) {
+      PyErr_SetString(PyExc_RuntimeError, "the world is in the middle of a step");
+      throw py::error_already_set();
+    }
+    s.busy_ = true;
+  }
+  ~Busy() { session.busy_ = false; }
+  Session& session;
+};
+
+Session::Session(const py::dict& scene, std::string folder) : folder_(std::move(folder)) {
+  head_ = json_of(scene, "");
+  const Scene empty = checked(floor_entry());
+  frames = empty.frames;
+  steps_per_frame = empty.steps_per_frame;
+  expect = empty.expect;
+  world_ = std::make_unique<World>(empty.world);
+}
+
+std::unique_ptr<Session> Session::load(const std::string& path) {
+  std::unique_ptr<Session> s(new Session());
+  const Scene scene = load_scene(path);
+  s->folder_ = std::filesystem::absolute(path).parent_path().string();
+  s->file = std::filesystem::absolute(path).lexically_normal().string();
+  s->text = scene.text;
+  s->frames = scene.frames;
+  s->steps_per_frame = scene.steps_per_frame;
+  s->expect = scene.expect;
+  s->head_ = parse_document(scene.text, path).root;
+  s->entries_ = s->head_.at("bodies");
+  s->head_.erase("bodies");
+  {
+    const py::gil_scoped_release release;
+    s->world_ = std::make_unique<World>(build_world(scene));
+  }
+  for (int b = 0; b < s->world_->body_count(); ++b) s->names_.insert(s->world_->body(b).name());
+  for (const Json& entry : s->entries_) s->names_.insert(entry.at("name").get<std::string>());
+  s->mirrors_.resize(static_cast<std::size_t>(s->world_->body_count()));
+  return s;
+}
+
+Scene Session::checked(const Json& entry, const std::string& kind) const {
+  Document document;
+  document.file = (std::filesystem::path(folder_) / kAdded).string();
+  document.root = head_;
+  document.root.erase("expect");
+  document.root["bodies"] = Json::array({entry});
+  document.arrays = arrays;
+  const bool alone = entry == floor_entry();
+  const std::string what =
+      alone ? "World"
+            : fmt::format("{} \"{}\"", kind.empty() ? entry.value("kind", "body") : kind,
+                          entry.contains("name") && entry["name"].is_string() ? entry["name"].get<std::string>() : "");
+  const std::string made_up = document.file;
+  return in_words(made_up, what, [&] {
+    Scene scene = check_scene(std::move(document));
+    return scene;
+  });
+}
+
+void Session::take(std::vector<std::unique_ptr<Body>> bodies, const Json& entry) {
+  read_mirrors();
+  unlocked([&] {
+    for (std::unique_ptr<Body>& body : bodies) world_->add(std::move(body));
+  });
+  for (int b = static_cast<int>(mirrors_.size()); b < world_->body_count(); ++b) names_.insert(world_->body(b).name());
+  names_.insert(entry.at("name").get<std::string>());
+  mirrors_.resize(static_cast<std::size_t>(world_->body_count()));
+  entries_.push_back(entry);
+  file.clear(), text.clear();
+}
+
+std::vector<int> Session::add(const py::dict& given) {
+  const Busy busy(*this);
+  const Json entry = json_of(given, "");
+  const Scene scene = checked(entry);
+  const std::string name = entry.at("name").get<std::string>();
+  std::vector<std::unique_ptr<Body>> bodies;
+  const std::string made_up = scene.file;
+  in_words(made_up, fmt::format("{} \"{}\"", entry.at("kind").get<std::string>(), name), [&] {
+    if (names_.contains(name)) throw InputError("name: it is already the name of a body; names must be unique");
+    const py::gil_scoped_release release;
+    bodies = build_bodies(scene);
+    for (const auto& body : bodies)
+      if (names_.contains(body->name()))
+        throw InputError(fmt::format("name: \"{}\" is already the name of a body; names must be unique", body->name()));
+  });
+  std::vector<int> numbers;
+  for (std::size_t i = 0; i < bodies.size(); ++i) numbers.push_back(world_->body_count() + static_cast<int>(i));
+  take(std::move(bodies), entry);
+  return numbers;
+}
+
+int Session::add_own(const py::dict& given, const py::object& author, const py::object& q, const py::object& v,
+                     double mass_spacing, double stiffness_damping) {
+  const Busy busy(*this);
+  Json entry = json_of(given, "");
+  const auto kind = py::str(py::type::of(author).attr("__name__")).cast<std::string>();
+  const Scene scene = checked(entry, kind);
+  const std::string name = entry.at("name").get<std::string>();
+  OwnModel model;
+  in_words(scene.file, fmt::format("{} \"{}\"", kind, name), [&] {
+    if (names_.contains(name)) throw InputError("name: it is already the name of a body; names must be unique");
+    const Node node(*scene.document, scene.document->root.at("bodies").at(0), "/bodies/0");
+    model.surface = read_surface_of(node.at("shape"), 1.0).mesh;
+    model.density = node.has("density") ? node.number("density") : 1000.0;
+    model.voxel_size = node.number("voxel_size");
+    model.material = scene.materials.at(node.string("material"));
+    if (node.has("response"))
+      model.material.response = node.string("response") == "constraint" ? Response::Constraint : Response::Penalty;
+    const DoubleArray start = DoubleArray::ensure(q);
+    if (!start || start.ndim() != 1 || start.size() == 0) {
+      PyErr_Clear();
+      throw InputError("q0: must be an array of one coordinate at least, shape (n,)");
+    }
+    model.q = numbers_of(q, static_cast<std::size_t>(start.size()), "q0");
+    if (!v.is_none()) model.v = numbers_of(v, model.q.size(), "v0");
+    for (const auto& [key, value] :
+         {std::pair{"mass_spacing", mass_spacing}, std::pair{"stiffness_damping", stiffness_damping}})
+      if (!(value >= 0.0) || !std::isfinite(value))
+        throw InputError(fmt::format("{}: {} is not allowed; must be a number from 0", key, value));
+  });
+  model.mass_spacing = mass_spacing;
+  model.stiffness_damping = stiffness_damping;
+  std::vector<std::unique_ptr<Body>> bodies;
+  bodies.push_back(std::make_unique<ArrayBody>(std::move(model), author, caller_));
+  bodies.back()->set_name(name);
+  const int number = world_->body_count();
+  served_ = true;
+  entry["kind"] = "python";
+  entry["class"] = kind;
+  take(std::move(bodies), entry);
+  return number;
+}
+
+void Session::unlocked(const std::function<void()>& f) {
+  if (served_) {
+    caller_->run(f);
+    return;
+  }
+  const py::gil_scoped_release release;
+  f();
+}
+
+World& Session::world() {
+  if (busy_) {
+    PyErr_SetString(PyExc_RuntimeError, "the world is in the middle of a step");
+    throw py::error_already_set();
+  }
+  read_mirrors();
+  return *world_;
+}
+
+Session::Mirror& Session::mirror(int body) {
+  auto& m = mirrors_.at(static_cast<std::size_t>(body));
+  if (!m) {
+    const Busy busy(*this);
+    m = std::make_unique<Mirror>();
+    const auto q = world_->q(body), v = world_->v(body);
+    m->q.assign(q.begin(), q.end());
+    m->v.assign(v.begin(), v.end());
+  }
+  return *m;
+}
+
+void Session::read_mirrors() {
+  bool written = false;
+  const auto differs = [](std::span<const double> a, const std::vector<double>& b) {
+    return !b.empty() && std::memcmp(a.data(), b.data(), b.size() * sizeof(double)) != 0;
+  };
+  const auto check = [&](int body, const char* what, const std::vector<double>& x) {
+    for (std::size_t i = 0; i < x.size(); ++i)
+      if (!std::isfinite(x[i]))
+        throw InputError(fmt::format("{}[{}] of body \"{}\" is not finite", what, i, world_->body(body).name()));
+  };
+  for (int b = 0; b < static_cast<int>(mirrors_.size()); ++b) {
+    const auto& m = mirrors_[static_cast<std::size_t>(b)];
+    if (!m || (!differs(world_->q(b), m->q) && !differs(world_->v(b), m->v))) continue;
+    check(b, "q", m->q), check(b, "v", m->v);
+    written = true;
+  }
+  if (!written) return;
+  State state = world_->state();
+  std::size_t q0 = 0, v0 = 0;
+  for (int b = 0; b < world_->body_count(); ++b) {
+    const auto& m = mirrors_[static_cast<std::size_t>(b)];
+    if (m) {
+      std::copy(m->q.begin(), m->q.end(), state.q.begin() + static_cast<std::ptrdiff_t>(q0));
+      std::copy(m->v.begin(), m->v.end(), state.v.begin() + static_cast<std::ptrdiff_t>(v0));
+    }
+    q0 += world_->q(b).size(), v0 += world_->v(b).size();
+  }
+  unlocked([&] { world_->set_state(std::move(state)); });
+}
+
+void Session::fill_mirrors() {
+  for (int b = 0; b < static_cast<int>(mirrors_.size()); ++b) {
+    const auto& m = mirrors_[static_cast<std::size_t>(b)];
+    if (!m) continue;
+    std::copy(world_->q(b).begin(), world_->q(b).end(), m->q.begin());
+    std::copy(world_->v(b).begin(), world_->v(b).end(), m->v.begin());
+  }
+}
+
+void Session::step(bool joined) {
+  const Busy busy(*this);
+  read_mirrors();
+  const State before = world_->state();
+  StepReport report;
+  try {
+    unlocked([&] { report = world_->step(); });
+  } catch (...) {
+    const std::exception_ptr thrown = std::current_exception();
+    try {
+      unlocked([&] { world_->set_state(before); });
+    } catch (...) {
+      // The state is put back all the same; bodies that raised again take it in at the next step.
+    }
+    std::rethrow_exception(thrown);
+  }
+  fill_mirrors();
+  if (joined)
+    join(report_, std::move(report));
+  else
+    report_ = std::move(report);
+}
+
+namespace {
+
+/// Solves M x = b in the directions that are free, by conjugate gradients on the body's own mass.
+std::vector<double> free_motion(const Body& body, std::vector<double> r) {
+  const std::size_t n = r.size();
+  body.filter(r);
+  std::vector<double> x(n, 0.0), p = r, Mp(n);
+  const auto dot = [n](const std::vector<double>& a, const std::vector<double>& b) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < n; ++i) sum += a[i] * b[i];
+    return sum;
+  };
+  double rr = dot(r, r);
+  const double enough = 1e-28 * rr;
+  for (std::size_t it = 0; it < 10 * n + 50 && rr > enough; ++it) {
+    std::fill(Mp.begin(), Mp.end(), 0.0);
+    body.apply_mass(p, Mp);
+    body.filter(Mp);
+    const double a = rr / dot(p, Mp);
+    if (!std::isfinite(a)) break;
+    for (std::size_t i = 0; i < n; ++i) x[i] += a * p[i], r[i] -= a * Mp[i];
+    const double next = dot(r, r);
+    for (std::size_t i = 0; i < n; ++i) p[i] = r[i] + next / rr * p[i];
+    rr = next;
+  }
+  return x;
+}
+
+}  // namespace
+
+void Session::push(const std::map<int, py::object>& Q) {
+  const Busy busy(*this);
+  std::map<int, std::vector<double>> forces;
+  for (const auto& [b, array] : Q)
+    forces[b] = numbers_of(array, world_->v(b).size(), fmt::format("force on body \"{}\"", world_->body(b).name()));
+  read_mirrors();
+  const double dt = world_->options().time_step;
+  State state = world_->state();
+  unlocked([&] {
+    for (auto& [b, f] : forces) {
+      for (double& x : f) x *= dt;
+      const std::vector<double> change = free_motion(world_->body(b), std::move(f));
+      const std::size_t v0 = static_cast<std::size_t>(world_->v(b).data() - world_->state().v.data());
+      for (std::size_t i = 0; i < change.size(); ++i) state.v[v0 + i] += change[i];
+    }
+    world_->set_state(std::move(state));
+  });
+  fill_mirrors();
+}
+
+State Session::state() { return world().state(); }
+
+void Session::set_state(State state) {
+  const Busy busy(*this);
+  unlocked([&] { world_->set_state(std::move(state)); });
+  fill_mirrors();
+  report_ = StepReport{};
+}
+
+}  // namespace brim::python

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "brim/scene/document.h"
+#include "brim/scene/given_arrays.h"
+#include "brim/scene/scene.h"
+#include "brim/world/world.h"
+#include "caller_thread.h"
+
+namespace brim::python {
+
+namespace py = pybind11;
+
+/// A world as Python holds it: the scene that it stands for, entry by entry, the world itself, and what Python sees of
+/// its state.
+///
+/// State that Python sees lies in arrays of its own, one pair a body, whose memory never moves: filled after each step,
+/// and read before the next, so that writing to them works. So arrays outlive additions and restorations, and other
+/// threads always see the last whole state.
+class Session {
+ public:
+  /// An empty world. @param scene  all of a scene but its bodies  @param folder  that relative paths start from
+  Session(const py::dict& scene, std::string folder);
+  /// That of a scene file. @throws InputError
+  static std::unique_ptr<Session> load(const std::string& path);
+
+  /// Adds an entry of "bodies" by way of the scene's own reader. Nothing is added when it is refused.
+  /// @return numbers of the new bodies  @throws InputError
+  std::vector<int> add(const py::dict& entry);
+  /// Adds a body whose author is a Python object. @param entry  as that of a rigid body: its shape is the surface
+  int add_own(const py::dict& entry, const py::object& author, const py::object& q, const py::object& v,
+              double mass_spacing, double stiffness_damping);
+
+  /// One step. @param joined  the report speaks of this step and of those before it
+  /// @throws what Python raised below it; the state is then that before the step
+  void step(bool joined);
+  /// v += M⁻¹ dt Q for forces that act over the next step. @param Q  generalised forces, one array per body named
+  void push(const std::map<int, py::object>& Q);
+
+  State state();
+  void set_state(State state);
+  /// What Python sees of a body: memory that stays where it is as long as this.
+  std::span<double> seen_q(int body) { return mirror(body).q; }
+  std::span<double> seen_v(int body) { return mirror(body).v; }
+
+  /// The world up to date with what Python wrote; not while it steps. @throws py::error_already_set (RuntimeError)
+  World& world();
+  const StepReport& report() const { return report_; }
+  const Json& head() const { return head_; }
+  const Json& entries() const { return entries_; }
+  const std::string& folder() const { return folder_; }
+  /// Runs f with the interpreter's lock released, and with Python bodies served.
+  void unlocked(const std::function<void()>& f);
+
+  /// Of a loaded scene: its file, its text; empty otherwise, or once a body was added.
+  std::string file, text;
+  std::vector<Expectation> expect;
+  std::int64_t frames = 0;
+  int steps_per_frame = 1;
+  std::shared_ptr<GivenArrays> arrays = std::make_shared<GivenArrays>();
+
+ private:
+  struct Mirror {
+    std::vector<double> q, v;
+  };
+  struct Busy;
+  Session() = default;
+  Scene checked(const Json& entry, const std::string& kind = {}) const;
+  Mirror& mirror(int body);
+  void read_mirrors();
+  void fill_mirrors();
+  void take(std::vector<std::unique_ptr<Body>> bodies, const Json& entry);
+
+  Json head_, entries_ = Json::array();
+  std::string folder_;
+  std::set<std::string> names_;
+  std::unique_ptr<World> world_;
+  std::vector<std::unique_ptr<Mirror>> mirrors_;  // shape (bodies); nothing where Python has not looked
+  std::shared_ptr<CallerThread> caller_ = std::make_shared<CallerThread>();
+  bool served_ = false;  // some body is Python's
+  StepReport report_;
+  bool busy_ = false;  // guarded by the interpreter's lock
+};
+
+}  // namespace brim::python

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "brim/io/volume_reader.h"
+#include "brim/mesh/tri_mesh.h"
+#include "brim/scene/node.h"
+
+namespace brim {
+
+/// Meshes and volumes that a program hands to a scene in memory. Each goes by the name that the scene gives where it
+/// could name a file.
+struct GivenArrays {
+  std::map<std::string, TriMesh> surfaces;    ///< as clean_surface leaves them
+  std::map<std::string, TetMesh> tets;        ///< as clean_tets leaves them
+  std::map<std::string, VolumeInfo> volumes;  ///< with their slices
+};
+
+/// The surface, tetrahedra or volume that a value names: a given one, or that of a file relative to the scene's folder.
+/// @throws InputError  with the value's place
+/// Tests: tests/scene/given_arrays_test.cpp
+TriMesh named_surface(const Node& name);
+TetMesh named_tets(const Node& name);
+/// @param grid  of an OpenVDB file; empty: its first
+VolumeInfo named_volume(const Node& name, const std::string& grid);
+
+}  // namespace brim
