@@ -119,7 +119,8 @@ class Body:
         """Sum of the contact forces on the body in the last sub-step, friction included [N], shape (3,)."""
         pairs = self._world.pairs
         on_a, on_b = pairs["body_a"] == self._number, pairs["body_b"] == self._number
-        return pairs["force"][on_a].sum(0) - pairs["force"][on_b].sum(0)
+        total: Array = pairs["force"][on_a].sum(0) - pairs["force"][on_b].sum(0)
+        return total
 
     # ---- forces ------------------------------------------------------------------------------------------------------
 

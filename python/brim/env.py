@@ -10,7 +10,7 @@ import numpy as np
 from .world import World
 
 try:
-    from gymnasium import Env as _Base
+    from gymnasium import Env as _Base  # type: ignore[import]
 except ImportError:
 
     class _Base:  # type: ignore[no-redef]
@@ -93,8 +93,12 @@ class Envs:
     def reset(self, *, seed: int | None = None) -> tuple[Any, list[dict[str, Any]]]:
         """Environment i takes seed + i. @return observations, infos"""
         seeds = [None if seed is None else seed + i for i in range(len(self.envs))]
-        results = list(self._threads.map(lambda env, s: env.reset(seed=s), self.envs, seeds))
+        results = list(self._threads.map(self._begin, self.envs, seeds))
         return np.stack([np.asarray(r[0]) for r in results]), [r[1] for r in results]
+
+    @staticmethod
+    def _begin(env: Env, seed: int | None) -> tuple[Any, dict[str, Any]]:
+        return env.reset(seed=seed)
 
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, list[dict[str, Any]]]:
         """@return observations, rewards (n,), terminated (n,), truncated (n,), infos; where an episode ended, the observation

@@ -46,10 +46,12 @@ def program() -> str:
     """The program `brim`: $BRIM_PROGRAM, that of the build or installation this package lies in, or the one on the PATH.
     @raises FileNotFoundError"""
     here = Path(__file__).absolute().parent
-    looked = [os.environ.get("BRIM_PROGRAM", ""), here / "bin" / "brim", here.parents[1] / "brim"]
+    looked = [here / "bin" / "brim", here.parents[1] / "brim"]
     looked += [parent / "bin" / "brim" for parent in here.parents[2:5]]
+    if "BRIM_PROGRAM" in os.environ:
+        looked.insert(0, Path(os.environ["BRIM_PROGRAM"]))
     for path in looked:
-        if path and os.path.isfile(path) and os.access(path, os.X_OK):
+        if path.is_file() and os.access(path, os.X_OK):
             return str(path)
     found = shutil.which("brim")
     if found is None:

@@ -214,7 +214,8 @@ class World:
         pairs = self._core.pairs()
         on_a = (pairs["body_a"] == a.number) & (pairs["body_b"] == b.number)
         on_b = (pairs["body_a"] == b.number) & (pairs["body_b"] == a.number)
-        return pairs["force"][on_a].sum(0) - pairs["force"][on_b].sum(0)
+        total: Array = pairs["force"][on_a].sum(0) - pairs["force"][on_b].sum(0)
+        return total
 
     @property
     def tiles(self) -> tuple[NDArray[np.int64], Array]:

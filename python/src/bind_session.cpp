@@ -2,6 +2,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "brim/body/changing_surface.h"
 #include "brim/body/particles/particle_body.h"
 #include "brim/body/rigid_frame.h"
 #include "brim/io/surface_reader.h"
@@ -75,10 +76,19 @@ std::vector<int> bodies_of_parts(const World& world) {
 }
 
 py::array positions(Session& s, int b) {
-  const Body& body = s.world().body(b);
-  std::vector<Vec3f> x(body.display().vertices);
-  body.display_positions(x);
+  std::vector<Vec3f> x;
+  display_now(s.world().body(b), x);
   return array_of(std::span<const Vec3f>(x));
+}
+
+py::array triangles(Session& s, int b) {
+  const Body& body = s.world().body(b);
+  const ChangingSurface* changing = changing_surface(body);
+  if (changing == nullptr) return array_of<3>(std::span(body.display().triangles));
+  std::vector<Vec3f> x;
+  std::vector<Triangle> now;
+  changing->display_surface(x, now);
+  return array_of<3>(std::span<const Triangle>(now));
 }
 
 /// Centre of the frame of a body that moves as one; nothing of others.
@@ -173,7 +183,7 @@ void bind_session(py::module_& m) {
       .def("nodal", [](Session& s, int b) { return dynamic_cast<const ParticleBody*>(&s.world().body(b)) != nullptr; })
       .def("frame_center", &frame_center)
       .def("positions", &positions)
-      .def("triangles", [](Session& s, int b) { return array_of<3>(std::span(s.world().body(b).display().triangles)); })
+      .def("triangles", &triangles)
       .def("lines", [](Session& s, int b) { return array_of<2>(std::span(s.world().body(b).display().lines)); })
       .def("kinetic_energy", [](Session& s, int b) { return s.world().body(b).kinetic_energy(s.world().v(b)); })
       .def("linear_momentum",
