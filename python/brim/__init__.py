@@ -13,7 +13,7 @@ A world holds bodies and steps them; a body is added by the keys of an entry of 
 SI units and right-handed axes with z up, as in scene files. docs/python.md is the tutorial.
 """
 
-from ._core import Defect, InputError, State, StepReport, Warning, __version__, set_threads, thread_count
+from ._core import Defect, InputError, State, StepReport, StepWarning, __version__, set_threads, thread_count
 from .body import Body
 from .env import Env, Envs
 from .own_body import OwnBody
@@ -26,7 +26,7 @@ from .world import Frame, Running, StepError, World, load
 
 __all__ = [
     "Body", "Defect", "Env", "Envs", "Frame", "InputError", "OwnBody", "Run", "RunBody", "Running", "State",
-    "StepError", "StepReport", "View", "Warning", "World", "__version__", "blob", "bowl", "box", "capsule", "cup",
+    "StepError", "StepReport", "StepWarning", "View", "World", "__version__", "blob", "bowl", "box", "capsule", "cup",
     "cylinder", "gear", "l_profile", "load", "load_plugin", "mesh", "plane", "set_threads", "sphere", "star", "thread_count",
     "torus", "u_profile", "view",
 ]

@@ -17,7 +17,7 @@ def thread_count() -> int:
 def set_threads(threads: int) -> None:
     """Limits the threads of brim's loops, for the process; 0: all cores. Results have the same bits for any number."""
 
-class Warning:
+class StepWarning:
     @property
     def time(self) -> float: ...
     @property
@@ -51,7 +51,7 @@ class StepReport:
     @property
     def stiffness(self) -> float: ...
     @property
-    def warnings(self) -> list[Warning]: ...
+    def warnings(self) -> list[StepWarning]: ...
     def fields(self) -> dict[str, float]: ...
 
 class State:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any, Iterator, NamedTuple
+from typing import Any, Callable, Iterator, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,6 +62,7 @@ class World:
     def _start(self, core: _core.Session) -> None:
         self._core = core
         self._forces: list[tuple[Body, Any, Force]] = []
+        self._watchers: list[Callable[[World], Any]] = []
         self._recorded: str | None = None
         self._view: View | None = None
 
@@ -139,7 +140,15 @@ class World:
         report = self._core.report()
         if not report.ok:
             raise StepError(report)
+        for watch in list(self._watchers):
+            watch(self)
         return report
+
+    def each_step(self, function: Callable[[World], Any]) -> Callable[[World], Any]:
+        """Decorator: a sensor or controller, called as function(world) after each step. It may read everything, and set q
+        and v of bodies. What it raises reaches the caller of step; the step has been taken then."""
+        self._watchers.append(function)
+        return function
 
     def _push(self) -> None:
         """Applies the forces over the coming step: all are asked before any acts."""

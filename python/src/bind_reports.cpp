@@ -54,11 +54,11 @@ void bind_reports(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(ContactRow, position, force, friction, overlap, part_a, part_b, body_a, body_b);
   PYBIND11_NUMPY_DTYPE(PairRow, part_a, part_b, body_a, body_b, contacts, worst_overlap, force, friction, center);
 
-  py::class_<Warning>(m, "Warning", "Something that went wrong or nearly so.")
+  py::class_<Warning>(m, "StepWarning", "Something that went wrong or nearly so.")
       .def_readonly("time", &Warning::time, "[s]")
       .def_readonly("code", &Warning::code)
       .def_readonly("message", &Warning::message)
-      .def("__repr__", [](const Warning& w) { return fmt::format("<Warning {}: {}>", w.code, w.message); });
+      .def("__repr__", [](const Warning& w) { return fmt::format("<StepWarning {}: {}>", w.code, w.message); });
 
   py::class_<StepReport>(m, "StepReport", "What happened in a step or a frame.")
       .def_readonly("time", &StepReport::time, "[s] at the end")

@@ -1,89 +1,61 @@
-"""What a step costs from Python beside C++, and a body in Python beside its C++ twin.
+"""What Python adds to a step, and a body in Python beside its C++ twin.
 
-    PYTHONPATH=build/release/python BRIM_BUILD=build/release python3 python/tests/cost_bench.py
+    PYTHONPATH=build/release/python:python/tests BRIM_BUILD=build/release /usr/bin/python3 python/tests/cost_bench.py
 
-Processor time of this thread's process over the same steps: `brim run` of scenes/pile.json on one thread against
-world.step() on the same scene, taken in turns; and the Blob of own_body_test.py against blob_twin.cpp.
+Processor time on one thread. The cost of a step is that of world.step() from Python over what World::step itself took in it
+(StepReport.wall), with nothing looked at, and with q and v of all bodies held as arrays; on scenes/pile.json. The Blob
+of own_body_test.py is stepped in turns with blob_twin.cpp, by differences and with its formulas.
 """
 
-import json
 import os
 import resource
-import subprocess
 import sys
-import tempfile
 import time
 
 import brim
-
-BUILD = os.environ.get("BRIM_BUILD", "build/release")
+from own_body_test import ExactBlob
+from own_body_twin_test import two_worlds
 
 
 def used():
-    """[s] of this process."""
+    """[s] of processor time of this process."""
     r = resource.getrusage(resource.RUSAGE_SELF)
     return r.ru_utime + r.ru_stime
 
 
-def step_seconds(make, steps, warm):
-    """[s] of processor time a step: all of Python's part included, and that of the step alone."""
-    world = make()
-    for _ in range(warm):
-        world.step()
-    inside = 0.0
-    start = used()
+def added_by_python(world, steps):
+    """(share of the step's own time that Python adds, [s] a step)"""
+    inside, start = 0.0, time.perf_counter()
     for _ in range(steps):
         inside += world.step().wall
-    return (used() - start) / steps, inside / steps
-
-
-def pile(scene, frames):
-    """Python's seconds a step over those that the step itself took, and over the program's."""
-    def program():
-        with tempfile.TemporaryDirectory() as folder:
-            subprocess.run([os.path.join(BUILD, "brim"), "run", scene, "-o", folder + "/run", "--frames", str(frames),
-                            "--threads", "1", "--quiet"], check=True, stdout=subprocess.DEVNULL)
-            with open(folder + "/run/summary.json") as file:
-                return json.load(file)
-
-    def ours():
-        world = brim.load(scene)
-        steps = frames * world._core.steps_per_frame
-        start = time.perf_counter()
-        inside = 0.0
-        for _ in range(steps):
-            inside += world.step().wall
-        return (time.perf_counter() - start) / steps, inside / steps
-
-    program()
-    total, inside = ours()
-    return total, inside
+    total = time.perf_counter() - start
+    return total / inside - 1, inside / steps
 
 
 def main():
     brim.set_threads(1)
-    frames = int(sys.argv[1]) if len(sys.argv) > 1 else 60
-    for name in ("pile", "pile_rest"):
-        scene = os.path.join(os.path.dirname(__file__), "../../scenes", name + ".json")
-        if not os.path.exists(scene):
-            continue
-        results = [pile(scene, frames) for _ in range(2)]
-        total, inside = min(results)
-        print(f"{name}: {1e3 * total:.3f} ms a step from Python, {1e3 * inside:.3f} ms of it in World::step: "
-              f"{100 * (total / inside - 1):+.2f} %")
-    try:
-        from own_body_twin_test import two_worlds
-    except ImportError:
-        return
-    cost = []
-    for which in (0, 1):
-        best = min(step_seconds(lambda: two_worlds_once(two_worlds, which), 60, 10)[0] for _ in range(3))
-        cost.append(best)
-    print(f"own body: {1e3 * cost[0]:.3f} ms a step in Python, {1e3 * cost[1]:.3f} ms in C++: {cost[0] / cost[1]:.2f} x")
+    steps = int(sys.argv[1]) if len(sys.argv) > 1 else 60
+    scene = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../scenes/pile.json")
+    for what in ("nothing held", "q and v of all bodies held"):
+        world = brim.load(scene)
+        held = [] if what.startswith("nothing") else [(body.q, body.v) for body in world]
+        added, step = added_by_python(world, steps)
+        print(f"pile, {len(world)} bodies, {what}: {1e3 * step:.2f} ms a step, Python adds {100 * added:.2f} %", flush=True)
+        del held
 
-
-def two_worlds_once(two_worlds, which):
-    return two_worlds()[which][0]
+    (ours, blob), (twin, _) = two_worlds()
+    exact = brim.World(voxel_size=0.05)
+    exact.add("obstacle", name="floor", shape=brim.plane())
+    exact.add("rigid", name="box", shape=brim.box((0.2, 0.2, 0.2)), transform={"position": (0.1, 0, 0.8)})
+    exact.add(ExactBlob(surface=brim.sphere(0.3), name="blob"))
+    cost = {"differences": 0.0, "formulas": 0.0, "twin": 0.0}
+    for _ in range(steps):
+        for name, world in (("differences", ours), ("formulas", exact), ("twin", twin)):
+            start = used()
+            world.step()
+            cost[name] += used() - start
+    print(f"own body: C++ {1e3 * cost['twin'] / steps:.2f} ms a step; Python by differences "
+          f"{cost['differences'] / cost['twin']:.2f} x, with formulas {cost['formulas'] / cost['twin']:.2f} x")
 
 
 if __name__ == "__main__":

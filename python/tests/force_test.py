@@ -94,6 +94,19 @@ class Forces(unittest.TestCase):
         with self.assertRaisesRegex(brim.InputError, 'force on body "ball".*not finite'):
             world.step()
 
+    def test_sensors_and_controllers_are_called_after_each_step(self):
+        world, ball = ball_world(height=3.0)
+        seen = []
+
+        @world.each_step
+        def hold(w):
+            seen.append((w.time, ball.v[2]))
+            ball.v[:] = 0
+
+        world.step()
+        world.step()
+        np.testing.assert_allclose(seen, [(1 / 60, -9.81 / 60), (2 / 60, -9.81 / 60)], rtol=1e-9)
+
     def test_generalized_forces_drive_joints(self):
         world = brim.World(gravity=(0, 0, 0))
         chain = world.add("articulated", chain={"links": 3, "length": 0.2, "radius": 0.03, "joint": "revolute"})

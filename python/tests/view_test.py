@@ -9,7 +9,10 @@ import brim
 from world_test import ball_world
 
 
-@unittest.skipUnless((Path(os.environ["BRIM_SOURCE"]) / "viewer/dist/index.html").exists(), "the viewer is not built")
+PAGE = Path(os.environ.get("BRIM_VIEWER_DIR", Path(os.environ["BRIM_SOURCE"]) / "viewer/dist"))
+
+
+@unittest.skipUnless((PAGE / "index.html").exists(), "the viewer is not built")
 class Views(unittest.TestCase):
     def test_a_world_is_shown_until_it_is_closed(self):
         world, _ = ball_world()
