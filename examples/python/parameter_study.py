@@ -18,7 +18,7 @@ brim.set_threads(1)  # each world keeps to the thread that steps it
 
 def slide(mu, speed):
     """Distance that a box slides on a floor [m]."""
-    world = brim.World(time_step=1 / 120, voxel_size=0.025, response="constraint", materials={"m": {"friction": mu}})
+    world = brim.World(time_step=1 / 500, voxel_size=0.025, response="constraint", materials={"m": {"friction": mu}})
     world.add("obstacle", name="floor", shape=brim.plane(), material="m")
     box = world.add("rigid", shape=brim.box((0.2, 0.2, 0.1)), material="m", transform={"position": (0, 0, 0.05)},
                     velocity=(speed, 0, 0))
@@ -45,4 +45,4 @@ figure.tight_layout()
 figure.savefig(OUT / "parameter_study.png", dpi=90)
 error = np.abs(distance / theory - 1).max()
 print(f"{distance.size} worlds; largest deviation from theory {100 * error:.1f} %")
-assert error < 0.05
+assert error < 0.03  # implicit Euler: dt μ g / v, 2 % at the slowest

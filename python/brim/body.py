@@ -130,6 +130,8 @@ class Body:
         t: time [s]; x, v: positions [m] and velocities [m/s], shape (n, 3). Bodies of nodes: a row a node. Rigid bodies: one
         row, the centre of mass. The force acts over the whole step. Other kinds take generalized_force.
         """
+        if not self._core.takes_forces(self._number):
+            raise TypeError(f"{self!r} takes no forces")
         if not self.nodal and self._core.frame_center(self._number) is None:
             raise TypeError(f"{self!r} has neither nodes nor a rigid frame; use generalized_force")
         self._world._forces.append((self, self._nodal_force if self.nodal else self._frame_force, function))
@@ -137,13 +139,16 @@ class Body:
 
     def torque(self, function: Force) -> Force:
         """Decorator for rigid bodies: a torque about the centre of mass, function(t, q, v) -> (3,), [N m]."""
-        if self.nodal or self._core.frame_center(self._number) is None:
+        if self.nodal or self._core.frame_center(self._number) is None or not self._core.takes_forces(self._number):
             raise TypeError(f"{self!r} is not rigid; use force or generalized_force")
         self._world._forces.append((self, self._frame_torque, function))
         return function
 
     def generalized_force(self, function: Force) -> Force:
-        """Decorator: function(t, q, v) -> (nv,), the force along each of the body's velocities."""
+        """Decorator: function(t, q, v) -> (nv,), the force along each of the body's velocities. Obstacles and grid fluids
+        take none."""
+        if not self._core.takes_forces(self._number):
+            raise TypeError(f"{self!r} takes no forces")
         self._world._forces.append((self, self._own_force, function))
         return function
 

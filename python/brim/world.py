@@ -134,9 +134,7 @@ class World:
         return self._step(False)
 
     def _step(self, joined: bool) -> _core.StepReport:
-        if self._forces:
-            self._push()
-        self._core.step(joined)
+        self._core.step(joined, self._asked() if self._forces else {})
         report = self._core.report()
         if not report.ok:
             raise StepError(report)
@@ -150,14 +148,14 @@ class World:
         self._watchers.append(function)
         return function
 
-    def _push(self) -> None:
-        """Applies the forces over the coming step: all are asked before any acts."""
+    def _asked(self) -> dict[int, Array]:
+        """The forces of the coming step, by number of body."""
         time = self._core.time
         total: dict[int, Array] = {}
         for body, ask, function in list(self._forces):
             force = ask(time, function)
             total[body.number] = total[body.number] + force if body.number in total else force
-        self._core.push(total)
+        return total
 
     def run(self, frames: int | None = None, record: str | os.PathLike[str] | None = None, *,
             force: bool = False) -> Running:

@@ -16,23 +16,28 @@ py::array_t<double> coordinates_of(OwnBody::Coordinates q) { return array_of(q);
 
 /// What a method of the author answered, checked. @throws InputError  naming the method
 DoubleArray answer(const py::object& author, const char* method, const py::object& given,
-                   const std::vector<py::ssize_t>& shape) {
+                   std::initializer_list<py::ssize_t> shape) {
   const DoubleArray a = DoubleArray::ensure(given);
-  const auto name = [&] {
-    return fmt::format("{}.{}", py::str(py::type::of(author).attr("__name__")).cast<std::string>(), method);
+  const auto fail = [&](const std::string& what) {
+    std::string wanted;
+    for (const py::ssize_t n : shape) wanted += (wanted.empty() ? "" : ", ") + std::to_string(n);
+    const auto kind = py::str(py::type::of(author).attr("__name__")).cast<std::string>();
+    throw InputError(
+        fmt::format("{}.{}: {}; must be an array of finite numbers, shape ({})", kind, method, what, wanted));
   };
-  std::string wanted;
-  for (const py::ssize_t n : shape) wanted += (wanted.empty() ? "" : ", ") + std::to_string(n);
   if (!a) {
     PyErr_Clear();
-    throw InputError(fmt::format("{}: must give an array of numbers, shape ({})", name(), wanted));
+    fail("gave what is no array of numbers");
   }
   if (static_cast<std::size_t>(a.ndim()) != shape.size() || !std::equal(shape.begin(), shape.end(), a.shape()))
-    throw InputError(fmt::format("{}: gave shape {}; must be ({})", name(), shape_text(a), wanted));
+    fail("gave shape " + shape_text(a));
   for (py::ssize_t i = 0; i < a.size(); ++i)
-    if (!std::isfinite(a.data()[i])) throw InputError(name() + ": gave a value that is not finite");
+    if (!std::isfinite(a.data()[i])) fail("gave a value that is not finite");
   return a;
 }
+
+/// Rows of vectors from an answer of place.
+void take_rows(const DoubleArray& a, std::span<Vec3> x) { std::copy_n(a.data(), 3 * x.size(), x.front().data()); }
 
 }  // namespace
 
@@ -94,7 +99,7 @@ void ArrayBody::place_all(Coordinates q, std::span<const Vec3> X, std::span<Vec3
   caller_->call([&] {
     const DoubleArray a = answer(author_, "place", author_.attr("place")(coordinates_of(q), array_of(X)),
                                  {static_cast<py::ssize_t>(X.size()), 3});
-    std::copy_n(a.data(), 3 * x.size(), x.front().data());
+    take_rows(a, x);
   });
 }
 
@@ -103,7 +108,7 @@ void ArrayBody::rest_all(Coordinates q, std::span<const Vec3> x, std::span<Vec3>
   caller_->call([&] {
     const DoubleArray a = answer(author_, "rest", author_.attr("rest")(coordinates_of(q), array_of(x)),
                                  {static_cast<py::ssize_t>(x.size()), 3});
-    std::copy_n(a.data(), 3 * X.size(), X.front().data());
+    take_rows(a, X);
   });
 }
 
@@ -122,12 +127,18 @@ void ArrayBody::jacobian_all(Coordinates q, std::span<const Vec3> X, DenseMap& J
     }
     std::vector<double> moved(q.begin(), q.end());
     std::vector<Vec3> up(X.size()), down(X.size());
+    const py::array at_rest = array_of(X);
+    const py::object place = author_.attr("place");
+    const auto take = [&](std::span<Vec3> x) {
+      take_rows(
+          answer(author_, "place", place(coordinates_of(moved), at_rest), {static_cast<py::ssize_t>(x.size()), 3}), x);
+    };
     for (std::size_t k = 0; k < q.size(); ++k) {
       const double d = place_step(q[k]);
       moved[k] = q[k] + d;
-      place_all(moved, X, up);
+      take(up);
       moved[k] = q[k] - d;
-      place_all(moved, X, down);
+      take(down);
       for (std::size_t p = 0; p < X.size(); ++p)
         J.row(p).col(static_cast<Eigen::Index>(k)) = (up[p] - down[p]) / (2.0 * d);
       moved[k] = q[k];

@@ -3,6 +3,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "brim/body/changing_surface.h"
+#include "brim/body/particle_fluid/particle_fluid_body.h"
 #include "brim/body/particles/particle_body.h"
 #include "brim/body/rigid_frame.h"
 #include "brim/io/surface_reader.h"
@@ -73,6 +74,11 @@ std::vector<int> bodies_of_parts(const World& world) {
   std::vector<int> out;
   for (int p = 0; p < world.part_count(); ++p) out.push_back(world.part(p).body);
   return out;
+}
+
+bool is_nodal(const Body& body) {
+  return dynamic_cast<const ParticleBody*>(&body) != nullptr ||
+         dynamic_cast<const ParticleFluidBody*>(&body) != nullptr;
 }
 
 py::array positions(Session& s, int b) {
@@ -148,7 +154,7 @@ void bind_session(py::module_& m) {
       .def("give_tets", &give_tets)
       .def("give_volume", &give_volume)
       .def("step", &Session::step)
-      .def("push", &Session::push)
+      .def("takes_forces", &Session::takes_forces)
       .def("state", &Session::state)
       .def("set_state", &Session::set_state)
       .def("q", [](const py::object& self, int b) { return view(self, self.cast<Session&>().seen_q(b)); })
@@ -180,7 +186,7 @@ void bind_session(py::module_& m) {
       .def("kind", [](Session& s, int b) { return std::string(s.world().body(b).kind()); })
       .def("mass", [](Session& s, int b) { return s.world().body(b).mass(); })
       .def("immobile", [](Session& s, int b) { return s.world().body(b).immobile(); })
-      .def("nodal", [](Session& s, int b) { return dynamic_cast<const ParticleBody*>(&s.world().body(b)) != nullptr; })
+      .def("nodal", [](Session& s, int b) { return is_nodal(s.world().body(b)); })
       .def("frame_center", &frame_center)
       .def("positions", &positions)
       .def("triangles", &triangles)

@@ -76,11 +76,10 @@ std::unique_ptr<Session> Session::load(const std::string& path) {
   s->head_.erase("bodies");
   {
     const py::gil_scoped_release release;
-    s->world_ = std::make_unique<World>(build_world(scene));
+    s->world_ = std::make_unique<World>(scene.world);
+    s->take(build_bodies(scene));
   }
-  for (int b = 0; b < s->world_->body_count(); ++b) s->names_.insert(s->world_->body(b).name());
   for (const Json& entry : s->entries_) s->names_.insert(entry.at("name").get<std::string>());
-  s->mirrors_.resize(static_cast<std::size_t>(s->world_->body_count()));
   return s;
 }
 
@@ -103,14 +102,19 @@ Scene Session::checked(const Json& entry, const std::string& kind) const {
   });
 }
 
-void Session::take(std::vector<std::unique_ptr<Body>> bodies, const Json& entry) {
+void Session::take(std::vector<std::unique_ptr<Body>> bodies) {
+  for (std::unique_ptr<Body>& body : bodies) {
+    names_.insert(body->name());
+    outer_.push_back(dynamic_cast<OuterForces*>(body.get()));
+    mirrors_.push_back(nullptr);
+    world_->add(std::move(body));
+  }
+}
+
+void Session::include(std::vector<std::unique_ptr<Body>> bodies, const Json& entry) {
   read_mirrors();
-  unlocked([&] {
-    for (std::unique_ptr<Body>& body : bodies) world_->add(std::move(body));
-  });
-  for (int b = static_cast<int>(mirrors_.size()); b < world_->body_count(); ++b) names_.insert(world_->body(b).name());
+  unlocked([&] { take(std::move(bodies)); });
   names_.insert(entry.at("name").get<std::string>());
-  mirrors_.resize(static_cast<std::size_t>(world_->body_count()));
   entries_.push_back(entry);
   file.clear(), text.clear();
 }
@@ -132,7 +136,7 @@ std::vector<int> Session::add(const py::dict& given) {
   });
   std::vector<int> numbers;
   for (std::size_t i = 0; i < bodies.size(); ++i) numbers.push_back(world_->body_count() + static_cast<int>(i));
-  take(std::move(bodies), entry);
+  include(std::move(bodies), entry);
   return numbers;
 }
 
@@ -172,9 +176,13 @@ int Session::add_own(const py::dict& given, const py::object& author, const py::
   bodies.back()->set_name(name);
   const int number = world_->body_count();
   served_ = true;
+  // Once by itself, so that what its author raises leaves the world as it was.
+  std::vector<double> first_q(bodies.back()->q_size()), first_v(bodies.back()->v_size());
+  bodies.back()->initial_state(first_q, first_v);
+  unlocked([&] { bodies.back()->update(world_->state().time, first_q, first_v); });
   entry["kind"] = "python";
   entry["class"] = kind;
-  take(std::move(bodies), entry);
+  include(std::move(bodies), entry);
   return number;
 }
 
@@ -238,6 +246,26 @@ void Session::read_mirrors() {
   unlocked([&] { world_->set_state(std::move(state)); });
 }
 
+/// Forces on bodies, for as long as it lives.
+struct Session::Acting {
+  Acting(Session& s, const std::map<int, py::object>& forces) : session(s) {
+    std::map<int, std::vector<double>> checked;
+    for (const auto& [b, Q] : forces) {
+      if (!s.takes_forces(b)) throw InputError(fmt::format("body \"{}\" takes no forces", s.world_->body(b).name()));
+      checked[b] = numbers_of(Q, s.world_->v(b).size(), fmt::format("force on body \"{}\"", s.world_->body(b).name()));
+    }
+    for (auto& [b, Q] : checked) {
+      session.outer_[static_cast<std::size_t>(b)]->set_outer_forces(std::move(Q));
+      bodies.push_back(b);
+    }
+  }
+  ~Acting() {
+    for (const int b : bodies) session.outer_[static_cast<std::size_t>(b)]->set_outer_forces({});
+  }
+  Session& session;
+  std::vector<int> bodies;
+};
+
 void Session::fill_mirrors() {
   for (int b = 0; b < static_cast<int>(mirrors_.size()); ++b) {
     const auto& m = mirrors_[static_cast<std::size_t>(b)];
@@ -247,8 +275,9 @@ void Session::fill_mirrors() {
   }
 }
 
-void Session::step(bool joined) {
+void Session::step(bool joined, const std::map<int, py::object>& forces) {
   const Busy busy(*this);
+  const Acting acting(*this, forces);
   read_mirrors();
   const State before = world_->state();
   StepReport report;
@@ -268,56 +297,6 @@ void Session::step(bool joined) {
     join(report_, std::move(report));
   else
     report_ = std::move(report);
-}
-
-namespace {
-
-/// Solves M x = b in the directions that are free, by conjugate gradients on the body's own mass.
-std::vector<double> free_motion(const Body& body, std::vector<double> r) {
-  const std::size_t n = r.size();
-  body.filter(r);
-  std::vector<double> x(n, 0.0), p = r, Mp(n);
-  const auto dot = [n](const std::vector<double>& a, const std::vector<double>& b) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < n; ++i) sum += a[i] * b[i];
-    return sum;
-  };
-  double rr = dot(r, r);
-  const double enough = 1e-28 * rr;
-  for (std::size_t it = 0; it < 10 * n + 50 && rr > enough; ++it) {
-    std::fill(Mp.begin(), Mp.end(), 0.0);
-    body.apply_mass(p, Mp);
-    body.filter(Mp);
-    const double a = rr / dot(p, Mp);
-    if (!std::isfinite(a)) break;
-    for (std::size_t i = 0; i < n; ++i) x[i] += a * p[i], r[i] -= a * Mp[i];
-    const double next = dot(r, r);
-    for (std::size_t i = 0; i < n; ++i) p[i] = r[i] + next / rr * p[i];
-    rr = next;
-  }
-  return x;
-}
-
-}  // namespace
-
-void Session::push(const std::map<int, py::object>& Q) {
-  const Busy busy(*this);
-  std::map<int, std::vector<double>> forces;
-  for (const auto& [b, array] : Q)
-    forces[b] = numbers_of(array, world_->v(b).size(), fmt::format("force on body \"{}\"", world_->body(b).name()));
-  read_mirrors();
-  const double dt = world_->options().time_step;
-  State state = world_->state();
-  unlocked([&] {
-    for (auto& [b, f] : forces) {
-      for (double& x : f) x *= dt;
-      const std::vector<double> change = free_motion(world_->body(b), std::move(f));
-      const std::size_t v0 = static_cast<std::size_t>(world_->v(b).data() - world_->state().v.data());
-      for (std::size_t i = 0; i < change.size(); ++i) state.v[v0 + i] += change[i];
-    }
-    world_->set_state(std::move(state));
-  });
-  fill_mirrors();
 }
 
 State Session::state() { return world().state(); }

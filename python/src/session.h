@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "brim/body/outer_forces.h"
 #include "brim/scene/document.h"
 #include "brim/scene/given_arrays.h"
 #include "brim/scene/scene.h"
@@ -40,10 +41,11 @@ class Session {
               double mass_spacing, double stiffness_damping);
 
   /// One step. @param joined  the report speaks of this step and of those before it
+  /// @param forces  that act on bodies over this step, generalised, by number: arrays of shape (nv)
   /// @throws what Python raised below it; the state is then that before the step
-  void step(bool joined);
-  /// v += M⁻¹ dt Q for forces that act over the next step. @param Q  generalised forces, one array per body named
-  void push(const std::map<int, py::object>& Q);
+  void step(bool joined, const std::map<int, py::object>& forces);
+  /// Whether forces can act on a body.
+  bool takes_forces(int body) const { return outer_.at(static_cast<std::size_t>(body)) != nullptr; }
 
   State state();
   void set_state(State state);
@@ -72,18 +74,21 @@ class Session {
     std::vector<double> q, v;
   };
   struct Busy;
+  struct Acting;
   Session() = default;
   Scene checked(const Json& entry, const std::string& kind = {}) const;
   Mirror& mirror(int body);
   void read_mirrors();
   void fill_mirrors();
-  void take(std::vector<std::unique_ptr<Body>> bodies, const Json& entry);
+  void take(std::vector<std::unique_ptr<Body>> bodies);
+  void include(std::vector<std::unique_ptr<Body>> bodies, const Json& entry);
 
   Json head_, entries_ = Json::array();
   std::string folder_;
   std::set<std::string> names_;
   std::unique_ptr<World> world_;
   std::vector<std::unique_ptr<Mirror>> mirrors_;  // shape (bodies); nothing where Python has not looked
+  std::vector<OuterForces*> outer_;               // shape (bodies); nothing where a kind takes none
   std::shared_ptr<CallerThread> caller_ = std::make_shared<CallerThread>();
   bool served_ = false;  // some body is Python's
   StepReport report_;

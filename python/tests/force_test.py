@@ -55,6 +55,37 @@ class Forces(unittest.TestCase):
         np.testing.assert_allclose(held.positions[fixed], (vertices + (3, 0, 0))[fixed], atol=1e-6)
         self.assertGreater(held.velocities[~fixed, 0].mean(), 0)
 
+    def test_the_floor_carries_weight_and_force_of_a_soft_body(self):
+        world = brim.World(voxel_size=0.02)
+        floor = world.add("obstacle", shape=brim.plane())
+        soft = world.add("finite_elements", shape=brim.box((0.2, 0.2, 0.1)), lattice_spacing=0.05, young_modulus=2e5,
+                         stiffness_damping=0.01, transform={"position": (0, 0, 0.05)})
+        soft.force(lambda t, x, v: (0, 0, -60 / len(x)))
+        for _ in range(90):
+            world.step()
+        self.assertAlmostEqual(world.force(soft, floor)[2] / (9.81 * soft.mass + 60), 1.0, places=3)
+        self.assertLess(np.abs(soft.velocities).max(), 1e-3)
+
+    def test_every_kind_takes_forces_or_says_that_it_does_not(self):
+        from world_test import KINDS
+        for kind, keys in KINDS.items():
+            with self.subTest(kind):
+                world = brim.World(voxel_size=0.05, gravity=(0, 0, 0))
+                body = world.add(kind, transform={"position": (0, 0, 1)}, **keys)
+                if kind in ("obstacle", "grid_fluid"):
+                    with self.assertRaisesRegex(TypeError, "takes no forces"):
+                        body.generalized_force(lambda t, q, v: 0)
+                    continue
+                body.generalized_force(lambda t, q, v: 1e-3)
+                if body.nodal:
+                    body.force(lambda t, x, v: (2e-3, 0, 0))
+                    n = len(body.positions)
+                    world.step()
+                    np.testing.assert_allclose(body.linear_momentum, np.array([3e-3, 1e-3, 1e-3]) * n / 60, rtol=1e-5)
+                else:
+                    world.step()
+                    self.assertGreater(np.abs(body.v).max(), 0)
+
     def test_a_spring_to_the_wall_swings_with_its_period(self):
         world = brim.World(time_step=1e-3, gravity=(0, 0, 0))
         ball = world.add("rigid", shape=brim.sphere(0.1), mass=1.0, transform={"position": (0.1, 0, 0)})

@@ -187,8 +187,13 @@ class OwnBodies(unittest.TestCase):
         class Empty(brim.OwnBody):
             q0 = [0.0]
 
+        world, blob = blob_world(Blob(surface=brim.sphere(0.3)))
         with self.assertRaisesRegex(NotImplementedError, "Empty must say where its matter is"):
-            brim.World().add(Empty(surface=brim.sphere(0.3)))
+            world.add(Empty(surface=brim.sphere(0.3)))
+        self.assertEqual(len(world), 2)
+        ball = world.add("rigid", shape=brim.sphere(0.1), transform={"position": (3, 0, 1)})
+        world.step()
+        self.assertAlmostEqual(ball.v[2], -9.81 / 60, places=9)
         with self.assertRaisesRegex(brim.InputError, "q0: must be an array of one coordinate at least"):
             brim.World().add(Blob(surface=brim.sphere(0.3), q0=[]))
         with self.assertRaisesRegex(brim.InputError, 'Blob "b".*shape/radius'):

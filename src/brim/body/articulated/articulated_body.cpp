@@ -124,6 +124,7 @@ void ArticulatedBody::add_forces(const Environment& env, std::span<double> Q) co
   }
   tree_.add_wrenches(pose_, s->a, Q);
   joints_.add_forces(tree_, Q);
+  add_outer_forces(Q);
 }
 
 void ArticulatedBody::apply_mass(std::span<const double> x, std::span<double> y) const {

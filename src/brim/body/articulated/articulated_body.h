@@ -1,12 +1,13 @@
 #pragma once
 
-#include "brim/body/restless.h"
 #include "brim/body/articulated/joint_forces.h"
 #include "brim/body/articulated/tree_flow.h"
 #include "brim/body/articulated/tree_map.h"
 #include "brim/body/distance_bound.h"
+#include "brim/body/outer_forces.h"
 #include "brim/body/posed_display.h"
 #include "brim/body/posed_shape.h"
+#include "brim/body/restless.h"
 #include "brim/core/workspace_pool.h"
 
 namespace brim {
@@ -16,7 +17,11 @@ namespace brim {
 ///
 /// The forces of the common solve are weight, drives, limits, damping and friction; what turning links do to each other
 /// (Coriolis and centrifugal terms) acts in finish_step, where the tree moves freely for the step (TreeFlow).
-class ArticulatedBody final : public Body, public DistanceBound, public PosedDisplay, public Restless {
+class ArticulatedBody final : public Body,
+                              public DistanceBound,
+                              public PosedDisplay,
+                              public OuterForces,
+                              public Restless {
  public:
   /// @throws InputError for what Tree refuses, and for a joint that moves nothing with mass
   explicit ArticulatedBody(ArticulatedModel model);

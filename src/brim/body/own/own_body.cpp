@@ -172,6 +172,7 @@ void OwnBody::advance(double dt, std::span<double> q, std::span<const double> v)
 
 void OwnBody::add_forces(const Environment& env, std::span<double> Q) const {
   writable(Q) += force_ - bias_ + linear_.transpose() * env.gravity + model_.stiffness_damping * (K_ * vector(v_));
+  add_outer_forces(Q);
 }
 
 void OwnBody::apply_mass(std::span<const double> x, std::span<double> y) const { writable(y) += M_ * vector(x); }

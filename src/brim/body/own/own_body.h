@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "brim/body/body.h"
+#include "brim/body/outer_forces.h"
 #include "brim/map/dense_map.h"
 
 namespace brim {
@@ -29,7 +30,7 @@ struct OwnModel {
 /// Momentum of contact is exact in so far as place() can move as a rigid body can: translations of all matter give
 /// exact linear momentum, rotations exact angular momentum.
 /// Tests: tests/body/own_body_test.cpp
-class OwnBody : public Body {
+class OwnBody : public Body, public OuterForces {
  public:
   using Coordinates = std::span<const double>;
   using Jacobian = DenseMap::Jacobian;

@@ -225,6 +225,7 @@ void ParticleFluidBody::add_forces(const Environment& env, std::span<double> Q) 
   if (cohesion_.acts()) cohesion_.add_forces(cells_.positions(), pairs_, p->y);
   for (Vec3& f : p->y) f += particle_mass_ * env.gravity;
   scatter(*p, 1.0, Q);
+  add_outer_forces(Q);
 }
 
 void ParticleFluidBody::apply_mass(std::span<const double> x, std::span<double> y) const {

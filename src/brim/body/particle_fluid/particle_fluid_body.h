@@ -3,13 +3,14 @@
 #include <memory>
 #include <vector>
 
-#include "brim/body/restless.h"
 #include "brim/body/body.h"
 #include "brim/body/filling.h"
+#include "brim/body/outer_forces.h"
 #include "brim/body/particle_fluid/cohesion.h"
 #include "brim/body/particle_fluid/fluid_contact.h"
 #include "brim/body/particle_fluid/fluid_pairs.h"
 #include "brim/body/particle_fluid/wall_fill.h"
+#include "brim/body/restless.h"
 
 namespace brim {
 
@@ -38,7 +39,7 @@ struct ParticleFluidOptions {
 /// step of divergence-free SPH does (Bender and Koschier 2017); E takes compression back. Both are linearly implicit
 /// (energy and its treatment: Weiler, Koschier and Bender 2016), so κ does not limit the time step.
 /// Tests: tests/body/particle_fluid_test.cpp
-class ParticleFluidBody final : public Body, public Filling, public Restless {
+class ParticleFluidBody final : public Body, public Filling, public OuterForces, public Restless {
  public:
   /// @param x  particles at the start, world frame, [m]
   /// @throws InputError  when a number is out of range or there are no particles

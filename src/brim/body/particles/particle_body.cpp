@@ -132,6 +132,7 @@ void ParticleBody::add_forces(const Environment& env, std::span<double> Q) const
     stiffness_.multiply_add(-options_.stiffness_damping, 0.0, mass_, flat(v_), Q);
   }
   if (hold_together(stiffness_)) add_turning_forces({mass_, imposed_}, dt_, flat(x_), flat(v_), Q);
+  add_outer_forces(Q);
 }
 
 void ParticleBody::apply_mass(std::span<const double> x, std::span<double> y) const {

@@ -7,6 +7,7 @@
 
 #include "brim/body/body.h"
 #include "brim/body/octant_presence.h"
+#include "brim/body/outer_forces.h"
 #include "brim/body/particles/node_clusters.h"
 #include "brim/body/particles/particle_contact.h"
 #include "brim/math/block_matrix.h"
@@ -41,7 +42,7 @@ struct ParticleOptions {
 ///   A = (1 + dt a) M + (dt b + dt²) K
 /// K in the damping is that of the current state; its own change with q is left out of ∂Q/∂q.
 /// Contact is left to a ParticleContact, which the kind of body gives to set_contact.
-class ParticleBody : public Body, public MotionClusters, public OctantPresence {
+class ParticleBody : public Body, public MotionClusters, public OctantPresence, public OuterForces {
  public:
   std::size_t q_size() const override { return 3 * rest_.size(); }
   std::size_t v_size() const override { return 3 * rest_.size(); }

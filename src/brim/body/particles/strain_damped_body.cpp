@@ -24,6 +24,7 @@ void StrainDampedBody::add_forces(const Environment& env, std::span<double> Q) c
     Eigen::Map<Vec3>(Q.data() + 3 * i) += mass_[i] * env.gravity + force_[i] - a * mass_[i] * v_[i];
   if (options_.stiffness_damping > 0.0) damper_.multiply_add(-options_.stiffness_damping, 0.0, mass_, v, Q);
   add_turning_forces({mass_, imposed_}, dt_, {x_.data()->data(), 3 * x_.size()}, v, Q);
+  add_outer_forces(Q);
 }
 
 void StrainDampedBody::apply_damping(std::span<const double> x, std::span<double> y) const {

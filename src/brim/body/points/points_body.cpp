@@ -93,6 +93,7 @@ void PointsBody::begin_solve(double dt) {
 void PointsBody::add_forces(const Environment& env, std::span<double> Q) const {
   for (std::size_t i = 0; i < mass_.size(); ++i)
     Eigen::Map<Vec3>(Q.data() + 3 * i) += mass_[i] * (env.gravity - options_.mass_damping * v_[i]) + pair_force_[i];
+  add_outer_forces(Q);
 }
 
 void PointsBody::apply_stiffness(std::span<const double> x, std::span<double> y) const {

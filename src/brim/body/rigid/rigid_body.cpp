@@ -67,6 +67,7 @@ void RigidBody::finish_step(double, double, std::span<double> q, std::span<doubl
 void RigidBody::add_forces(const Environment& env, std::span<double> Q) const {
   Eigen::Map<Vec3>(Q.data()) += model_.mass * env.gravity + momentum_rate_;
   Eigen::Map<Vec3>(Q.data() + 3) += spin_rate_;
+  add_outer_forces(Q);
 }
 
 void RigidBody::apply_mass(std::span<const double> x, std::span<double> y) const {

@@ -2,6 +2,7 @@
 
 #include "brim/body/body.h"
 #include "brim/body/distance_bound.h"
+#include "brim/body/outer_forces.h"
 #include "brim/body/posed_display.h"
 #include "brim/body/posed_shape.h"
 #include "brim/body/rigid_frame.h"
@@ -27,7 +28,7 @@ struct RigidModel {
 
 /// Rigid body: q = (position of the centre of mass, quaternion w x y z), v = (o', ω), world frame.
 /// Free rotation conserves angular momentum exactly: after each step ω follows from L at the new orientation.
-class RigidBody final : public Body, public DistanceBound, public RigidFrame, public PosedDisplay {
+class RigidBody final : public Body, public DistanceBound, public RigidFrame, public PosedDisplay, public OuterForces {
  public:
   /// @throws InputError when mass or inertia is not positive
   explicit RigidBody(RigidModel model);

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace brim {
+
+/// Optional interface of bodies that take forces from outside besides gravity, along their own velocities. They are set
+/// between steps and act in every sub-step, as gravity does, until they are set again.
+/// Tests: tests/body/outer_forces_test.cpp
+class OuterForces {
+ public:
+  virtual ~OuterForces() = default;
+  /// @param Q  [N, N·m] shape (nv), or empty: none
+  void set_outer_forces(std::vector<double> Q) { outer_ = std::move(Q); }
+
+ protected:
+  /// For add_forces.
+  void add_outer_forces(std::span<double> Q) const {
+    for (std::size_t i = 0; i < outer_.size(); ++i) Q[i] += outer_[i];
+  }
+
+ private:
+  std::vector<double> outer_;
+};
+
+}  // namespace brim
