@@ -97,6 +97,11 @@ class Body:
         """Vertices [m] (n, 3) and triangles (m, 3) as the viewer shows them: copies. Lines and points have no triangles."""
         return self._core.positions(self._number), self._core.triangles(self._number)
 
+    @property
+    def asleep(self) -> bool:
+        """True while the body is left out of steps because it rests (World(sleep=True)). Forces and writing wake it."""
+        return self._core.asleep(self._number)
+
     # ---- measures ----------------------------------------------------------------------------------------------------
 
     @property

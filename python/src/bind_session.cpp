@@ -155,6 +155,7 @@ void bind_session(py::module_& m) {
       .def("give_volume", &give_volume)
       .def("step", &Session::step)
       .def("takes_forces", &Session::takes_forces)
+      .def("asleep", [](Session& s, int b) { return s.world().asleep(b); })
       .def("state", &Session::state)
       .def("set_state", &Session::set_state)
       .def("q", [](const py::object& self, int b) { return view(self, self.cast<Session&>().seen_q(b)); })

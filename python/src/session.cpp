@@ -1,5 +1,6 @@
 #include "session.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -217,7 +218,7 @@ Session::Mirror& Session::mirror(int body) {
 }
 
 void Session::read_mirrors() {
-  bool written = false;
+  std::vector<int> written;
   const auto differs = [](std::span<const double> a, const std::vector<double>& b) {
     return !b.empty() && std::memcmp(a.data(), b.data(), b.size() * sizeof(double)) != 0;
   };
@@ -230,9 +231,9 @@ void Session::read_mirrors() {
     const auto& m = mirrors_[static_cast<std::size_t>(b)];
     if (!m || (!differs(world_->q(b), m->q) && !differs(world_->v(b), m->v))) continue;
     check(b, "q", m->q), check(b, "v", m->v);
-    written = true;
+    written.push_back(b);
   }
-  if (!written) return;
+  if (written.empty()) return;
   State state = world_->state();
   std::size_t q0 = 0, v0 = 0;
   for (int b = 0; b < world_->body_count(); ++b) {
@@ -244,6 +245,8 @@ void Session::read_mirrors() {
     q0 += world_->q(b).size(), v0 += world_->v(b).size();
   }
   unlocked([&] { world_->set_state(std::move(state)); });
+  if (world_->options().sleep)
+    for (const int b : written) world_->wake(b);
 }
 
 /// Forces on bodies, for as long as it lives.
@@ -255,6 +258,8 @@ struct Session::Acting {
       checked[b] = numbers_of(Q, s.world_->v(b).size(), fmt::format("force on body \"{}\"", s.world_->body(b).name()));
     }
     for (auto& [b, Q] : checked) {
+      if (s.world_->options().sleep && std::any_of(Q.begin(), Q.end(), [](double f) { return f != 0.0; }))
+        s.world_->wake(b);
       session.outer_[static_cast<std::size_t>(b)]->set_outer_forces(std::move(Q));
       bodies.push_back(b);
     }

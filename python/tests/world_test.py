@@ -155,6 +155,27 @@ class State(unittest.TestCase):
             again.append(world.hash)
         self.assertEqual(hashes, again)
 
+    def test_forces_and_writing_wake_what_sleeps(self):
+        world, ball = ball_world(height=0.2, voxel_size=0.05, sleep=True)
+
+        def rest():
+            for _ in range(300):
+                world.step()
+                if ball.asleep:
+                    return
+            self.fail("it does not come to rest")
+
+        rest()
+        ball.v[2] = 1.0
+        world.step()
+        self.assertFalse(ball.asleep)
+        self.assertGreater(ball.q[2], 0.205)
+        rest()
+        ball.force(lambda t, x, v: (0, 0, 100 * ball.mass))
+        world.step()
+        self.assertFalse(ball.asleep)
+        self.assertGreater(ball.v[2], 1.0)
+
     def test_a_state_of_another_world_is_refused(self):
         world, _ = ball_world()
         saved = world.save()
