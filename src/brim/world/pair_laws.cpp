@@ -23,7 +23,7 @@ Response choose_response(Response pair, Response a, Response b, Response world) 
 
 /// How much stiffer the faces of a rigid body on something fixed are than the loads ask for: an edge that carries the
 /// whole weight sinks in little enough for its body not to lean.
-constexpr double kFaces = 80.0;
+constexpr double kFaces = 10.0;
 
 /// The same of a pair. What is round keeps what the loads ask for: the stiffer it is, the more the load of what rolls
 /// swings as nodes come and go under it.
