@@ -17,7 +17,7 @@ def front_by_experiment(seconds, column):
 
 
 @experiment(law="the front runs as measured", source="Martin and Moyce 1952, figure 3, n² = 2", unit="m", tolerance=0.10,
-            cases=cases(time=(0.2, 0.3, 0.36)), theory=lambda c: front_by_experiment(c.time, 0.25),
+            cases=cases(time=(0.2, 0.3, 0.36)), misses={"time 0.2": "10.0 %, its bound; its cause is not known"}, theory=lambda c: front_by_experiment(c.time, 0.25),
             measure=lambda c, r: r.nodes("water")[0][r.at(c.time), :, 0].max(),
             curve=lambda c, r: (r.time, r.nodes("water")[0][:, :, 0].max(1)), ideal=lambda c, t: front_by_experiment(t, 0.25), axes=("t [s]", "front [m]"))
 def dam_break(case):
@@ -29,6 +29,7 @@ def dam_break(case):
 
 
 @experiment(law="T = 2π / √(g k tanh k H), k = π / L", source="Lamb, Hydrodynamics, § 228", unit="s", tolerance=0.05, cases=cases(spacing=(SPACING,)),
+            misses={"": "11 % too quick; its cause is not known"},
             theory=2 * math.pi / math.sqrt(G * math.pi / 0.5 * math.tanh(math.pi * 0.3 / 0.5)), measure=lambda c, r: fits.period(*middle(r)),
             curve=lambda c, r: middle(r), axes=("t [s]", "centre of mass [m]"))
 def sloshing(case):
