@@ -46,6 +46,31 @@ TEST(PatchCenter, ABallIsCarriedStraightBelowItsMiddleWhereverTheNodesLie) {
   }
 }
 
+/// The contacts of two solids around a place, as they are found.
+double roundness_of(const CubeSide& a, const CubeSide& b, double reach) {
+  ContactPair pair{0, 1, h, 3.0 * h, 0.0, 0, 0};
+  CubeFinds finds;
+  const int n = static_cast<int>(std::ceil(reach / h));
+  find_between_solids(a, b, pair, {Vec3i::Constant(-n), Vec3i::Constant(n)}, finds);
+  return roundness(a, b, h, finds.contacts);
+}
+
+TEST(PatchCenter, BallsAndLyingCylindersAreRoundAndBoxesAreNotHoweverTheyLean) {
+  const auto plane = make_half_space(), box = make_box(Vec3(0.8, 0.8, 0.8));
+  const Mat3 lying = rotation_from_vector(Vec3(M_PI / 2, 0, 0)).toRotationMatrix();
+  EXPECT_GT(
+      roundness_of(solid_side(make_sphere(0.4), {Mat3::Identity(), Vec3(0, 0, 0.39)}), solid_side(plane, {}), 0.6),
+      0.9);
+  EXPECT_GT(roundness_of(solid_side(make_cylinder(0.4, 0.8), {lying, Vec3(0, 0, 0.39)}), solid_side(plane, {}), 0.6),
+            0.9);
+  for (const double lean : {0.0, 0.001, 0.003, 0.01, 0.03}) {
+    const Mat3 turn = rotation_from_vector(Vec3(0, lean, 0)).toRotationMatrix();
+    const Vec3 corner = turn * Vec3(0.4, 0, -0.4);  // the lower edge, at a hundredth of a voxel's depth
+    const Vec3 middle(0.0, 0.0, -corner.z() - 0.01 * h);
+    EXPECT_LT(roundness_of(solid_side(box, {turn, middle}), solid_side(plane, {}), 0.6), 0.1) << "lean " << lean;
+  }
+}
+
 TEST(PatchCenter, ACylinderIsCarriedOnItsLine) {
   const auto cylinder = make_cylinder(0.4, 1.0), plane = make_half_space();
   const Mat3 lying = rotation_from_vector(Vec3(M_PI / 2, 0, 0)).toRotationMatrix();

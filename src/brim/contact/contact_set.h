@@ -27,6 +27,8 @@ struct ContactPair {
   double w = 0.0;                       ///< [m] ramp width at that step
   double margin = 0.0;             ///< [-] nodes with ρ_a + ρ_b > 1 − margin are found: they may touch in this step
   std::size_t begin = 0, end = 0;  ///< contacts of the pair
+  /// 0 to 1: how round two solids are where they touch, of which one is fixed; 1 for all others.
+  double roundness = 1.0;
 };
 
 /// A list of vectors kept in single precision: written and read in double.

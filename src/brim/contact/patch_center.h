@@ -17,4 +17,9 @@ namespace brim {
 /// Tests: tests/contact/patch_center_test.cpp
 void center_on_least_gap(const CubeSide& a, const CubeSide& b, double h, std::span<Contact> contacts);
 
+/// How round two solids are in the middle of where they touch: 0 where the gap is level, as between faces, or has a
+/// kink, as at an edge; towards 1 where it is a parabola, as under a ball. 1 where there is no contact.
+/// @param h  [m] step of the grid
+double roundness(const CubeSide& a, const CubeSide& b, double h, std::span<const Contact> contacts);
+
 }  // namespace brim

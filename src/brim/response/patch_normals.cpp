@@ -25,7 +25,7 @@ float PatchNormals::curvature(const Sample& s, int at, const Vec3f& n) {
 }
 
 void PatchNormals::find(const ContactSet& contacts, const ContactPair& pair, std::span<Vec3> direction,
-                        std::span<Vec3> normal) {
+                        std::span<Vec3> normal, bool sharp) {
   // The lattice hangs on the patch's own nodes: moving a scene by whole voxels changes nothing.
   Vec3i first = contacts.node[pair.begin];
   for (std::size_t c = pair.begin; c < pair.end; ++c) first = first.cwiseMin(contacts.node[c]);
@@ -47,7 +47,8 @@ void PatchNormals::find(const ContactSet& contacts, const ContactPair& pair, std
     const Sample s = average_.at(lattice_[c - pair.begin]);
     const Vec3f n = Vec3f(s.head<3>()).normalized();
     const double ka = curvature(s, 3, n), kb = curvature(s, 9, n);
-    const double alpha = ka + kb > 0.0 ? ka / (ka + kb) : 0.5;
+    const double pa = sharp ? ka * ka : ka, pb = sharp ? kb * kb : kb;
+    const double alpha = pa + pb > 0.0 ? pa / (pa + pb) : 0.5;
     direction[c] = (1.0 - alpha) * contacts.gradient_a[c] - alpha * contacts.gradient_b[c];
     const Vec3f weighted = (weight_of(contacts, c) * direction[c]).cast<float>();
     direction_.add(lattice_[c - pair.begin], Direction(weighted[0], weighted[1], weighted[2], 0.0f));

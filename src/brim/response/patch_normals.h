@@ -16,7 +16,10 @@ class PatchNormals {
  public:
   /// @param direction  [1/m] ĝ, per contact of the set; those of the pair are written
   /// @param normal     n, likewise
-  void find(const ContactSet& contacts, const ContactPair& pair, std::span<Vec3> direction, std::span<Vec3> normal);
+  /// @param sharp      squares of the curvatures decide: nothing of a box's edges is left beside the plane that they
+  ///                   slide on, which would brake it
+  void find(const ContactSet& contacts, const ContactPair& pair, std::span<Vec3> direction, std::span<Vec3> normal,
+            bool sharp = false);
 
   /// Weight of a contact in averages over its patch: its overlap, or a little where there is none yet, so that patches
   /// before touch have normals too.

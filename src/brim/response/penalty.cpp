@@ -116,7 +116,7 @@ void Penalty::choose_normals(const ContactSet& contacts, std::span<const PairSta
       bend_[p] = {0.0, 0.0};
       return;
     }
-    workspaces_->borrow()->find(contacts, pair, direction_, normal_);
+    workspaces_->borrow()->find(contacts, pair, direction_, normal_, pairs[p].fixed);
     bend_of_patch(contacts, pair, p);
   });
 }

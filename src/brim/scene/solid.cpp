@@ -16,6 +16,9 @@ namespace brim {
 
 namespace {
 
+/// Sides of a bowl's circles: facets so flat that what rolls in it does not feel them.
+constexpr int kBowlSides = 128;
+
 constexpr double kPi = std::numbers::pi;
 
 SurfaceTreatment treatment_of(const std::string& word) {
@@ -126,7 +129,7 @@ SolidSurface read_surface_of(const Node& n, double s) {
       return {shapes::gear(count("teeth"), length("outer"), length("root"), length("thickness"), length("bore"))};
     if (kind == "star") return {shapes::star(count("points"), length("outer"), length("inner"), length("thickness"))};
     if (kind == "blob") return {shapes::blob(static_cast<std::uint64_t>(n.integer("seed")), length("radius"))};
-    if (kind == "bowl") return {shapes::bowl(length("radius"), length("thickness"))};
+    if (kind == "bowl") return {shapes::bowl(length("radius"), length("thickness"), kBowlSides)};
     if (kind == "cup") return {shapes::cup(length("radius"), length("height"), length("thickness"))};
     if (kind == "l_profile")
       return {shapes::l_profile(length("leg_x"), length("leg_y"), length("width"), length("length"))};

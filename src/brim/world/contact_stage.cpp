@@ -319,7 +319,7 @@ void ContactStage::plan_work() {
       if (work_count_ == work_.size()) work_.emplace_back();
       Work& w = work_[work_count_++];
       w.candidate = i, w.begin = t, w.end = std::min(c.tiles.size(), t + kTilesOfWork);
-      w.finds.clear();
+      w.finds.clear(), w.roundness = 1.0;
     }
   }
 }
@@ -333,8 +333,10 @@ void ContactStage::search(Work& work) const {
     if ((lo.array() <= hi.array()).all()) find_between_solids(a, b, c.pair, {lo, hi}, work.finds);
     carry_to_edges(a, b, h, work.finds.contacts);
     // Only what rolls on something fixed: between two free bodies single points leave a residue of momentum.
-    if (access_[c.pair.part_a].immobile || access_[c.pair.part_b].immobile)
+    if (access_[c.pair.part_a].immobile || access_[c.pair.part_b].immobile) {
+      work.roundness = roundness(a, b, h, work.finds.contacts);
       center_on_least_gap(a, b, h, work.finds.contacts);
+    }
     return;
   }
   CubeSide a = access_[c.pair.part_a].solid, b = access_[c.pair.part_b].solid;
@@ -361,6 +363,7 @@ void ContactStage::collect(StepReport& report) {
     report.tiles += static_cast<std::int64_t>(w.finds.boxes.size()) * ((c.layer_a < 0) + (c.layer_b < 0));
     if (w.finds.contacts.empty() && w.finds.engulfed == 0) continue;
     if (w.candidate != last) contacts_.pairs.push_back(c.pair);
+    contacts_.pairs.back().roundness = w.roundness;
     last = w.candidate;
     pieces_.push_back({contacts_.pairs.size() - 1, &w.finds});
   }

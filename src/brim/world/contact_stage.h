@@ -71,6 +71,7 @@ class ContactStage {
   struct Work {
     std::size_t candidate = 0, begin = 0, end = 0;
     CubeFinds finds;
+    double roundness = 1.0;  ///< ContactPair::roundness
   };
 
   void access(std::span<const WorldPart> parts);

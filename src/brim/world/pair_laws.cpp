@@ -21,6 +21,24 @@ Response choose_response(Response pair, Response a, Response b, Response world) 
   return world;
 }
 
+/// How much stiffer the faces of a rigid body on something fixed are than the loads ask for: an edge that carries the
+/// whole weight sinks in little enough for its body not to lean.
+constexpr double kFaces = 10.0;
+
+/// The same of a pair. What is round keeps what the loads ask for: the stiffer it is, the more the load of what rolls
+/// swings as nodes come and go under it.
+double faces_of(const ContactPair& pair) {
+  const double flat = 1.0 - pair.roundness;
+  return 1.0 + (kFaces - 1.0) * flat * flat;
+}
+
+/// True where the scene says how stiff a pair is.
+bool is_told(const PartInfo& a, const PartInfo& b, const WorldOptions& options) {
+  const auto key = std::minmax(a.material.name, b.material.name);
+  const auto it = options.pair_materials.find({key.first, key.second});
+  return options.stiffness > 0.0 || (it != options.pair_materials.end() && it->second.stiffness > 0.0);
+}
+
 std::span<const double> velocities_of(const WorldPart& p, std::span<const double> v,
                                       std::span<const std::size_t> first_v) {
   return v.subspan(first_v[p.body_index], first_v[p.body_index + 1] - first_v[p.body_index]);
@@ -116,7 +134,9 @@ void PairLaws::choose(std::span<const WorldPart> parts, std::span<const double> 
     const bool constrained = !shapeless && m.response == Response::Constraint;
     constraints_[i] = {constrained, m.friction, m.restitution, is_rigid(a) && is_rigid(b)};
     const bool rigid = std::isinf(a.info.modulus) && std::isinf(b.info.modulus);
-    penalties_[i] = {constrained || filled ? 0.0 : m.stiffness,
+    const bool fixed = a.body->immobile() || b.body->immobile();
+    const double faces = rigid && fixed && !is_told(a.info, b.info, options) ? faces_of(pairs[i]) : 1.0;
+    penalties_[i] = {constrained || filled ? 0.0 : faces * m.stiffness,
                      m.friction,
                      a.body->carrier_velocity(a.index, velocities_of(a, v, first_v)),
                      b.body->carrier_velocity(b.index, velocities_of(b, v, first_v)),
@@ -124,7 +144,7 @@ void PairLaws::choose(std::span<const WorldPart> parts, std::span<const double> 
                      rigid,
                      filled,
                      1.0 / a.body->mass() + 1.0 / b.body->mass(),
-                     a.body->immobile() || b.body->immobile()};
+                     fixed};
   }
 }
 

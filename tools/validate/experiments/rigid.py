@@ -37,8 +37,7 @@ def incline_slide(case):
 
 @experiment(law="a = g (sin θ − μ cos θ), a small difference", source="Coulomb", unit="m/s²", tolerance=0.05, scale=G * 0.05,
             cases=cases(response=BOTH, angle=(20, 25, 30), friction=(0.97,)),
-            theory=lambda c: slide_law(critical(c)), measure=lambda c, r: fits.acceleration(*along_slope(c, r), start=1.0),
-            misses={"response penalty, angle 30": "friction is found in four solves, to 1 % of the load, and the difference is 3 % of it"})
+            theory=lambda c: slide_law(critical(c)), measure=lambda c, r: fits.acceleration(*along_slope(c, r), start=1.0))
 def incline_critical(case):
     """A box on a plane whose tangent is 3 % above the friction (friction 0.97 of it) slides slowly away."""
     return sliding_box(critical(case), 3.0)
@@ -73,6 +72,7 @@ def tower(case):
     return scene(bodies, 2.5, friction=2.0, response=case.response)
 
 
+SINKS = "contact gives: the edge that carries all sinks in; stiffer still, the loads of what slides would scatter"
 ANGLES = [a for a in np.arange(20.0, 29.1, 0.5)]
 
 
@@ -84,7 +84,7 @@ def first_to_fall(case, run):
 @experiment(law="tan θ = width / height", source="statics", unit="degrees", tolerance=0.028, study="voxels",
             cases=cases(response=BOTH, voxels=(4, 8, 16), place=(0.0, 0.4)), theory=math.degrees(math.atan(0.5)),
             measure=first_to_fall,
-            misses={"response penalty": "contact gives: at the stiffness that the loads ask for, the edge sinks in until the block leans by one to two degrees"})
+            misses={f"response penalty, {case}": SINKS for case in ("voxels 4, place 0.4", "voxels 8", "voxels 16")})
 def topple(case):
     """A block half as wide as high, so many voxels wide, on slopes from 20 to 29 degrees in steps of a half: the first that
     falls over. Within half a degree, and a quarter for the steps."""

@@ -1,0 +1,44 @@
+"""Fluids that move."""
+import math
+
+import numpy as np
+
+from fluid_measures import MARTIN_AND_MOYCE
+from validate import fits
+from validate.experiment import cases, experiment
+from validate.scenes import G, box, scene
+
+from .fluids import SPACING, basin, pool
+
+
+def front_by_experiment(seconds, column):
+    t, z = zip(*MARTIN_AND_MOYCE)
+    return column * float(np.interp(seconds * math.sqrt(2 * G / column), t, z))
+
+
+@experiment(law="the front runs as measured", source="Martin and Moyce 1952, figure 3, n² = 2", unit="m", tolerance=0.10,
+            cases=cases(time=(0.2, 0.3, 0.36)), misses={"time 0.2": "10.0 %, its bound; its cause is not known"}, theory=lambda c: front_by_experiment(c.time, 0.25),
+            measure=lambda c, r: r.nodes("water")[0][r.at(c.time), :, 0].max(),
+            curve=lambda c, r: (r.time, r.nodes("water")[0][:, :, 0].max(1)), ideal=lambda c, t: front_by_experiment(t, 0.25), axes=("t [s]", "front [m]"))
+def dam_break(case):
+    """A column of water of 0.25 m, twice as high, is let go, eight particles wide: its front."""
+    bodies = basin(0.5 * 0.03125, 0.25)
+    bodies[2]["transform"]["position"][0] = 3.0
+    return scene(bodies + [{"kind": "particle_fluid", "name": "water", "spacing": 0.03125, "viscosity": 1.0, "voxel_size": 0.015625,
+                            "shape": box(0.25, 0.25, 0.5), "transform": {"position": [0.125, 0.125, 0.25]}}], 0.4, dt=0.005, friction=0.0, frame=2)
+
+
+@experiment(law="T = 2π / √(g k tanh k H), k = π / L", source="Lamb, Hydrodynamics, § 228", unit="s", tolerance=0.05, cases=cases(spacing=(SPACING,)),
+            misses={"": "11 % too quick; its cause is not known"},
+            theory=2 * math.pi / math.sqrt(G * math.pi / 0.5 * math.tanh(math.pi * 0.3 / 0.5)), measure=lambda c, r: fits.period(*middle(r)),
+            curve=lambda c, r: middle(r), axes=("t [s]", "centre of mass [m]"))
+def sloshing(case):
+    """The water of a basin of 0.5 m is given a push, and sloshes to and fro."""
+    s = pool(case.spacing, 4.0)
+    s["bodies"][-1]["velocity"] = [0.15, 0, 0]
+    return s
+
+
+def middle(run):
+    later = run.at(0.4)
+    return run.time[later:], run.nodes("water")[0][later:, :, 0].mean(1)

@@ -1,0 +1,85 @@
+"""Rigid bodies that meet, carry each other or fly: blows of two balls, planks, belts, grooves."""
+import math
+
+import numpy as np
+
+from validate import fits
+from validate.experiment import BOTH, ROWS, cases, experiment
+from validate.scenes import G, about, ball, box, floor, rigid, scene
+
+
+@experiment(law="x = v_x t, z = v_z t − g t²/2", source="free flight", unit="m", tolerance=0.01, study="dt", fast=True,
+            cases=cases(dt=(1 / 60, 1 / 240)), theory=lambda c: 5.0 - 0.5 * G, scale=5.0, measure=lambda c, r: r.center("ball")[r.at(1.0), 2],
+            misses={"dt 0.0166667": "v ← v + g dt, x ← x + v dt falls half a step too far: of first order"})
+def throw(case):
+    """A ball is thrown upwards at 5 m/s: its height after a second."""
+    return scene([rigid("ball", ball(0.1), (0, 0, 0), 0.05, velocity=[3, 0, 5])], 1.0, dt=case.dt)
+
+
+def two_balls(velocity, place, e, densities=(1000, 1000)):
+    return scene([rigid("one", ball(0.2), (-0.6, 0, 0), 0.05, velocity=velocity, density=densities[0]),
+                  rigid("two", ball(0.2), place, 0.05, density=densities[1])],
+                 0.5, dt=1 / 240, friction=0.0, restitution=e, response=ROWS, gravity=[0, 0, 0])
+
+
+@experiment(law="v₂' = (1 + e) m₁ v₁ / (m₁ + m₂)", source="Newton", unit="m/s", tolerance=0.02, fast=True,
+            cases=cases(e=(0.0, 0.5, 1.0), ratio=(1, 4)), theory=lambda c: (1 + c.e) * 2.0 * c.ratio / (c.ratio + 1),
+            measure=lambda c, r: r.velocity("two")[-1, 0])
+def head_on(case):
+    """A ball, so many times as heavy as the other, hits it in the middle at 2 m/s (rows): the speed of the other."""
+    return two_balls([2, 0, 0], (0, 0, 0), case.e, (1000 * case.ratio, 1000))
+
+
+@experiment(law="equal balls part at a right angle", source="conservation of momentum and energy, e = 1", unit="degrees", tolerance=0.03,
+            cases=cases(offset=(0.1, 0.2, 0.3)), theory=90.0, measure=lambda c, r: angle_between(r.velocity("one")[-1], r.velocity("two")[-1]))
+def billiards(case):
+    """A ball hits an equal one at rest beside its middle, by so many metres of the 0.4 m between their centres (rows)."""
+    return two_balls([2, 0, 0], (0, case.offset, 0), 1.0)
+
+
+def angle_between(a, b):
+    return math.degrees(math.acos(a @ b / np.linalg.norm(a) / np.linalg.norm(b)))
+
+
+@experiment(law="v = (5 v₀ − 2 R ω₀) / 7 once it rolls", source="angular momentum about the contact", unit="m/s", tolerance=0.02, scale=1.0,
+            cases=cases(response=BOTH, spin=(10.0, 30.0)), theory=lambda c: (5 * 2.0 - 2 * 0.2 * c.spin) / 7,
+            measure=lambda c, r: r.velocity("ball")[r.at(1.4), 0])
+def backspin(case):
+    """A ball of 0.4 m slides at 2 m/s and spins backwards; spun fast it returns."""
+    return scene([floor(0.05), rigid("ball", ball(0.2), (0, 0, 0.2), 0.05, velocity=[2, 0, 0], angular_velocity=[0, -case.spin, 0])],
+                 1.5, friction=0.3, response=case.response)
+
+
+@experiment(law="N = m g / (2 sin α) on each side", source="statics", unit="-", tolerance=0.01, cases=cases(response=BOTH, angle=(30, 45)),
+            theory=lambda c: 0.5 / math.cos(math.radians(c.angle)), measure=lambda c, r: groove_load(r))
+def groove(case):
+    """A ball lies in a groove of two planes without friction, each so steep: the load on one of them, over the weight."""
+    sides = [{"kind": "obstacle", "name": name, "voxel_size": 0.025, "shape": {"kind": "plane", "display_size": 1},
+              "transform": {"rotation": about((0, 1, 0), sign * case.angle)}} for name, sign in (("left", 1), ("right", -1))]
+    return scene(sides + [rigid("ball", ball(0.2), (0, 0, 0.2 / math.cos(math.radians(case.angle))), 0.025)], 1.0, friction=0.0,
+                 response=case.response)
+
+
+def groove_load(run):
+    return np.linalg.norm(run.force("left")[-20:].mean(0)) / (G * run.mass("ball"))
+
+
+@experiment(law="v = μ g t until it moves with the belt", source="Coulomb", unit="m/s", tolerance=0.03, cases=cases(response=BOTH),
+            theory=0.2 * G * 0.4, measure=lambda c, r: fits.acceleration(r.time, r.velocity("box")[:, 0], 0.05, 0.45) * 0.4,
+            curve=lambda c, r: (r.time, r.velocity("box")[:, 0]), ideal=lambda c, t: min(1.0, 0.2 * G * t), axes=("t [s]", "speed [m/s]"))
+def belt(case):
+    """A box is put on a belt that moves at 1 m/s, friction 0.2: its speed after 0.4 s."""
+    return scene([{"kind": "obstacle", "name": "belt", "voxel_size": 0.05, "shape": box(6, 1, 0.2),
+                   "transform": {"position": [0, 0, -0.1]}, "velocity": [1, 0, 0]},
+                  rigid("box", box(0.4, 0.4, 0.4), (0, 0, 0.2), 0.05)], 1.0, friction=0.2, response=case.response)
+
+
+@experiment(law="v = m₁ v₁ / (m₁ + m₂)", source="conservation of momentum", unit="m/s", tolerance=0.02, cases=cases(response=BOTH),
+            theory=0.5, measure=lambda c, r: r.velocity("plank")[-1, 0],
+            curve=lambda c, r: (r.time, r.velocity("plank")[:, 0]), axes=("t [s]", "speed [m/s]"))
+def plank(case):
+    """A box slides at 1 m/s onto a plank as heavy as itself, which lies on ice, until both move as one."""
+    s = scene([floor(0.05, material="ice"), rigid("plank", box(1.6, 0.4, 0.1), (0, 0, 0.05), 0.05, material="wood"),
+               rigid("box", box(0.4, 0.4, 0.4), (-0.5, 0, 0.3), 0.05, material="wood", velocity=[1, 0, 0])], 1.2, response=case.response)
+    s["materials"] = {"ice": {"friction": 0.0}, "wood": {"friction": 0.3}}
+    return s
