@@ -10,8 +10,8 @@ find_package(tinyxml2 REQUIRED)
 find_package(CLI11 REQUIRED)
 
 if(BRIM_TESTS)
-  # The page's side of the viewer's server, in its tests. Debian ships cpp-httplib as a library without a CMake package. The definitions must be those that the library was
-  # compiled with: they change the layout of its types.
+  # The page's side of the viewer's server, in its tests. Debian ships cpp-httplib as a library without a CMake package.
+  # The definitions must be those that the library was compiled with: they change the layout of its types.
   find_library(BRIM_HTTPLIB_LIBRARY cpp-httplib REQUIRED)
   find_path(BRIM_HTTPLIB_INCLUDE httplib.h REQUIRED)
   add_library(brim_httplib INTERFACE)
