@@ -9,14 +9,16 @@ find_package(ZLIB REQUIRED)
 find_package(tinyxml2 REQUIRED)
 find_package(CLI11 REQUIRED)
 
-# Debian ships cpp-httplib as a library without a CMake package. The definitions must be those that the library was
-# compiled with: they change the layout of its types.
-find_library(BRIM_HTTPLIB_LIBRARY cpp-httplib REQUIRED)
-find_path(BRIM_HTTPLIB_INCLUDE httplib.h REQUIRED)
-add_library(brim_httplib INTERFACE)
-target_include_directories(brim_httplib SYSTEM INTERFACE ${BRIM_HTTPLIB_INCLUDE})
-target_compile_definitions(brim_httplib INTERFACE CPPHTTPLIB_OPENSSL_SUPPORT CPPHTTPLIB_ZLIB_SUPPORT CPPHTTPLIB_BROTLI_SUPPORT)
-target_link_libraries(brim_httplib INTERFACE ${BRIM_HTTPLIB_LIBRARY})
+if(BRIM_TESTS)
+  # The page's side of the viewer's server, in its tests. Debian ships cpp-httplib as a library without a CMake package.
+  # The definitions must be those that the library was compiled with: they change the layout of its types.
+  find_library(BRIM_HTTPLIB_LIBRARY cpp-httplib REQUIRED)
+  find_path(BRIM_HTTPLIB_INCLUDE httplib.h REQUIRED)
+  add_library(brim_httplib INTERFACE)
+  target_include_directories(brim_httplib SYSTEM INTERFACE ${BRIM_HTTPLIB_INCLUDE})
+  target_compile_definitions(brim_httplib INTERFACE CPPHTTPLIB_OPENSSL_SUPPORT CPPHTTPLIB_ZLIB_SUPPORT CPPHTTPLIB_BROTLI_SUPPORT)
+  target_link_libraries(brim_httplib INTERFACE ${BRIM_HTTPLIB_LIBRARY})
+endif()
 
 # OpenVDB is optional: AUTO takes it when it is there. Debian ships it without a CMake package of its own.
 set(BRIM_OPENVDB AUTO CACHE STRING "Read and write OpenVDB volumes: AUTO, ON or OFF")

@@ -5,17 +5,16 @@
 #include <string>
 
 #include "brim/core/error.h"
+#include "brim/core/printable.h"
 #include "commands.h"
 
 namespace {
 
 /// A message as one line for a terminal: what a file said may hold control characters, or be very long.
-std::string printable(std::string text) {
+std::string one_line(const std::string& text) {
   constexpr std::size_t kMost = 2000;
-  if (text.size() > kMost) text = text.substr(0, kMost / 2) + " ... " + text.substr(text.size() - kMost / 2);
-  for (char& c : text)
-    if ((static_cast<unsigned char>(c) < 0x20 && c != '\n') || c == 0x7f) c = '?';
-  return text;
+  if (text.size() <= kMost) return brim::printable(text);
+  return brim::printable(text.substr(0, kMost / 2) + " ... " + text.substr(text.size() - kMost / 2));
 }
 
 }  // namespace
@@ -42,16 +41,16 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);
-    std::fprintf(stderr, "brim: error: %s; brim --help lists what is allowed\n", printable(e.what()).c_str());
+    std::fprintf(stderr, "brim: error: %s; brim --help lists what is allowed\n", one_line(e.what()).c_str());
     return brim::cli::kBadInput;
   } catch (const brim::InputError& e) {
-    std::fprintf(stderr, "brim: error: %s\n", printable(e.what()).c_str());
+    std::fprintf(stderr, "brim: error: %s\n", one_line(e.what()).c_str());
     return brim::cli::kBadInput;
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "brim: error: out of memory; a coarser voxel_size or lattice_spacing needs less\n");
     return brim::cli::kFailed;
   } catch (const std::exception& e) {
-    std::fprintf(stderr, "brim: error: %s (a defect of brim; please report it)\n", printable(e.what()).c_str());
+    std::fprintf(stderr, "brim: error: %s (a defect of brim; please report it)\n", one_line(e.what()).c_str());
     return brim::cli::kFailed;
   }
   return code;

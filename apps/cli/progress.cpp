@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "brim/core/printable.h"
+
 namespace brim::cli {
 
 namespace {
@@ -114,7 +116,7 @@ void Progress::end(const RunResult& result, const std::string& folder) {
   for (const auto& [code, count] : t.warning_codes)
     for (const Warning& w : t.warnings)
       if (w.code == code) {
-        fmt::print(stderr, "brim: warning: {} s: {} ({} times)\n", w.time, w.message, count);
+        fmt::print(stderr, "brim: warning: {} s: {} ({} times)\n", w.time, printable(w.message), count);
         break;
       }
 }

@@ -1,10 +1,10 @@
 #include "server/rebuilt_world.h"
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
+#include <optional>
 
 #include "brim/core/error.h"
+#include "brim/io/regular_file.h"
 #include "brim/scene/scene.h"
 
 namespace brim::viewer {
@@ -13,16 +13,14 @@ namespace fs = std::filesystem;
 
 RebuiltWorld::RebuiltWorld(const RunReader& run) {
   const fs::path kept = fs::path(run.path()).parent_path() / "scene.json";
-  std::ifstream in(kept, std::ios::binary);
-  if (!in)
+  const std::optional<std::string> text = read_regular_file(kept.string());
+  if (!text)
     throw InputError(
         fmt::format("{}: is not there; the densities of a run are made from the scene that it keeps", kept.string()));
-  std::ostringstream text;
-  text << in.rdbuf();
   // Paths inside start from where the scene was read, if that is still there.
   std::error_code error;
   const bool known = !run.scene_path().empty() && fs::is_directory(fs::path(run.scene_path()).parent_path(), error);
-  const Scene scene = parse_scene(text.str(), known ? run.scene_path() : kept.string());
+  const Scene scene = parse_scene(*text, known ? run.scene_path() : kept.string());
   world_ = std::make_unique<World>(build_world(scene));
   check_same_world(run, *world_);
 }

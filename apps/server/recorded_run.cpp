@@ -1,12 +1,13 @@
 #include "server/recorded_run.h"
 
 #include <chrono>
-#include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <span>
 #include <thread>
 
 #include "brim/core/error.h"
+#include "brim/io/regular_file.h"
 #include "brim/world/report_fields.h"
 #include "server/array_message.h"
 
@@ -60,8 +61,8 @@ bool same_process(const ProcessMark& a, const ProcessMark& b) {
 }
 
 Json read_json(const fs::path& path) {
-  std::ifstream in(path);
-  Json value = in ? Json::parse(in, nullptr, false) : Json::object();
+  const std::optional<std::string> text = read_regular_file(path.string());
+  Json value = text ? Json::parse(*text, nullptr, false) : Json::object();
   return value.is_discarded() ? Json::object() : value;
 }
 

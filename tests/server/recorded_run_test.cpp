@@ -263,6 +263,18 @@ TEST_F(RecordedRunTest, APipeInThePlaceOfARunIsRefused) {
   EXPECT_THROW(RecordedRun(folder_.string()), InputError);
 }
 
+TEST_F(RecordedRunTest, PipesInThePlaceOfWhatLiesBesideARunAreNotWaitedFor) {
+  write_run(folder_, 2);
+  for (const char* name : {"run.h5.journal", "summary.json", "scene.json"}) {
+    fs::remove(folder_ / name);
+    ASSERT_EQ(::mkfifo((folder_ / name).c_str(), 0600), 0);
+  }
+  RecordedRun run(folder_.string());
+  EXPECT_EQ(run.progress().frames, 2);
+  EXPECT_EQ(run.info()["frames"], 2);
+  EXPECT_THROW(run.slice(0, SliceRequest{}), InputError);
+}
+
 TEST_F(RecordedRunTest, ARunWhoseWriterIsGoneDoesNotGrowForEver) {
   write_run(folder_, 2);
   const auto mark = [&](const ProcessMark& m) {

@@ -6,6 +6,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -46,6 +47,7 @@ class MadeUpRun : public RunSource {
 class ViewerServerTest : public testing::Test {
  protected:
   ViewerServerTest() {
+    std::signal(SIGPIPE, SIG_IGN);  // the client does not mind a server that stops listening
     root_ = fs::temp_directory_path() / fmt::format("brim_viewer_test_{}", getpid());
     fs::create_directories(root_ / "page/assets");
     std::ofstream(root_ / "page/index.html") << "<html>the page</html>";

@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "brim/core/error.h"
+#include "brim/io/regular_file.h"
 #include "brim/io/volume_formats.h"
 
 namespace brim {
@@ -161,6 +162,7 @@ void read_data_place(const Fields& f, VolumeInfo& info) {
     return std::lround(n[0]);
   };
   if (long lines = skip("line skip", "lineskip"); lines > 0) {
+    need_regular_file(info.data_path);
     std::ifstream in(info.data_path, std::ios::binary);
     in.seekg(static_cast<std::streamoff>(info.file_offset));
     std::string line;

@@ -4,11 +4,11 @@
 
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <map>
 #include <sstream>
 
 #include "brim/core/error.h"
+#include "brim/io/regular_file.h"
 
 namespace brim {
 
@@ -241,12 +241,10 @@ Urdf grow(const Reader& reader, const Element& robot, std::vector<Urdf::Link> li
 }  // namespace
 
 Urdf read_urdf(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(fmt::format("{}: cannot be read", path.string()));
-  std::ostringstream text;
-  text << in.rdbuf();
+  const std::optional<std::string> text = read_regular_file(path.string(), std::uint64_t{64} << 20);
+  if (!text) throw InputError(fmt::format("{}: cannot be read", path.string()));
   tinyxml2::XMLDocument document;
-  const std::string xml = text.str();
+  const std::string& xml = *text;
   const Reader reader(path);
   if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS)
     throw reader.error(document.ErrorLineNum(), fmt::format("not valid XML ({})", document.ErrorName()));

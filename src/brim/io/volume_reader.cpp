@@ -9,6 +9,7 @@
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 #include "brim/io/byte_source.h"
+#include "brim/io/regular_file.h"
 #include "brim/io/volume_formats.h"
 
 namespace brim {
@@ -36,6 +37,7 @@ void check(const VolumeInfo& info) {
                     info.path, steps.x(), steps.y(), steps.z()));
   if (!(std::abs(info.axes.determinant()) > 1e-6 * steps.prod()))
     throw InputError(info.path + ": the axes of the volume lie in one plane");
+  need_regular_file(info.data_path);
   const std::size_t size = file_size(info.data_path);
   const double needed = static_cast<double>(info.file_offset + info.data_offset) +
                         info.count() * static_cast<double>(voxel_bytes(info.type));
@@ -128,6 +130,7 @@ VolumeInfo read_volume_info(const std::string& path, const std::string& grid) {
   std::string name = path;
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  need_regular_file(path);
   VolumeInfo info;
   if (name.ends_with(".nii") || name.ends_with(".nii.gz"))
     info = read_nifti_info(path);

@@ -82,6 +82,11 @@ T need(T result, const std::string& path, const char* what) {
   return result;
 }
 
+constexpr const char* kNotWritten = "cannot be written; is the disk full?";
+
+/// What the library holds back of a small data set is written when it is closed.
+void close_written(Handle& set, const std::string& path) { need(H5Dclose(set.release()), path, kNotWritten); }
+
 Handle text_type(std::size_t length) {
   Handle type(H5Tcopy(H5T_C_S1));
   H5Tset_size(type.id(), length);
@@ -163,8 +168,7 @@ void Dataset::append(const void* data, std::uint64_t rows, Type type) {
   need(H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), path_,
        "bad rows");
   const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr));
-  need(H5Dwrite(handle_.id(), native(type), memory.id(), space.id(), H5P_DEFAULT, data), path_,
-       "cannot be written; is the disk full?");
+  need(H5Dwrite(handle_.id(), native(type), memory.id(), space.id(), H5P_DEFAULT, data), path_, kNotWritten);
 }
 
 void Dataset::need_rows(std::uint64_t first, std::uint64_t rows, std::span<const std::uint64_t> row) const {
@@ -239,13 +243,11 @@ std::uint64_t Dataset::chunk_rows() const {
 void Dataset::write_chunk(std::uint64_t first, const void* data, std::size_t bytes) {
   std::vector<hsize_t> offset(shape().size(), 0);
   offset[0] = first;
-  need(H5Dwrite_chunk(handle_.id(), H5P_DEFAULT, 0, offset.data(), bytes, data), path_,
-       "cannot be written; is the disk full?");
+  need(H5Dwrite_chunk(handle_.id(), H5P_DEFAULT, 0, offset.data(), bytes, data), path_, kNotWritten);
 }
 
 void Dataset::overwrite(const void* data, Type type) {
-  need(H5Dwrite(handle_.id(), native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data), path_,
-       "cannot be written; is the disk full?");
+  need(H5Dwrite(handle_.id(), native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data), path_, kNotWritten);
 }
 
 bool never_flushed(const std::string& path) {
@@ -344,13 +346,12 @@ Dataset File::growing(const std::string& path, Type type, std::span<const std::u
 void File::write(const std::string& path, Type type, std::span<const std::uint64_t> shape, const void* data) {
   const std::vector<hsize_t> size(shape.begin(), shape.end());
   const Handle space(H5Screate_simple(static_cast<int>(size.size()), size.data(), nullptr));
-  const Handle set(
-      H5Dcreate2(handle_.id(), path.c_str(), stored(type), space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  Handle set(H5Dcreate2(handle_.id(), path.c_str(), stored(type), space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
   need(set.id(), path_ + ":" + path, "the data set cannot be made");
   for (const hsize_t n : size)
     if (n == 0) return;
-  need(H5Dwrite(set.id(), native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data), path_ + ":" + path,
-       "cannot be written; is the disk full?");
+  need(H5Dwrite(set.id(), native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data), path_ + ":" + path, kNotWritten);
+  close_written(set, path_ + ":" + path);
 }
 
 void File::write_texts(const std::string& path, std::span<const std::string> texts) {
@@ -359,14 +360,13 @@ void File::write_texts(const std::string& path, std::span<const std::string> tex
   const Handle type(text_type(longest));
   const hsize_t count = texts.size();
   const Handle space(H5Screate_simple(1, &count, nullptr));
-  const Handle set(
-      H5Dcreate2(handle_.id(), path.c_str(), type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  Handle set(H5Dcreate2(handle_.id(), path.c_str(), type.id(), space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
   need(set.id(), path_ + ":" + path, "the data set cannot be made");
   if (texts.empty()) return;
   std::string all(longest * texts.size(), '\0');
   for (std::size_t i = 0; i < texts.size(); ++i) std::copy(texts[i].begin(), texts[i].end(), all.data() + i * longest);
-  need(H5Dwrite(set.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()), path_ + ":" + path,
-       "cannot be written; is the disk full?");
+  need(H5Dwrite(set.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()), path_ + ":" + path, kNotWritten);
+  close_written(set, path_ + ":" + path);
 }
 
 std::vector<std::string> File::read_texts(const std::string& path) const {

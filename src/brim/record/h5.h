@@ -33,6 +33,8 @@ class Handle {
   }
   ~Handle();
   Id id() const { return id_; }
+  /// Gives the id up; whoever takes it closes it.
+  Id release() { return std::exchange(id_, -1); }
 
  private:
   Id id_ = -1;

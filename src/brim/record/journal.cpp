@@ -7,8 +7,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
+#include <optional>
+
+#include "brim/io/regular_file.h"
 
 namespace brim {
 
@@ -114,9 +115,9 @@ bool Journal::commit(const std::string& path, int file) {
 }
 
 void Journal::find(const std::string& path, std::uint64_t length) {
-  std::ifstream in(path_of(path), std::ios::binary);
-  if (!in) return;
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  const std::optional<std::string> held = read_regular_file(path_of(path));
+  if (!held) return;
+  const std::string& text = *held;
   constexpr std::size_t kHead = sizeof kMagic + sizeof length;
   if (text.size() < kHead + 8 || std::memcmp(text.data(), kMagic, sizeof kMagic) != 0) return;
   const auto number = [&](std::size_t at) {

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "brim/core/error.h"
+#include "brim/io/regular_file.h"
 #include "brim/record/run_writer.h"
 
 namespace brim {
@@ -27,9 +26,7 @@ nlohmann::json motion_of(const std::string& text) {
 }
 
 std::optional<std::string> kept_scene(const std::string& folder) {
-  std::ifstream in(std::filesystem::path(folder) / kKept, std::ios::binary);
-  if (!in) return {};
-  return std::string(std::istreambuf_iterator<char>(in), {});
+  return read_regular_file((std::filesystem::path(folder) / kKept).string());
 }
 
 }  // namespace

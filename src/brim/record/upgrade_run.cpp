@@ -1,9 +1,8 @@
 #include "brim/record/upgrade_run.h"
 
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
+#include "brim/io/regular_file.h"
 #include "brim/record/run_writer.h"
 
 namespace brim {
@@ -16,10 +15,9 @@ void upgrade_run(const std::string& folder, World& world) {
   fs::remove_all(part, error);
   {
     const RunReader old(folder);
-    std::ostringstream scene;
-    if (std::ifstream in(fs::path(folder) / "scene.json", std::ios::binary); in) scene << in.rdbuf();
+    const std::string scene = read_regular_file((fs::path(folder) / "scene.json").string()).value_or("");
     RunWriter writer(part.string(), world,
-                     {old.scene_name(), scene.str(), old.frame_time(), old.steps_per_frame(), old.scene_path()});
+                     {old.scene_name(), scene, old.frame_time(), old.steps_per_frame(), old.scene_path()});
     for (std::int64_t f = 0; f < old.frames(); ++f) {
       world.set_state(old.state(f));
       writer.add(world, old.report(f), old.steps(f), old.samples(f), old.contacts(f), old.tiles(f));

@@ -8,12 +8,14 @@
 #include <vector>
 
 #include "brim/core/error.h"
+#include "brim/core/printable.h"
 
 namespace brim {
 
 namespace {
 
 constexpr std::size_t kMaxDepth = 64;
+constexpr std::size_t kMaxKey = 256;
 constexpr std::uintmax_t kMaxBytes = std::uintmax_t{64} << 20;
 
 /// Where the parser stands: the line of the last character it took.
@@ -68,6 +70,7 @@ class TreeBuilder : public nlohmann::json_sax<Json> {
   bool end_array() override { return close(); }
 
   bool key(string_t& k) override {
+    need_plain(k);
     key_ = k;
     const std::string pointer = stack_.back().pointer + "/" + pointer_token(k);
     if (stack_.back().value->contains(k))
@@ -98,6 +101,15 @@ class TreeBuilder : public nlohmann::json_sax<Json> {
     Json* value;
     std::string pointer;
   };
+
+  /// Keys are repeated in messages, and by the places of all that is below them.
+  void need_plain(const std::string& k) const {
+    if (k.size() <= kMaxKey && printable(k) == k) return;
+    throw InputError(
+        fmt::format("{}:{}: {}: the key \"{}\" is not allowed; a key has at most {} bytes and no control characters",
+                    doc_.file, cursor_.last, stack_.back().pointer.empty() ? "/" : stack_.back().pointer,
+                    printable(k.substr(0, 60)) + (k.size() > 60 ? "..." : ""), kMaxKey));
+  }
 
   /// Adds a value to the innermost container and returns it.
   Json* add(Json value) {

@@ -54,6 +54,9 @@ std::string nearest_word(std::string_view word, const Words& known) {
   std::string best;
   int least = 1 + static_cast<int>(word.size() + 2) / 3;
   for (const auto& candidate : known) {
+    // The distance is at least the difference of the lengths.
+    const auto apart = std::max(word.size(), candidate.size()) - std::min(word.size(), candidate.size());
+    if (apart >= static_cast<std::size_t>(least)) continue;
     const int d = edit_distance(word, candidate);
     if (d < least) {
       least = d;

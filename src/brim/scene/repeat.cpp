@@ -73,7 +73,7 @@ std::vector<Placement> placements(const Node& body) {
         for (int a = 0; a < 3; ++a) p.position[a] += cell[a] * spacing[a] + jitter[a] * random.symmetric();
         if (turn == "any") p.rotation = random_rotation(random) * p.rotation;
         if (turn == "yaw") p.rotation = yaw(turn_degrees * random.symmetric()) * p.rotation;
-        p.name += "." + std::to_string(all.size());
+        p.name += fmt::format(".{}", all.size());
         all.push_back(std::move(p));
       }
   return all;

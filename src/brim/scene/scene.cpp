@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include "brim/core/printable.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/node.h"
 #include "brim/scene/repeat.h"
@@ -136,6 +137,9 @@ std::set<std::string> check_bodies(const Node& list, const std::map<std::string,
     const Node body = list.at(i);
     need_material(body.at("material"), body.string("material"), materials);
     find_body_kind(body.string("kind")).check(body);
+    if (const std::string name = body.string("name"); printable(name) != name)
+      throw body.at("name").error(
+          fmt::format("\"{}\" is not allowed; a name has no control characters", printable(name)));
     if (!names.insert(body.string("name")).second)
       throw body.at("name").error(
           fmt::format("\"{}\" is already the name of a body; names must be unique", body.string("name")));

@@ -1,6 +1,7 @@
 #include "brim/world/contact_stage.h"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 
 #include "brim/body/posed_shape.h"
@@ -85,6 +86,17 @@ void require_few(const WorldPart& part, const Aabb& region, double h) {
         part.body->name(), region.extent().maxCoeff(), tiles.prod(), h, kMostTiles));
 }
 
+/// What a step keeps of a contact, of a pair whose boxes overlap, [bytes]; the first as measured between rigid boxes.
+constexpr double kContactBytes = 1300.0, kPairBytes = 300.0;
+
+[[noreturn]] void refuse_crowd(const char* what, double most, double limit) {
+  throw InputError(
+      fmt::format("world: more than {:.3g} {} at one time, more than memory_limit = {:.1f} GB has room for; look for "
+                  "bodies that lie "
+                  "in one place, or use a larger voxel_size",
+                  most, what, 1e-9 * limit));
+}
+
 }  // namespace
 
 void ContactStage::find(std::span<const WorldPart> parts, std::span<const double> v,
@@ -108,7 +120,15 @@ void ContactStage::find(std::span<const WorldPart> parts, std::span<const double
   const ScopedSeconds timer(seconds(Phase::Detect));
   rigid_.find(held_, options.constraint_every_node);
   plan_work();
-  parallel_for(work_count_, [&](std::size_t i) { search(work_[i]); });
+  // Work past the limit is not begun.
+  const double most = options.memory_limit / kContactBytes;
+  std::atomic<std::int64_t> found = 0;
+  parallel_for(work_count_, [&](std::size_t i) {
+    if (static_cast<double>(found) > most) return;
+    search(work_[i]);
+    found += static_cast<std::int64_t>(work_[i].finds.contacts.size());
+  });
+  if (static_cast<double>(found) > most) refuse_crowd("contacts", most, options.memory_limit);
   collect(report);
 }
 
@@ -144,7 +164,8 @@ void ContactStage::outline(std::span<const WorldPart> parts, std::span<const dou
       64);
 }
 
-void ContactStage::sweep_boxes() {
+void ContactStage::sweep_boxes(double memory_limit) {
+  const double most = memory_limit / kPairBytes;
   // Along the axis on which the boxes' middles lie farthest apart.
   const std::size_t n = outline_.size();
   Aabb middles;
@@ -166,6 +187,7 @@ void ContactStage::sweep_boxes() {
     const Aabb one = swept_[i];
     for (std::size_t j = i + 1; j < n && swept_[j].lo[axis] <= one.hi[axis]; ++j) {
       if (!one.overlaps(swept_[j])) continue;
+      if (static_cast<double>(near_.size()) > most) refuse_crowd("pairs of bodies that may touch", most, memory_limit);
       near_.emplace_back(std::min(order_[i], order_[j]), std::max(order_[i], order_[j]));
       ++first_touch_[near_.back().first + 1];
     }
@@ -192,7 +214,7 @@ void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<c
 
   // The root of the hierarchy: boxes of whole parts.
   outline(parts, v, first_v, ramp);
-  sweep_boxes();
+  sweep_boxes(options.memory_limit);
   for (const auto& [pa, pb] : touching_) {
     const WorldPart &a = parts[pa], &b = parts[pb];
     if (!may_touch(a, b) || fills(a, b)) continue;

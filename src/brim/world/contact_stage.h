@@ -80,7 +80,7 @@ class ContactStage {
   void outline(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
                double ramp);
   /// Pairs of parts whose swept boxes overlap, ordered.
-  void sweep_boxes();
+  void sweep_boxes(double memory_limit);
   std::int32_t layer_of(std::int32_t part, double h, const Aabb& region);
   void find_presence(std::span<const WorldPart> parts, double ramp, StepReport& report);
   void refine(const WorldOptions& options);

@@ -17,6 +17,22 @@ void warn_of_saturation(std::span<const WorldPart> parts, const PairReport& r, d
                      parts[r.part_a].body->name(), parts[r.part_b].body->name(), r.worst_pressure)});
 }
 
+void warn_of_start(std::span<const WorldPart> parts, double time, StepReport& report) {
+  constexpr double kDeep = 2.0;  // [voxels]
+  for (const PairReport& r : report.pairs) {
+    // What takes the shape of another starts where that leaves it room.
+    const bool shapeless = parts[r.part_a].info.shapeless || parts[r.part_b].info.shapeless;
+    if (shapeless || !(r.worst_overlap > kDeep)) continue;
+    if (report.warnings.size() >= 16) return;
+    report.warnings.push_back(
+        {time, "start_overlap",
+         fmt::format(
+             "'{}' and '{}' overlap by {:.2g} voxels at the start: they are pushed apart, or stay within each other; "
+             "place them apart",
+             parts[r.part_a].body->name(), parts[r.part_b].body->name(), r.worst_overlap)});
+  }
+}
+
 void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const Vec3> normal,
                   std::span<const Vec3> friction, double time, StepReport& report,
                   std::vector<ContactSample>& samples) {

@@ -8,6 +8,9 @@
 
 namespace brim {
 
+/// Warns of pairs of a first step that lie deep within each other.
+void warn_of_start(std::span<const WorldPart> parts, double time, StepReport& report);
+
 /// Writes the totals of every touching pair, the contact samples, and the warnings of contacts near saturation.
 void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const Vec3> normal,
                   std::span<const Vec3> friction, double time, StepReport& report, std::vector<ContactSample>& samples);

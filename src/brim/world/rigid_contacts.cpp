@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <map>
 
 #include "brim/body/distance_bound.h"
 #include "brim/body/posed_shape.h"
 #include "brim/body/rigid_frame.h"
+#include "brim/core/error.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/core/workspace_pool.h"
@@ -19,6 +21,9 @@
 namespace brim {
 
 namespace {
+
+/// What a step keeps of a row, [bytes], with all of its pair: as measured of 500,000 pairs of boxes.
+constexpr double kRowBytes = 1800.0;
 
 /// The solid of a part whose body is one rigid frame, or null.
 const PosedShape* rigid_solid(const WorldPart& part) {
@@ -68,6 +73,7 @@ void RigidContacts::start(std::span<const WorldPart> parts, const PairLaws& laws
   side_.assign(parts.size(), {}), box_.assign(parts.size(), {});
   pairs_.clear(), kept_.clear();
   references_.reset(parts.size());
+  most_rows_ = options.memory_limit / kRowBytes;
   std::map<std::tuple<std::string, double, double, Response>, std::int32_t> known;
   std::vector<std::size_t> example;
   finest_ = std::numeric_limits<double>::infinity();
@@ -132,8 +138,24 @@ void RigidContacts::find(std::span<const Touch> touches, bool every_node) {
     p.touch = t, p.stamp_a = a, p.stamp_b = b;
     fresh_.push_back(i);
   }
+  // What is past the limit is not begun.
+  std::atomic<std::int64_t> rows = 0;
+  for (const std::size_t i : fresh_) pairs_[i].rows.clear();
+  for (const Pair& p : pairs_) rows += static_cast<std::int64_t>(p.rows.size());
   parallel_for(
-      fresh_.size(), [&](std::size_t i) { sample(pairs_[fresh_[i]], *workspaces_->borrow(), every_node); }, 4);
+      fresh_.size(),
+      [&](std::size_t i) {
+        if (static_cast<double>(rows) > most_rows_) return;
+        sample(pairs_[fresh_[i]], *workspaces_->borrow(), every_node);
+        rows += static_cast<std::int64_t>(pairs_[fresh_[i]].rows.size());
+      },
+      4);
+  if (static_cast<double>(rows) > most_rows_)
+    throw InputError(
+        fmt::format("world: more than {:.3g} constraint rows at one time, more than memory_limit = {:.1f} GB has room "
+                    "for; look for "
+                    "bodies that lie in one place",
+                    most_rows_, 1e-9 * kRowBytes * most_rows_));
   profile_count("rigid pairs sampled", static_cast<double>(fresh_.size()));
   profile_count("rigid pairs kept", static_cast<double>(touches.size() - fresh_.size()));
   contacts_ = engulfed_ = 0;

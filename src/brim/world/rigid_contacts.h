@@ -106,6 +106,7 @@ class RigidContacts {
   ReferencePoses references_;
   std::vector<Pair> pairs_, kept_;
   std::vector<std::size_t> fresh_;
+  double most_rows_ = 0.0;  ///< that memory_limit has room for
   std::vector<PairRows> pair_rows_;
   std::vector<RowPoint> rows_;
   std::int64_t contacts_ = 0, engulfed_ = 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <unordered_set>
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
@@ -33,6 +34,7 @@ constexpr double kOutrun = 1.25;
 struct World::Impl {
   WorldOptions options;
   std::vector<std::unique_ptr<Body>> bodies;
+  std::unordered_set<std::string> names;
   std::vector<WorldPart> parts;
   std::vector<std::size_t> first_q{0}, first_v{0};
   State state;
@@ -91,9 +93,8 @@ World::World(World&&) noexcept = default;
 
 int World::add(std::unique_ptr<Body> body) {
   Impl& w = *impl_;
-  for (const auto& other : w.bodies)
-    if (other->name() == body->name())
-      throw InputError(fmt::format("world: two bodies are named '{}'; names must be unique", body->name()));
+  if (!w.names.insert(body->name()).second)
+    throw InputError(fmt::format("world: two bodies are named '{}'; names must be unique", body->name()));
   const std::size_t q0 = w.state.q.size(), v0 = w.state.v.size();
   w.state.q.resize(q0 + body->q_size());
   w.state.v.resize(v0 + body->v_size());
@@ -228,7 +229,10 @@ StepReport World::step() {
     }
     double left = w.options.time_step;
     const double end = w.state.time + left;
+    const double begin = w.state.time;
+    const bool first = w.state.step == 0;
     while (report.ok && left > 1e-9 * w.options.time_step) left -= w.substep(left, report);
+    if (first) warn_of_start(w.parts, begin, report);
     w.state.time = end;
     ++w.state.step;
     w.measure(report);

@@ -1,0 +1,214 @@
+#include "brim/io/child_reader.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <new>
+
+#include "brim/core/alone.h"
+#include "brim/core/error.h"
+
+namespace brim {
+
+namespace {
+
+enum class Kind : std::uint64_t { Good, Refused, Failed };
+
+struct Head {
+  Kind kind;
+  std::uint64_t size;
+};
+
+// The sanitizers take terabytes of address space for themselves.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kChecked = true;
+#elif defined(__has_feature)
+constexpr bool kChecked = __has_feature(address_sanitizer) || __has_feature(thread_sanitizer);
+#else
+constexpr bool kChecked = false;
+#endif
+
+constexpr double kMiB = 1048576.0;
+constexpr double kBaseBytes = 512 * kMiB, kBytesPerByte = 64.0;
+constexpr double kBaseSeconds = 60.0, kSecondsPerMiB = 2.0;
+
+bool send_all(int to, const void* data, std::size_t size) {
+  const auto* from = static_cast<const char*>(data);
+  while (size > 0) {
+    const ssize_t n = ::send(to, from, size, MSG_NOSIGNAL);  // whom nobody listens to is told so
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    from += n, size -= static_cast<std::size_t>(n);
+  }
+  return true;
+}
+
+bool receive_all(int file, void* data, std::size_t size) {
+  auto* to = static_cast<char*>(data);
+  while (size > 0) {
+    const ssize_t n = ::read(file, to, size);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    to += n, size -= static_cast<std::size_t>(n);
+  }
+  return true;
+}
+
+/// [bytes] of address space of this process.
+double address_space() {
+  std::FILE* file = std::fopen("/proc/self/statm", "r");
+  if (file == nullptr) return 0.0;
+  unsigned long pages = 0;
+  const bool good = std::fscanf(file, "%lu", &pages) == 1;
+  std::fclose(file);
+  return good ? static_cast<double>(pages) * static_cast<double>(::sysconf(_SC_PAGESIZE)) : 0.0;
+}
+
+void limit(int what, double most) {
+  rlimit now{};
+  if (::getrlimit(static_cast<__rlimit_resource_t>(what), &now) != 0) return;
+  const auto wanted = static_cast<rlim_t>(most);
+  if (now.rlim_max != RLIM_INFINITY && now.rlim_max <= wanted) return;
+  now.rlim_cur = now.rlim_max = wanted;
+  ::setrlimit(static_cast<__rlimit_resource_t>(what), &now);
+}
+
+/// What the child is and does until nothing more is asked; never returns.
+[[noreturn]] void be_child(int channel, double bytes, double seconds, const ChildReader::Serve& serve) {
+  // The parent's handlers are not for here; what libraries print when they give up is nobody's.
+  for (const int s : {SIGINT, SIGTERM, SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGPIPE}) std::signal(s, SIG_DFL);
+  if (const int nowhere = ::open("/dev/null", O_RDWR); nowhere >= 0)
+    for (const int standard : {0, 1, 2}) ::dup2(nowhere, standard);
+  limit(RLIMIT_CORE, 0.0);
+  limit(RLIMIT_CPU, seconds);
+  if (!kChecked) limit(RLIMIT_AS, bytes);
+  int question = 0;
+  while (receive_all(channel, &question, sizeof question)) {
+    ChildReader::Answer answer;
+    Head head{Kind::Good, 0};
+    std::string why;
+    try {
+      run_alone([&] { serve(question, answer); });
+    } catch (const InputError& error) {
+      head.kind = Kind::Refused, why = error.what();
+    } catch (const std::bad_alloc&) {
+      head.kind = Kind::Failed, why = "it asks for more memory than a file of its size may need";
+    } catch (const std::exception& error) {
+      head.kind = Kind::Failed, why = error.what();
+    } catch (...) {
+      head.kind = Kind::Failed, why = "reading it failed";
+    }
+    const bool good = head.kind == Kind::Good;
+    head.size = good ? answer.bytes().size() : why.size();
+    if (!send_all(channel, &head, sizeof head) ||
+        !send_all(channel, good ? answer.bytes().data() : why.data(), head.size))
+      break;
+  }
+  ::_exit(0);
+}
+
+}  // namespace
+
+void ChildReader::Received::get(void* to, std::size_t size) {
+  if (size > left()) throw ProgrammingError("an answer of a reading process is shorter than what is read of it");
+  std::memcpy(to, bytes_.data() + at_, size);
+  at_ += size;
+}
+
+std::string ChildReader::Received::get_text() {
+  const auto size = get<std::size_t>();
+  if (size > left()) throw ProgrammingError("an answer of a reading process is shorter than what is read of it");
+  std::string text(size, '\0');
+  get(text.data(), size);
+  return text;
+}
+
+ChildReader::ChildReader(const std::string& path, Serve serve) : path_(path) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(path, error);
+  const double length = error ? 0.0 : static_cast<double>(size);
+  bytes_ = kBaseBytes + kBytesPerByte * length;
+  seconds_ = kBaseSeconds + kSecondsPerMiB * length / kMiB;
+  const double space = bytes_ + address_space();
+  int ends[2] = {-1, -1};
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+    throw InputError(fmt::format("{}: no channel can be had to read it: {}", path, std::strerror(errno)));
+  child_ = ::fork();
+  if (child_ == 0) {
+    ::close(ends[0]);
+    be_child(ends[1], space, seconds_, serve);
+  }
+  const int why = errno;
+  ::close(ends[1]);
+  channel_ = ends[0];
+  if (child_ < 0) {
+    end();
+    throw InputError(fmt::format("{}: no process can be had to read it: {}", path, std::strerror(why)));
+  }
+}
+
+ChildReader::~ChildReader() { end(); }
+
+void ChildReader::end() {
+  if (channel_ >= 0) ::close(channel_);
+  channel_ = -1;
+  if (child_ <= 0) return;
+  ::kill(child_, SIGKILL);
+  while (::waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
+  }
+  child_ = -1;
+}
+
+bool ChildReader::receive(void* to, std::size_t size) {
+  auto* at = static_cast<char*>(to);
+  while (size > 0) {
+    pollfd wait{channel_, POLLIN, 0};
+    const int ready = ::poll(&wait, 1, static_cast<int>(2000.0 * seconds_));
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready == 0)
+      throw InputError(
+          fmt::format("{}: nothing was read of it in {:.0f} s; the file is damaged", path_, 2.0 * seconds_));
+    const ssize_t n = ready < 0 ? -1 : ::read(channel_, at, size);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    at += n, size -= static_cast<std::size_t>(n);
+  }
+  return true;
+}
+
+void ChildReader::fail() {
+  int status = 0;
+  pid_t ended = -1;
+  do ended = ::waitpid(child_, &status, 0);
+  while (ended < 0 && errno == EINTR);
+  if (ended == child_) child_ = -1;
+  const bool time = ended > 0 && WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
+  end();
+  if (time)
+    throw InputError(
+        fmt::format("{}: was not read in {:.0f} s of processor time; the file is damaged", path_, seconds_));
+  throw InputError(fmt::format("{}: the file is damaged: reading it ends the library that reads it", path_));
+}
+
+ChildReader::Received ChildReader::ask(int question) {
+  if (channel_ < 0) throw InputError(path_ + ": cannot be read any further");
+  Head head{};
+  if (!send_all(channel_, &question, sizeof question) || !receive(&head, sizeof head)) fail();
+  std::vector<char> bytes(head.size);
+  if (!receive(bytes.data(), bytes.size())) fail();
+  if (head.kind == Kind::Good) return Received(std::move(bytes));
+  const std::string why(bytes.begin(), bytes.end());
+  throw InputError(head.kind == Kind::Refused ? why : fmt::format("{}: the file is damaged: {}", path_, why));
+}
+
+}  // namespace brim

@@ -1,0 +1,83 @@
+#include "brim/io/child_reader.h"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+
+#include "brim/core/error.h"
+
+namespace brim {
+namespace {
+
+std::string message(ChildReader::Serve serve, int questions = 1) {
+  ChildReader reader("a.vdb", std::move(serve));
+  try {
+    for (int q = 0; q < questions; ++q) reader.ask(q);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ChildReader, AnswersComeBackWholeAndInOrder) {
+  int asked = 0;  // in the child alone
+  ChildReader reader("a.vdb", [&](int question, ChildReader::Answer& answer) {
+    answer.put(++asked);
+    answer.put_text(std::string(static_cast<std::size_t>(question), 'x'));
+    answer.put(std::vector<double>(1'000'000, 0.5).data(), 8'000'000);
+  });
+  for (const int question : {3, 0, 7}) {
+    ChildReader::Received got = reader.ask(question);
+    got.get<int>();
+    EXPECT_EQ(got.get_text(), std::string(static_cast<std::size_t>(question), 'x'));
+    std::vector<double> numbers(1'000'000);
+    got.get(numbers.data(), 8'000'000);
+    EXPECT_EQ(numbers, std::vector<double>(1'000'000, 0.5));
+    EXPECT_EQ(got.left(), 0u);
+    EXPECT_THROW(got.get<char>(), ProgrammingError);
+  }
+  EXPECT_EQ(asked, 0);
+}
+
+TEST(ChildReader, WhatTheReaderRefusesIsSaidAsItSaidIt) {
+  EXPECT_EQ(message([](int, ChildReader::Answer&) { throw InputError("a.vdb: no grid"); }), "a.vdb: no grid");
+  EXPECT_EQ(message([](int, ChildReader::Answer&) { throw std::runtime_error("odd"); }),
+            "a.vdb: the file is damaged: odd");
+}
+
+TEST(ChildReader, WhateverEndsTheReaderIsOneInputError) {
+  EXPECT_NE(message([](int, ChildReader::Answer&) { std::abort(); }).find("damaged"), std::string::npos);
+  EXPECT_NE(message([](int, ChildReader::Answer&) { std::raise(SIGSEGV); }).find("damaged"), std::string::npos);
+  EXPECT_NE(message([](int, ChildReader::Answer&) { std::_Exit(0); }).find("damaged"), std::string::npos);
+  EXPECT_NE(message([](int, ChildReader::Answer&) { std::raise(SIGXCPU); }).find("processor time"), std::string::npos);
+  EXPECT_NE(message(
+                [](int q, ChildReader::Answer&) {
+                  if (q == 2) std::abort();
+                },
+                3)
+                .find("damaged"),
+            std::string::npos);
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST(ChildReader, MemoryIsBounded) {
+  const std::string why = message([](int, ChildReader::Answer& answer) {
+    std::vector<char> much(std::size_t{3} << 30, 'x');
+    answer.put(much[1]);
+  });
+  EXPECT_NE(why.find("memory"), std::string::npos) << why;
+}
+#endif
+
+TEST(ChildReader, NoProcessIsLeftBehind) {
+  message([](int, ChildReader::Answer&) { std::abort(); });
+  message([](int, ChildReader::Answer&) {});
+  EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1);
+  EXPECT_EQ(errno, ECHILD);
+}
+
+}  // namespace
+}  // namespace brim
