@@ -244,7 +244,7 @@ TEST_F(Program, AFullDiskEndsTheRunWithOneLine) {
   for (const int room : {0, 2, 4, 8, 16, 40, 200}) {
     SCOPED_TRACE(room);
     const std::string command = fmt::format(
-        "cd '{}' && ulimit -f {} && '{}/brim' run good.json -o full --force --frames 2000 2>&1 >/dev/null | cat "
+        "cd '{}' && (ulimit -f {}; '{}/brim' run good.json -o full --force --frames 2000 2>&1 >/dev/null) | cat "
         ">err.txt; exit ${{PIPESTATUS[0]}}",
         folder_.string(), room, BRIM_BINARY_DIR);
     write("full.sh", command);
