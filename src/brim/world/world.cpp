@@ -229,10 +229,7 @@ StepReport World::step() {
     }
     double left = w.options.time_step;
     const double end = w.state.time + left;
-    const double begin = w.state.time;
-    const bool first = w.state.step == 0;
     while (report.ok && left > 1e-9 * w.options.time_step) left -= w.substep(left, report);
-    if (first) warn_of_start(w.parts, begin, report);
     w.state.time = end;
     ++w.state.step;
     w.measure(report);
@@ -376,6 +373,8 @@ double World::Impl::substep(double left, StepReport& report) {
     fill.add_forces(normal_force);
     report_pairs(parts, contacts, normal_force, friction_force, state.time, report, samples);
     stage.rigid().report(parts, state.time, report);
+    // Before stiff contact has pushed apart what lies within each other.
+    if (state.step == 0 && report.substeps == 1) warn_of_start(parts, state.time, report);
     if (last) {
       for (std::size_t c = 0; c < contacts.size(); ++c) normal_force[c] += friction_force[c];
       check_momentum(bodies, first_v, parts, contacts, maps, normal_force, report);
