@@ -18,8 +18,7 @@ WorldOptions sleeping(Response response = Response::Constraint) {
 
 /// Three boxes of 0.5 m on each other, and their ground.
 void add_tower(World& w, const std::string& name, double x) {
-  for (int i = 0; i < 3; ++i)
-    w.add(box(name + std::to_string(i), {Vec3(x, 0, 0.25 + 0.5 * i)}, 0.5, 0.5));
+  for (int i = 0; i < 3; ++i) w.add(box(name + std::to_string(i), {Vec3(x, 0, 0.25 + 0.5 * i)}, 0.5, 0.5));
 }
 
 int run_until_asleep(World& w, int most) {

@@ -71,10 +71,10 @@ class ImplicitStep {
   std::size_t room_ = 0;  ///< most contacts so far
   RigidModes modes_;
   ContactRows contact_rows_;
-  std::vector<std::uint8_t> sparse_;  ///< per body: its maps show their rows
-  std::vector<std::uint8_t> lone_;    ///< per body: one block, without coarse modes
+  std::vector<std::uint8_t> sparse_;   ///< per body: its maps show their rows
+  std::vector<std::uint8_t> lone_;     ///< per body: one block, without coarse modes
   std::vector<std::uint8_t> without_;  ///< per body: without coarse modes
-  std::vector<double> residual_;      ///< of the last solve of the passes
+  std::vector<double> residual_;       ///< of the last solve of the passes
   ContactFactor factor_;
   ConjugateGradient cg_;
 };

@@ -102,8 +102,8 @@ void Sleep::settle(std::span<const WorldPart> parts, std::span<const PairReport>
     const std::int32_t island = find(static_cast<std::int32_t>(b));
     if (asleep(b) || body_[b]->immobile() || !rests[island]) continue;
     island_[b] = island;
-    std::fill(v.begin() + static_cast<std::ptrdiff_t>(first_v[b]), v.begin() + static_cast<std::ptrdiff_t>(first_v[b + 1]),
-              0.0);
+    std::fill(v.begin() + static_cast<std::ptrdiff_t>(first_v[b]),
+              v.begin() + static_cast<std::ptrdiff_t>(first_v[b + 1]), 0.0);
   }
 }
 

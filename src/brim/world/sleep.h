@@ -11,8 +11,8 @@
 
 namespace brim {
 
-/// Which bodies sleep. Bodies that touch each other are an island; one whose bodies have all been nearly still for half a
-/// second falls asleep: its velocities become zero and the step leaves it out, its contacts too. It wakes as a whole
+/// Which bodies sleep. Bodies that touch each other are an island; one whose bodies have all been nearly still for half
+/// a second falls asleep: its velocities become zero and the step leaves it out, its contacts too. It wakes as a whole
 /// when something awake or moving touches it, when a velocity is given to it (prescribed, or set from outside) and when
 /// it is told to. Part of the world's state, in its memory, so that a run that is resumed goes on bit for bit:
 ///   memory: [-0.5, n, n times (seconds of rest, island or -1), others ...]; only others where nothing rests

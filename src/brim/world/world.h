@@ -41,17 +41,17 @@ struct WorldOptions {
   double constraint_tolerance = 1e-4;     ///< change of velocity by the last sweep, over that of a free fall in a step
   int constraint_sweeps = 200;            ///< most sweeps of projected Gauss-Seidel in a sub-step
   bool constraint_every_node = false;     ///< a row for every node instead of a few per patch: dear, for comparison
-  bool sleep = false;                     ///< leaves islands of bodies at rest out of the step until they are touched (Sleep)
-  double memory_limit = 8e9;              ///< [bytes] of density blocks; more is refused before it is allocated
+  bool sleep = false;         ///< leaves islands of bodies at rest out of the step until they are touched (Sleep)
+  double memory_limit = 8e9;  ///< [bytes] of density blocks; more is refused before it is allocated
   std::map<std::pair<std::string, std::string>, PairMaterial> pair_materials;  ///< by material names, sorted
 };
 
 /// The mutable truth of a world: flat arrays in body order.
 struct State {
-  double time = 0.0;           ///< [s]
-  std::int64_t step = 0;       ///< number of steps taken
-  std::vector<double> q;       ///< generalised coordinates, shape (nq)
-  std::vector<double> v;       ///< generalised velocities, shape (nv)
+  double time = 0.0;      ///< [s]
+  std::int64_t step = 0;  ///< number of steps taken
+  std::vector<double> q;  ///< generalised coordinates, shape (nq)
+  std::vector<double> v;  ///< generalised velocities, shape (nv)
   /// Impulses of constraint rows, where the next step starts from; references of solids; who sleeps.
   std::vector<double> memory;
 };

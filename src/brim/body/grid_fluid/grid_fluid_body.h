@@ -2,7 +2,6 @@
 
 #include <functional>
 
-#include "brim/body/restless.h"
 #include "brim/body/body.h"
 #include "brim/body/changing_surface.h"
 #include "brim/body/grid_fluid/face_transport.h"
@@ -11,6 +10,7 @@
 #include "brim/body/grid_fluid/momentum_keeper.h"
 #include "brim/body/grid_fluid/pressure_projection.h"
 #include "brim/body/grid_fluid/wet_faces.h"
+#include "brim/body/restless.h"
 #include "brim/body/walled.h"
 
 namespace brim {
