@@ -42,6 +42,13 @@ TEST(ChildReader, AnswersComeBackWholeAndInOrder) {
   EXPECT_EQ(asked, 0);
 }
 
+TEST(ChildReader, AnEmptyListIsAnAnswer) {
+  ChildReader reader("a.obj", [](int, ChildReader::Answer& answer) { answer.put(nullptr, 0); });
+  ChildReader::Received got = reader.ask(0);
+  got.get(nullptr, 0);
+  EXPECT_EQ(got.left(), 0u);
+}
+
 TEST(ChildReader, WhatTheReaderRefusesIsSaidAsItSaidIt) {
   EXPECT_EQ(message([](int, ChildReader::Answer&) { throw InputError("a.vdb: no grid"); }), "a.vdb: no grid");
   EXPECT_EQ(message([](int, ChildReader::Answer&) { throw std::runtime_error("odd"); }),

@@ -25,6 +25,7 @@ class ChildReader {
       put(&value, sizeof value);
     }
     void put(const void* data, std::size_t size) {
+      if (size == 0) return;
       const auto* from = static_cast<const char*>(data);
       bytes_.insert(bytes_.end(), from, from + size);
     }
