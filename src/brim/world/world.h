@@ -42,7 +42,7 @@ struct WorldOptions {
   int constraint_sweeps = 200;            ///< most sweeps of projected Gauss-Seidel in a sub-step
   bool constraint_every_node = false;     ///< a row for every node instead of a few per patch: dear, for comparison
   bool sleep = false;         ///< leaves islands of bodies at rest out of the step until they are touched (Sleep)
-  double memory_limit = 8e9;  ///< [bytes] of density blocks; more is refused before it is allocated
+  double memory_limit = 8e9;  ///< [bytes] of samples, contacts, rows and pairs, each; more is refused
   std::map<std::pair<std::string, std::string>, PairMaterial> pair_materials;  ///< by material names, sorted
 };
 
