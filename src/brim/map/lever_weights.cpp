@@ -2,6 +2,7 @@
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "brim/map/reuse_map.h"
 
 namespace brim {
 
@@ -25,13 +26,35 @@ void LeverWeightsMap::reset(std::size_t particles, std::vector<std::int32_t> row
   direction_.assign(row_start_.size() - 1, Vec3::Zero());
 }
 
-void LeverWeightsMap::finish() {
-  transpose_.build(particles_, row_start_, particle_);
-  share_.resize(transpose_.entries.size());
-  for (std::size_t e = 0; e < share_.size(); ++e) {
-    const auto& entry = transpose_.entries[e];
-    share_[e] = {weight_[entry.index], lever_[entry.index], entry.row};
-  }
+void LeverWeightsMap::finish() { by_particle_.forget(); }
+
+const RowShares<LeverWeightsMap::Share>& LeverWeightsMap::by_particle() const {
+  by_particle_.make(particles_, row_start_, particle_, [&](std::int32_t row, std::int32_t index) {
+    return Share{weight_[index], lever_[index], row};
+  });
+  return by_particle_;
+}
+
+bool LeverWeightsMap::select(std::span<const std::uint32_t> rows, std::unique_ptr<Map>& out) const {
+  auto& map = reuse_map<LeverWeightsMap>(out);
+  map.particles_ = particles_;
+  map.row_start_.resize(rows.size() + 1);
+  map.row_start_[0] = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    map.row_start_[i + 1] = map.row_start_[i] + row_start_[rows[i] + 1] - row_start_[rows[i]];
+  const auto entries = static_cast<std::size_t>(map.row_start_.back());
+  map.particle_.resize(entries), map.weight_.resize(entries), map.lever_.resize(entries);
+  map.direction_.resize(rows.size());
+  parallel_blocks(rows.size(), kLeverGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      map.direction_[i] = direction_[rows[i]];
+      std::int32_t to = map.row_start_[i];
+      for (std::int32_t e = row_start_[rows[i]]; e < row_start_[rows[i] + 1]; ++e, ++to)
+        map.particle_[to] = particle_[e], map.weight_[to] = weight_[e], map.lever_[to] = lever_[e];
+    }
+  });
+  map.finish();
+  return true;
 }
 
 void LeverWeightsMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
@@ -52,14 +75,13 @@ void LeverWeightsMap::velocity(std::span<const double> v, std::span<Vec3> u) con
 void LeverWeightsMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
   BRIM_CHECK(Q.size(), ==, 3 * particles_);
   BRIM_CHECK(f.size(), ==, points());
-  parallel_blocks(transpose_.columns.size(), kLeverGrain, [&](std::size_t begin, std::size_t end) {
+  const RowShares<Share>& shares = by_particle();
+  const auto& columns = shares.transpose.columns;
+  parallel_blocks(columns.size(), kLeverGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       Vec3 sum = Vec3::Zero();
-      for (std::int32_t e = transpose_.first[c]; e < transpose_.first[c + 1]; ++e) {
-        const Share& s = share_[e];
-        sum += s.weight * f[s.row] + s.lever.dot(f[s.row]) * direction_[s.row];
-      }
-      Eigen::Map<Vec3>(Q.data() + 3 * transpose_.columns[c]) += sum;
+      for (const Share& s : shares.of(c)) sum += s.weight * f[s.row] + s.lever.dot(f[s.row]) * direction_[s.row];
+      Eigen::Map<Vec3>(Q.data() + 3 * columns[c]) += sum;
     }
   });
 }
@@ -75,14 +97,16 @@ bool LeverWeightsMap::append_rows(MapRows& out) const {
 
 void LeverWeightsMap::add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const {
   BRIM_CHECK(K.size(), ==, points());
-  parallel_blocks(transpose_.columns.size(), kLeverGrain, [&](std::size_t begin, std::size_t end) {
+  const RowShares<Share>& shares = by_particle();
+  const auto& columns = shares.transpose.columns;
+  parallel_blocks(columns.size(), kLeverGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       Mat3 sum = Mat3::Zero();
-      for (const auto& e : transpose_.of(c)) {
-        const Mat3 J = weight_[e.index] * Mat3::Identity() + lever_[e.index] * direction_[e.row].transpose();
-        sum += J.transpose() * K[e.row] * J;
+      for (const Share& s : shares.of(c)) {
+        const Mat3 J = s.weight * Mat3::Identity() + s.lever * direction_[s.row].transpose();
+        sum += J.transpose() * K[s.row] * J;
       }
-      D.block(first + transpose_.columns[c]) += sum;
+      D.block(first + columns[c]) += sum;
     }
   });
 }

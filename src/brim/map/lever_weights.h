@@ -17,13 +17,14 @@ namespace brim {
 /// Products are parallel and give the same bits for any number of threads.
 class LeverWeightsMap : public Map, public SparseMap {
  public:
-  /// Prepares the products; rows are final from here on. O(particles + points).
+  /// Rows are final from here on.
   void finish();
 
   std::size_t points() const override { return direction_.size(); }
   void velocity(std::span<const double> v, std::span<Vec3> u) const override;
   void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
   bool append_rows(MapRows& out) const override;
+  bool select(std::span<const std::uint32_t> rows, std::unique_ptr<Map>& out) const override;
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
 
  protected:
@@ -39,15 +40,16 @@ class LeverWeightsMap : public Map, public SparseMap {
   std::vector<Vec3> direction_;  // d, per point
 
  private:
-  std::size_t particles_ = 0;
-  RowTranspose transpose_;
-  /// A row's entry in the order of the transpose, so that products read memory in one go.
+  /// What a row gives to a particle.
   struct Share {
     double weight;
     Vec3 lever;
     std::int32_t row;
   };
-  std::vector<Share> share_;
+  const RowShares<Share>& by_particle() const;
+
+  std::size_t particles_ = 0;
+  mutable RowShares<Share> by_particle_;
 };
 
 }  // namespace brim

@@ -2,6 +2,7 @@
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "brim/map/reuse_map.h"
 
 namespace brim {
 
@@ -34,11 +35,13 @@ void PointWeightsMap::assign(std::size_t particles, std::span<const std::int32_t
   finish();
 }
 
-void PointWeightsMap::finish() {
-  transpose_.build(particles_, row_start_, particle_);
-  share_.resize(transpose_.entries.size());
-  for (std::size_t e = 0; e < share_.size(); ++e)
-    share_[e] = {weight_[transpose_.entries[e].index], transpose_.entries[e].row};
+void PointWeightsMap::finish() { by_particle_.forget(); }
+
+const RowShares<PointWeightsMap::Share>& PointWeightsMap::by_particle() const {
+  by_particle_.make(particles_, row_start_, particle_, [&](std::int32_t row, std::int32_t index) {
+    return Share{weight_[index], row};
+  });
+  return by_particle_;
 }
 
 void PointWeightsMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
@@ -57,14 +60,34 @@ void PointWeightsMap::velocity(std::span<const double> v, std::span<Vec3> u) con
 void PointWeightsMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
   BRIM_CHECK(Q.size(), ==, 3 * particles_);
   BRIM_CHECK(f.size(), ==, points());
-  parallel_blocks(transpose_.columns.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+  const RowShares<Share>& shares = by_particle();
+  const auto& columns = shares.transpose.columns;
+  parallel_blocks(columns.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       Vec3 sum = Vec3::Zero();
-      for (std::int32_t e = transpose_.first[c]; e < transpose_.first[c + 1]; ++e)
-        sum += share_[e].weight * f[share_[e].row];
-      Eigen::Map<Vec3>(Q.data() + 3 * transpose_.columns[c]) += sum;
+      for (const Share& s : shares.of(c)) sum += s.weight * f[s.row];
+      Eigen::Map<Vec3>(Q.data() + 3 * columns[c]) += sum;
     }
   });
+}
+
+bool PointWeightsMap::select(std::span<const std::uint32_t> rows, std::unique_ptr<Map>& out) const {
+  auto& map = reuse_map<PointWeightsMap>(out);
+  map.particles_ = particles_;
+  map.row_start_.resize(rows.size() + 1);
+  map.row_start_[0] = 0;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    map.row_start_[i + 1] = map.row_start_[i] + row_start_[rows[i] + 1] - row_start_[rows[i]];
+  map.particle_.resize(static_cast<std::size_t>(map.row_start_.back())), map.weight_.resize(map.particle_.size());
+  parallel_blocks(rows.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      std::int32_t to = map.row_start_[i];
+      for (std::int32_t e = row_start_[rows[i]]; e < row_start_[rows[i] + 1]; ++e, ++to)
+        map.particle_[to] = particle_[e], map.weight_[to] = weight_[e];
+    }
+  });
+  map.finish();
+  return true;
 }
 
 bool PointWeightsMap::append_rows(MapRows& out) const {
@@ -78,18 +101,20 @@ bool PointWeightsMap::append_rows(MapRows& out) const {
 
 void PointWeightsMap::add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const {
   BRIM_CHECK(K.size(), ==, points());
-  parallel_blocks(transpose_.columns.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+  const RowShares<Share>& shares = by_particle();
+  const auto& columns = shares.transpose.columns;
+  parallel_blocks(columns.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       Mat3 sum = Mat3::Zero();
-      const auto entries = transpose_.of(c);
+      const std::span<const Share> entries = shares.of(c);
       for (std::size_t i = 0; i < entries.size();) {
         // A row may name a particle twice; its weights add up before they are squared.
         const std::int32_t row = entries[i].row;
         double w = 0.0;
-        for (; i < entries.size() && entries[i].row == row; ++i) w += weight_[entries[i].index];
+        for (; i < entries.size() && entries[i].row == row; ++i) w += entries[i].weight;
         sum += w * w * K[row];
       }
-      D.block(first + transpose_.columns[c]) += sum;
+      D.block(first + columns[c]) += sum;
     }
   });
 }

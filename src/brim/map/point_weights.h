@@ -30,26 +30,28 @@ class PointWeightsMap final : public Map, public SparseMap {
   /// Takes rows of any lengths. @param row_start  shape (points + 1); particle, weight: shape (row_start.back())
   void assign(std::size_t particles, std::span<const std::int32_t> row_start, std::span<const std::int32_t> particle,
               std::span<const double> weight);
-  /// Prepares the products; rows are final from here on. Zero weights are welcome. O(particles + entries).
+  /// Rows are final from here on. Zero weights are welcome.
   void finish();
 
   std::size_t points() const override { return row_start_.empty() ? 0 : row_start_.size() - 1; }
   void velocity(std::span<const double> v, std::span<Vec3> u) const override;
   void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
   bool append_rows(MapRows& out) const override;
+  bool select(std::span<const std::uint32_t> rows, std::unique_ptr<Map>& out) const override;
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
 
  private:
-  std::size_t particles_ = 0;
-  std::vector<std::int32_t> row_start_, particle_;
-  std::vector<double> weight_;
-  RowTranspose transpose_;
-  /// A row's entry in the order of the transpose, so that products read memory in one go.
+  /// What a row gives to a particle.
   struct Share {
     double weight;
     std::int32_t row;
   };
-  std::vector<Share> share_;
+  const RowShares<Share>& by_particle() const;
+
+  std::size_t particles_ = 0;
+  std::vector<std::int32_t> row_start_, particle_;
+  std::vector<double> weight_;
+  mutable RowShares<Share> by_particle_;
 };
 
 }  // namespace brim

@@ -2,9 +2,7 @@
 
 namespace brim {
 
-void RowTranspose::build(std::size_t column_count, std::span<const std::int32_t> row_start,
-                         std::span<const std::int32_t> column) {
-  // Counting sort by column; the row order within a column is kept.
+void RowTranspose::count(std::size_t column_count, std::span<const std::int32_t> column) {
   slot_.assign(column_count, 0);
   for (const std::int32_t c : column) ++slot_[c];
   columns.clear();
@@ -19,10 +17,14 @@ void RowTranspose::build(std::size_t column_count, std::span<const std::int32_t>
     next += n;
   }
   first.push_back(next);
+}
+
+void RowTranspose::build(std::size_t column_count, std::span<const std::int32_t> row_start,
+                         std::span<const std::int32_t> column) {
   entries.resize(column.size());
-  for (std::size_t r = 0; r + 1 < row_start.size(); ++r)
-    for (std::int32_t e = row_start[r]; e < row_start[r + 1]; ++e)
-      entries[slot_[column[e]]++] = {static_cast<std::int32_t>(r), e};
+  build(column_count, row_start, column, [&](std::int32_t slot, std::int32_t row, std::int32_t index) {
+    entries[slot] = {row, index};
+  });
 }
 
 }  // namespace brim

@@ -13,6 +13,8 @@ namespace {
 
 constexpr std::size_t kGrain = 512;
 
+using PlaneWeights = ShellWeightsMap::PlaneWeights;
+
 /// Barycentric weights of the point of a triangle that is closest to the point with plane weights b outside of it:
 /// the best of the three edges.
 Vec3 clamped_to_edges(const Vec3& r, const std::array<Vec3, 3>& x) {
@@ -33,13 +35,6 @@ Vec3 clamped_to_edges(const Vec3& r, const std::array<Vec3, 3>& x) {
   }
   return best;
 }
-
-/// Plane weights b of a point, their gradients and the normal n of the triangle.
-struct PlaneWeights {
-  bool has_area = false;  ///< nothing else stands where it is false
-  Vec3 b, n;
-  std::array<Vec3, 3> gradient;
-};
 
 PlaneWeights plane_weights(const Vec3& r, const std::array<Vec3, 3>& c) {
   PlaneWeights w;
@@ -77,11 +72,22 @@ double ShellWeightsMap::lever(const Vec3& r, const SheetPatches::Corners& triang
 
 void ShellWeightsMap::build(const SheetPatches& sheet, std::span<const Vec3> points,
                             std::span<const std::int32_t> triangle, std::span<const Vec3> x) {
+  // Most points ride on their triangle: it is measured once.
+  struct Ride {
+    PlaneWeights weights;
+    double offset;
+    bool carried;
+  };
+  std::vector<Ride> rides(points.size());
   std::vector<std::int32_t> row_start(points.size() + 1, 0);
   parallel_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
-      const bool carried = lever(points[p], sheet.triangle(triangle[p]), x) <= kMaxLever;
-      row_start[p + 1] = carried ? 3 : static_cast<std::int32_t>(sheet.around(triangle[p]).size());
+      const std::array<Vec3, 3> c = corners(sheet.triangle(triangle[p]), x);
+      Ride& ride = rides[p];
+      ride.weights = plane_weights(points[p], c);
+      ride.offset = ride.weights.has_area ? ride.weights.n.dot(points[p] - c[0]) : 0.0;
+      ride.carried = ride.weights.has_area && lever_of(ride.weights, ride.offset) <= kMaxLever;
+      row_start[p + 1] = ride.carried ? 3 : static_cast<std::int32_t>(sheet.around(triangle[p]).size());
     }
   });
   std::partial_sum(row_start.begin(), row_start.end(), row_start.begin());
@@ -89,8 +95,8 @@ void ShellWeightsMap::build(const SheetPatches& sheet, std::span<const Vec3> poi
   parallel_blocks(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
       const SheetPatches::Corners& own = sheet.triangle(triangle[p]);
-      if (row_start_[p + 1] - row_start_[p] == 3 && lever(points[p], own, x) <= kMaxLever)
-        ride_on_triangle(p, points[p], own, x);
+      if (rides[p].carried)
+        ride_on_triangle(p, own, rides[p].weights, rides[p].offset);
       else if (!ride_on_patch(p, points[p], sheet.around(triangle[p]), x))
         ride_on_closest(p, points[p], own, x);
     }
@@ -98,11 +104,8 @@ void ShellWeightsMap::build(const SheetPatches& sheet, std::span<const Vec3> poi
   finish();
 }
 
-void ShellWeightsMap::ride_on_triangle(std::size_t p, const Vec3& r, const SheetPatches::Corners& triangle,
-                                       std::span<const Vec3> x) {
-  const std::array<Vec3, 3> c = corners(triangle, x);
-  const PlaneWeights w = plane_weights(r, c);
-  const double d = w.n.dot(r - c[0]);
+void ShellWeightsMap::ride_on_triangle(std::size_t p, const SheetPatches::Corners& triangle, const PlaneWeights& w,
+                                       double d) {
   direction_[p] = w.n;
   for (std::int32_t i = 0, e = row_start_[p]; i < 3; ++i, ++e) {
     particle_[e] = triangle[i];

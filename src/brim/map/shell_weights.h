@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -35,11 +36,18 @@ class ShellWeightsMap final : public LeverWeightsMap {
   /// either: b becomes that of the closest point of the triangle and d = 0, and the torque of a force does not arrive
   /// whole.
   static constexpr double kMaxLever = 3.0;
+  /// Weights b of a point over the plane of a triangle, their gradients and its normal n.
+  struct PlaneWeights {
+    bool has_area = false;  ///< nothing else stands where it is false
+    Vec3 b, n;
+    std::array<Vec3, 3> gradient;
+  };
   /// Largest |b_i| + |d ∇b_i| of r on its triangle; infinite where that has no area.
   static double lever(const Vec3& r, const SheetPatches::Corners& triangle, std::span<const Vec3> x);
 
  private:
-  void ride_on_triangle(std::size_t p, const Vec3& r, const SheetPatches::Corners& triangle, std::span<const Vec3> x);
+  /// @param d  [m] of the point from the plane
+  void ride_on_triangle(std::size_t p, const SheetPatches::Corners& triangle, const PlaneWeights& w, double d);
   /// @return false where the patch is too small as well
   bool ride_on_patch(std::size_t p, const Vec3& r, std::span<const std::int32_t> patch, std::span<const Vec3> x);
   void ride_on_closest(std::size_t p, const Vec3& r, const SheetPatches::Corners& triangle, std::span<const Vec3> x);

@@ -217,29 +217,13 @@ void presence_tets(const TetSolid& solid, double h, double w, const Aabb& region
   cover_tets(solid, h, w, region, out, workspace);
 }
 
-namespace {
-
-std::array<double, 4> unbounded_weights(const Vec3& r, const std::array<Vec3, 4>& x) {
-  const Vec3 e1 = x[1] - x[0], e2 = x[2] - x[0], e3 = x[3] - x[0], d = r - x[0];
-  const Vec3 c1 = e2.cross(e3), side = e1.cross(d);
-  const double inverse = 1.0 / e1.dot(c1);
-  const double b1 = inverse * d.dot(c1), b2 = inverse * e3.dot(side), b3 = -inverse * e2.dot(side);
-  return {1.0 - (b1 + b2 + b3), b1, b2, b3};
-}
-
-double sum_of_sizes(const std::array<double, 4>& b) {
-  return std::abs(b[0]) + std::abs(b[1]) + std::abs(b[2]) + std::abs(b[3]);
-}
-
-}  // namespace
-
 double tet_weight_sum(const Vec3& r, const std::array<Vec3, 4>& x) {
-  const double sum = sum_of_sizes(unbounded_weights(r, x));
+  const double sum = sum_of_sizes(linear_weights(r, x));
   return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
 }
 
 std::array<double, 4> tet_weights(const Vec3& r, const std::array<Vec3, 4>& x, double max_weight) {
-  const std::array<double, 4> b = unbounded_weights(r, x);
+  const std::array<double, 4> b = linear_weights(r, x);
   if (sum_of_sizes(b) <= max_weight) return b;
   // Closest point over the faces, by projected weights clamped to the edges where they leave a face.
   std::array<double, 4> best = {1.0, 0.0, 0.0, 0.0};

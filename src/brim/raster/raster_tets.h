@@ -57,7 +57,20 @@ constexpr double kMaxTetWeight = 8.0;
 /// Σ w x is then only near r.
 std::array<double, 4> tet_weights(const Vec3& r, const std::array<Vec3, 4>& x, double max_weight = kMaxTetWeight);
 
-/// Σ|w| of r in a tetrahedron without that bound; infinite where it has no volume.
+/// Barycentric weights of r without that bound: not finite where the tetrahedron has no volume.
+inline std::array<double, 4> linear_weights(const Vec3& r, const std::array<Vec3, 4>& x) {
+  const Vec3 e1 = x[1] - x[0], e2 = x[2] - x[0], e3 = x[3] - x[0], d = r - x[0];
+  const Vec3 c1 = e2.cross(e3), side = e1.cross(d);
+  const double inverse = 1.0 / e1.dot(c1);
+  const double b1 = inverse * d.dot(c1), b2 = inverse * e3.dot(side), b3 = -inverse * e2.dot(side);
+  return {1.0 - (b1 + b2 + b3), b1, b2, b3};
+}
+/// Σ|w| of weights.
+inline double sum_of_sizes(const std::array<double, 4>& w) {
+  return std::abs(w[0]) + std::abs(w[1]) + std::abs(w[2]) + std::abs(w[3]);
+}
+
+/// Σ|w| of r in a tetrahedron without the bound; infinite where it has no volume.
 double tet_weight_sum(const Vec3& r, const std::array<Vec3, 4>& x);
 
 }  // namespace brim

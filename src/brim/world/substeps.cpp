@@ -7,6 +7,7 @@
 
 #include "brim/body/motion_clusters.h"
 #include "brim/core/parallel.h"
+#include "brim/math/box_sweep.h"
 #include "brim/world/pair_laws.h"
 
 namespace brim {
@@ -35,6 +36,9 @@ double most_pieces(std::span<const WorldPart> parts, std::span<const double> v, 
   return (fastest + second) * time / (options.max_motion_voxels * h);
 }
 
+/// Clusters of one piece of work.
+constexpr std::size_t kEntriesOfWork = 256;
+
 }  // namespace
 
 double motion_limit(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
@@ -51,43 +55,58 @@ double motion_limit(const WorldPart& a, const WorldPart& b, const WorldOptions& 
 double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
                      const WorldOptions& options, double time, double change) {
   if (most_pieces(parts, v, first_v, options, time, change) <= 1.0) return 1.0;
-  struct Entry {
-    Aabb swept;  ///< [m] over the time
-    MotionCluster motion;
-    std::int32_t part;
-  };
   std::vector<std::vector<MotionCluster>> clusters(parts.size());
+  std::vector<std::vector<Aabb>> swept(parts.size());
   parallel_for(parts.size(), [&](std::size_t p) {
     const WorldPart& part = parts[p];
     const auto vb = v.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
     if (const auto* moving = dynamic_cast<const MotionClusters*>(part.body))
       moving->motion_clusters(part.index, vb, clusters[p]);
-    if (!clusters[p].empty()) return;
-    const Vec3 mean = part.body->carrier_velocity(part.index, vb);
-    clusters[p].push_back(
-        {part.body->bounds(part.index), {mean, mean}, part.body->relative_speed_bound(part.index, vb)});
-  });
-  std::vector<Entry> entries;
-  for (std::size_t p = 0; p < parts.size(); ++p)
-    for (MotionCluster& c : clusters[p]) {
-      if (!parts[p].body->immobile()) c.deviation += change;
-      const Aabb now = c.box.inflated(0.5 * options.ramp_voxels * parts[p].h + c.deviation * time);
-      Aabb swept = now;
-      swept.extend(Aabb{now.lo + time * c.velocity.lo, now.hi + time * c.velocity.hi});
-      entries.push_back({swept, c, static_cast<std::int32_t>(p)});
+    if (clusters[p].empty()) {
+      const Vec3 mean = part.body->carrier_velocity(part.index, vb);
+      clusters[p].push_back(
+          {part.body->bounds(part.index), {mean, mean}, part.body->relative_speed_bound(part.index, vb)});
     }
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-    return a.swept.lo.x() != b.swept.lo.x() ? a.swept.lo.x() < b.swept.lo.x() : a.part < b.part;
+    for (MotionCluster& c : clusters[p]) {
+      if (!part.body->immobile()) c.deviation += change;
+      const Aabb now = c.box.inflated(0.5 * options.ramp_voxels * part.h + c.deviation * time);
+      Aabb box = now;
+      box.extend(Aabb{now.lo + time * c.velocity.lo, now.hi + time * c.velocity.hi});
+      swept[p].push_back(box);
+    }
+  });
+  std::vector<Aabb> boxes;
+  std::vector<const MotionCluster*> motion;
+  std::vector<std::int32_t> part;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    boxes.insert(boxes.end(), swept[p].begin(), swept[p].end());
+    for (const MotionCluster& c : clusters[p]) motion.push_back(&c);
+    part.resize(boxes.size(), static_cast<std::int32_t>(p));
+  }
+  BoxSweep sweep;
+  sweep.build(boxes, part);
+  std::vector<double> most_of((boxes.size() + kEntriesOfWork - 1) / kEntriesOfWork, 1.0);
+  parallel_blocks(boxes.size(), kEntriesOfWork, [&](std::size_t begin, std::size_t end) {
+    double& pieces = most_of[begin / kEntriesOfWork];
+    std::vector<std::int32_t> partners;
+    std::int32_t last_a = -1, last_b = -1;  // neighbours in the order are often of the same two parts
+    double per_speed = 0.0;                 // [s/m]
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::int32_t own = sweep.at(i);
+      partners.clear();
+      sweep.partners(i, partners);
+      for (const std::int32_t j : partners) {
+        if (part[own] != last_a || part[j] != last_b) {
+          last_a = part[own], last_b = part[j];
+          const WorldPart &a = parts[last_a], &b = parts[last_b];
+          per_speed = may_touch(a, b) ? time / motion_limit(a, b, options) : 0.0;
+        }
+        if (per_speed > 0.0) pieces = std::max(pieces, relative_speed(*motion[own], *motion[j]) * per_speed);
+      }
+    }
   });
   double pieces = 1.0;
-  for (std::size_t i = 0; i < entries.size(); ++i)
-    for (std::size_t j = i + 1; j < entries.size() && entries[j].swept.lo.x() <= entries[i].swept.hi.x(); ++j) {
-      const Entry &a = entries[i], &b = entries[j];
-      if (a.part == b.part || !a.swept.overlaps(b.swept)) continue;
-      if (!may_touch(parts[a.part], parts[b.part])) continue;
-      const double most = motion_limit(parts[a.part], parts[b.part], options);
-      pieces = std::max(pieces, relative_speed(a.motion, b.motion) * time / most);
-    }
+  for (const double p : most_of) pieces = std::max(pieces, p);
   return pieces;
 }
 

@@ -4,6 +4,7 @@
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "brim/map/reuse_map.h"
 
 namespace brim {
 
@@ -25,26 +26,21 @@ void FluidMap::assign(std::shared_ptr<const std::vector<Vec3>> x, std::vector<Ro
 }
 
 bool FluidMap::select(std::span<const std::uint32_t> rows, std::unique_ptr<Map>& out) const {
-  auto* map = dynamic_cast<FluidMap*>(out.get());
-  if (map == nullptr) {
-    auto made = std::make_unique<FluidMap>();
-    map = made.get();
-    out = std::move(made);
-  }
-  map->x_ = x_;
-  map->row_start_.assign(1, 0);
-  map->row_.resize(rows.size());
+  auto& map = reuse_map<FluidMap>(out);
+  map.x_ = x_;
+  map.row_start_.assign(1, 0);
+  map.row_.resize(rows.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    map->row_[i] = row_[rows[i]];
-    map->row_start_.push_back(map->row_start_.back() + row_start_[rows[i] + 1] - row_start_[rows[i]]);
+    map.row_[i] = row_[rows[i]];
+    map.row_start_.push_back(map.row_start_.back() + row_start_[rows[i] + 1] - row_start_[rows[i]]);
   }
-  map->entry_.resize(static_cast<std::size_t>(map->row_start_.back()));
+  map.entry_.resize(static_cast<std::size_t>(map.row_start_.back()));
   parallel_blocks(rows.size(), kRowGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       std::copy(entry_.begin() + row_start_[rows[i]], entry_.begin() + row_start_[rows[i] + 1],
-                map->entry_.begin() + map->row_start_[i]);
+                map.entry_.begin() + map.row_start_[i]);
   });
-  map->by_particle_.made = false;
+  map.by_particle_.made = false;
   return true;
 }
 

@@ -1,8 +1,12 @@
 #include "brim/body/particles/node_clusters.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <utility>
+
+#include "brim/core/parallel.h"
+#include "brim/core/simd.h"
 
 namespace brim {
 
@@ -10,6 +14,32 @@ namespace {
 
 /// Particles of a cluster, without its neighbours, at most.
 constexpr std::size_t kCluster = 32;
+
+/// Least and largest of vectors, four numbers at a time of which the last means nothing.
+struct Range {
+  Lanes lo, hi;
+  BRIM_INLINE void extend(const Lanes& x) {
+    lo = x < lo ? x : lo;
+    hi = x > hi ? x : hi;
+  }
+  BRIM_INLINE Aabb box() const { return {Vec3(lo[0], lo[1], lo[2]), Vec3(hi[0], hi[1], hi[2])}; }
+};
+
+BRIM_WIDE MotionCluster measured(std::span<const Vec3> x, std::span<const double> v,
+                                 std::span<const std::int32_t> nodes, double reach) {
+  const auto last = static_cast<std::int32_t>(x.size()) - 1;
+  // Nothing follows the last vector in memory.
+  const double last_x[4] = {x[last].x(), x[last].y(), x[last].z(), 0.0};
+  const double* const last_of_v = v.data() + 3 * static_cast<std::size_t>(last);
+  const double last_v[4] = {last_of_v[0], last_of_v[1], last_of_v[2], 0.0};
+  constexpr double kMost = std::numeric_limits<double>::infinity();
+  Range place{Lanes{} + kMost, Lanes{} - kMost}, speed = place;
+  for (const std::int32_t i : nodes) {
+    place.extend(load_lanes(i < last ? x[i].data() : last_x));
+    speed.extend(load_lanes(i < last ? v.data() + 3 * static_cast<std::size_t>(i) : last_v));
+  }
+  return {place.box().inflated(reach), speed.box()};
+}
 
 }  // namespace
 
@@ -54,17 +84,14 @@ void NodeClusters::build(std::span<const Vec3> rest, const BlockMatrix& pattern)
 
 void NodeClusters::measure(std::span<const Vec3> x, std::span<const double> v, double reach,
                            std::vector<MotionCluster>& out) const {
-  for (std::size_t c = 0; c < size(); ++c) {
-    const auto nodes = std::span(node_).subspan(first_[c], static_cast<std::size_t>(first_[c + 1] - first_[c]));
-    if (nodes.empty()) continue;
-    MotionCluster m;
-    for (const std::int32_t i : nodes) {
-      m.box.extend(x[i]);
-      m.velocity.extend(Vec3(Eigen::Map<const Vec3>(v.data() + 3 * static_cast<std::size_t>(i))));
-    }
-    m.box = m.box.inflated(reach);
-    out.push_back(m);
-  }
+  if (x.empty()) return;
+  const std::size_t first = out.size();
+  out.resize(first + size());
+  parallel_blocks(size(), 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c)
+      out[first + c] = measured(
+          x, v, std::span(node_).subspan(first_[c], static_cast<std::size_t>(first_[c + 1] - first_[c])), reach);
+  });
 }
 
 }  // namespace brim

@@ -6,6 +6,7 @@
 
 #include "brim/grid/tile.h"
 #include "brim/map/map.h"
+#include "brim/map/reuse_map.h"
 #include "brim/math/types.h"
 #include "brim/raster/tile_cover.h"
 
@@ -31,15 +32,5 @@ class ParticleContact {
   virtual void make_map(std::span<const Vec3> x, std::span<const Vec3> points, std::span<const std::int32_t> sources,
                         std::unique_ptr<Map>& map) const = 0;
 };
-
-/// The map of the given type to be filled anew; memory is kept when it was of that type before.
-template <class M>
-M& reuse_map(std::unique_ptr<Map>& map) {
-  if (auto* same = dynamic_cast<M*>(map.get())) return *same;
-  auto made = std::make_unique<M>();
-  M& m = *made;
-  map = std::move(made);
-  return m;
-}
 
 }  // namespace brim

@@ -41,12 +41,16 @@ void TetContact::make_map(std::span<const Vec3> x, std::span<const Vec3> points,
   parallel_blocks(points.size(), 512, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
       const auto corners = [&](const Tetrahedron& c) { return std::array{x[c[0]], x[c[1]], x[c[2]], x[c[3]]}; };
-      const Tetrahedron& t = tets_[carriers_.choose(tets_, sources[p], kMaxTetWeight, [&](const Tetrahedron& c) {
-        return tet_weight_sum(points[p], corners(c));
-      })];
-      const auto w = tet_weights(points[p], corners(t));
+      // Most points lie in, or near, their own tetrahedron.
+      const Tetrahedron* t = &tets_[sources[p]];
+      std::array<double, 4> w = linear_weights(points[p], corners(*t));
+      if (!(sum_of_sizes(w) <= kMaxTetWeight)) {
+        t = &tets_[carriers_.choose(tets_, sources[p], kMaxTetWeight,
+                                    [&](const Tetrahedron& c) { return tet_weight_sum(points[p], corners(c)); })];
+        w = tet_weights(points[p], corners(*t));
+      }
       const auto row = weights.row(p);
-      std::copy(t.begin(), t.end(), row.particle.begin());
+      std::copy(t->begin(), t->end(), row.particle.begin());
       std::copy(w.begin(), w.end(), row.weight.begin());
     }
   });
