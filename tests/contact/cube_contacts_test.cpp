@@ -108,6 +108,44 @@ TEST(CubeContacts, FewNodesOfSolidsAreSampled) {
   EXPECT_LT(finds.nodes, 2 * 25 * 25 * 5) << "the box has 3125 nodes, of each part";
 }
 
+TEST(CubeContacts, ThePlaneOfABoxPointsAsItDoesHoweverItIsTilted) {
+  SCOPED_TRACE(kSeed);
+  std::mt19937 rng(kSeed);
+  std::uniform_real_distribution<double> in(-1.0, 1.0);
+  const double h = 0.1, w = 3 * h;
+  const auto floor = make_box(Vec3(4, 4, 2)), above = make_sphere(1.0);
+  double by_densities = 0.0;
+  for (int trial = 0; trial < 20; ++trial) {
+    Pose lower, upper;
+    lower.rotation = Eigen::AngleAxisd(0.7 * in(rng), Vec3(in(rng), in(rng), in(rng)).normalized()).toRotationMatrix();
+    const Vec3 up = lower.rotation.col(2);
+    lower.translation = -1.0 * up + h * Vec3(in(rng), in(rng), in(rng));
+    upper.translation = lower.translation + 1.97 * up;
+    const NodeBox box{Vec3i::Constant(-8), Vec3i::Constant(8)};
+    for (const bool by_distances : {false, true}) {
+      CubeSide a = side_of(*floor, lower), b = side_of(*above, upper);
+      a.by_distances = b.by_distances = by_distances;
+      CubeFinds finds;
+      find_between_solids(a, b, ContactPair{0, 1, h, w, 0.2, 0, 0}, box, finds);
+      ASSERT_GT(finds.contacts.size(), 20u);
+      for (const Contact& c : finds.contacts) {
+        const Vec3 n = -c.gradient_a.cast<double>().normalized(),
+                   outward = (h * c.node.cast<double>() - upper.translation).normalized();
+        const double bend = h * Eigen::Map<const Vec3f>(c.bend_a.data()).norm() / c.gradient_a.norm();
+        if (!by_distances) {
+          by_densities = std::max(by_densities, (n - up).norm());
+          continue;
+        }
+        EXPECT_LT((n - up).norm(), 1e-4);
+        EXPECT_LT(bend, 1e-4);
+        // The curvature of a ball is the stencil's error against the size of the ball.
+        EXPECT_LT((c.gradient_b.cast<double>().normalized() + outward).norm(), 2e-3);
+      }
+    }
+  }
+  EXPECT_GT(by_densities, 5e-3);
+}
+
 TEST(CubeContacts, WidestGapIsWhereTheDensitiesJustReach) {
   for (const double margin : {0.0, 0.05, 0.2, 0.4, 0.5}) {
     const double t = widest_gap(margin);

@@ -41,6 +41,8 @@ class Samples {
   }
 
   const float* rho() const { return rho_; }
+  /// Those of a solid from which contacts take its direction, or none.
+  const float* told_distances() const { return side_.by_distances ? d_ : nullptr; }
   /// Distances to the surface at the nodes of a row, within its ramp, [m].
   void distances(int j, int k, float* out) const {
     const int row = cube_index(0, j, k);
@@ -74,6 +76,10 @@ class Samples {
   alignas(32) float rho_[kCubeNodes];
   alignas(32) float d_[kCubeNodes];
 };
+
+/// Least slope of a distance that tells a direction: amid a solid, where two of its surfaces are as near, there is
+/// none.
+constexpr float kLeastSteepness = 0.5f;
 
 BRIM_INLINE CubeRow load_eight(const float* x) {
   CubeRow r;
@@ -131,15 +137,30 @@ struct SideAtNode {
   std::array<float, 3> bend;
 };
 
-SideAtNode side_of(const RowDerivatives& r, int i, float inverse_h, bool bent) {
-  SideAtNode s;
-  s.g = inverse_h * Vec3f(r.gradient[0][i], r.gradient[1][i], r.gradient[2][i]);
-  s.bend = {};
-  if (bent)
-    s.bend = tangent_tensor(
-        s.g, {r.hessian[0][i], r.hessian[1][i], r.hessian[2][i], r.hessian[3][i], r.hessian[4][i], r.hessian[5][i]},
-        inverse_h * inverse_h);
-  return s;
+Vec3f gradient_of(const RowDerivatives& r, int i, float inverse_h) {
+  return inverse_h * Vec3f(r.gradient[0][i], r.gradient[1][i], r.gradient[2][i]);
+}
+std::array<float, 3> bend_of(const Vec3f& g, const RowDerivatives& r, int i, float scale) {
+  return tangent_tensor(
+      g, {r.hessian[0][i], r.hessian[1][i], r.hessian[2][i], r.hessian[3][i], r.hessian[4][i], r.hessian[5][i]}, scale);
+}
+
+/// The derivatives of a row that its contacts need; those of its distances where these are told.
+void derive(const Samples& side, int j, int k, RowDerivatives& rho, RowDerivatives& told) {
+  const float* d = side.told_distances();
+  row_derivatives(side.rho(), j, k, d == nullptr, rho);
+  if (d != nullptr) row_derivatives(d, j, k, true, told);
+}
+
+/// The gradient is as long as the densities say, and points and bends as the distances do where these are told.
+SideAtNode side_of(const Samples& side, const RowDerivatives& rho, const RowDerivatives& told, int i, float inverse_h) {
+  const Vec3f g = gradient_of(rho, i, inverse_h);
+  if (side.told_distances() == nullptr) return {g, bend_of(g, rho, i, inverse_h * inverse_h)};
+  const Vec3f away = gradient_of(told, i, inverse_h);
+  const float steepness = away.norm();
+  if (!(steepness > kLeastSteepness)) return {g, {}};
+  const float slope = -g.norm() / steepness;
+  return {slope * away, bend_of(slope * away, told, i, slope * inverse_h * inverse_h)};
 }
 
 /// Appends the contacts at the nodes.
@@ -147,14 +168,14 @@ void append(const Samples& a, const Samples& b, const ContactPair& pair, const N
             std::vector<Contact>& out) {
   const float inverse_h = static_cast<float>(1.0 / pair.h);
   nodes.for_rows([&](int j, int k, std::uint8_t row) {
-    RowDerivatives da, db;
-    row_derivatives(a.rho(), j, k, true, da);
-    row_derivatives(b.rho(), j, k, true, db);
+    RowDerivatives da, db, told_a, told_b;
+    derive(a, j, k, da, told_a);
+    derive(b, j, k, db, told_b);
     alignas(32) float distance_a[kCubeSize], distance_b[kCubeSize];
     a.distances(j, k, distance_a), b.distances(j, k, distance_b);
     for (int left = row; left != 0; left &= left - 1) {
       const int i = std::countr_zero(static_cast<unsigned>(left)), node = cube_index(i, j, k);
-      const SideAtNode sa = side_of(da, i, inverse_h, true), sb = side_of(db, i, inverse_h, true);
+      const SideAtNode sa = side_of(a, da, told_a, i, inverse_h), sb = side_of(b, db, told_b, i, inverse_h);
       Contact& c = out.emplace_back();
       c.node = cube.first + Vec3i(i, j, k);
       const Vec3 g = (sa.g - sb.g).cast<double>();

@@ -14,6 +14,10 @@ struct CubeSide {
   Pose pose;                            ///< of the solid
   const DensityBlock* block = nullptr;  ///< where there is no solid; must hold the whole cube
   TileKey tile;                         ///< of the block
+  /// Contacts take the direction and the bend of the solid's gradient from its distances, which are linear beside a
+  /// plane, and not from its densities, of which the stencil misses the normal of a tilted plane by up to 0.02. Only of
+  /// solids whose distances are right beyond the ramp as well.
+  bool by_distances = false;
 };
 
 /// Distance to the surface of one solid and to that of another, together, [m]; both sides have solids.

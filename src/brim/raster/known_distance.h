@@ -20,7 +20,8 @@ class KnownDistance {
   /// @param reach  [m]
   virtual void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double reach,
                               float* d) const = 0;
-  /// True where a whole row costs no more than a node of it.
+  /// True where a formula gives the distance: a whole row then costs no more than a node of it, and distances are right
+  /// beyond reach as well.
   virtual bool by_rows() const = 0;
 };
 

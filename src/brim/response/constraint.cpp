@@ -90,7 +90,7 @@ void Constraint::gather_pair(const ContactSet& contacts, std::span<const Vec3> n
   }
   const std::size_t first = points_.size();
   const std::span<const EdgePoint> edges =
-      options.every_node ? std::span<const EdgePoint>() : edges_.find(contacts, pair, order_);
+      options.every_node ? std::span<const EdgePoint>() : edges_.find(contacts, pair, order_, law.fixed);
   if (order_.empty() && edges.empty()) order_.push_back(best);
   std::stable_sort(order_.begin(), order_.end(),
                    [&](std::size_t i, std::size_t j) { return contacts.depth[i] > contacts.depth[j]; });
@@ -192,14 +192,14 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
   while (!rest_.empty()) {
     const Vec3 deepest = contacts.point[rest_.front()];
     const auto around = [&](std::size_t c) { return (contacts.point[c] - deepest).norm() <= far; };
-    PatchModel model = fitter_.fit(contacts, normals, pair.h, rest_);
+    PatchModel model = fitter_.fit(contacts, normals, pair.h, rest_, law.fixed);
     around_ = rest_;
     const auto told = [&](std::size_t c) {
       return std::abs(model.gap_at(contacts.point[c]) + contacts.depth[c]) <= miss;
     };
     if (law.stiff && !std::all_of(fitter_.near().begin(), fitter_.near().end(), told)) {
       std::erase_if(around_, [&](std::size_t c) { return !around(c); });
-      model = fitter_.fit(contacts, normals, pair.h, around_);
+      model = fitter_.fit(contacts, normals, pair.h, around_, law.fixed);
       // Rough surfaces are no quadric anywhere: their deepest node speaks for itself.
       if (-contacts.depth[around_.front()] < model.gap_at(deepest) - miss)
         model.least_point = deepest, model.least_gap = -contacts.depth[around_.front()];

@@ -21,10 +21,11 @@ struct ConstraintOptions {
 
 /// What the constraint response needs of a pair besides its contacts.
 struct ConstraintPair {
-  bool constrained = false;  ///< false: the pair is not this response's
-  double friction = 0.0;     ///< [-] Coulomb coefficient
-  double restitution = 0.0;  ///< [-] e, 0 to 1
-  bool stiff = false;        ///< neither part deforms: few points per patch carry every force and torque
+  bool constrained = false;           ///< false: the pair is not this response's
+  double friction = 0.0;              ///< [-] Coulomb coefficient
+  double restitution = 0.0;           ///< [-] e, 0 to 1
+  bool stiff = false;                 ///< neither part deforms: few points per patch carry every force and torque
+  FixedPart fixed = FixedPart::None;  ///< where the other one deforms
 };
 
 /// Constraint response (paper, section 4.3): points of contact whose gap may not become negative, each with a normal

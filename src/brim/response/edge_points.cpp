@@ -22,7 +22,8 @@ constexpr double kNearer = 0.1;
 
 }  // namespace
 
-void EdgePoints::read(const ContactSet& s, const ContactPair& pair, std::span<const std::size_t> faces) {
+void EdgePoints::read(const ContactSet& s, const ContactPair& pair, std::span<const std::size_t> faces,
+                      FixedPart fixed) {
   reading_.clear();
   place_.reset(pair.h);
   for (const std::size_t c : faces) place_.set(s.node_at(c, pair.h), c);
@@ -41,7 +42,7 @@ void EdgePoints::read(const ContactSet& s, const ContactPair& pair, std::span<co
     const Vec3 away_a = -s.gradient_a[c].normalized(), away_b = -s.gradient_b[c].normalized();
     const double bend_a = s.curvature_a(c).norm() / s.gradient_a[c].norm(),
                  bend_b = s.curvature_b(c).norm() / s.gradient_b[c].norm();
-    const double share = bend_a + bend_b > 0.0 ? bend_a / (bend_a + bend_b) : 0.5;
+    const double share = share_of_b(bend_a, bend_b, fixed, pair.h);
     const Vec3 n = (share * away_b - (1.0 - share) * away_a).normalized();
     const Vec3 to_a = distance_to(s, c, true, pair.h) * away_a, to_b = distance_to(s, c, false, pair.h) * away_b;
     const Reading reading{c, s.node_at(c, pair.h) - 0.5 * (to_a + to_b), n, n.dot(to_b - to_a)};
@@ -50,9 +51,9 @@ void EdgePoints::read(const ContactSet& s, const ContactPair& pair, std::span<co
 }
 
 std::span<const EdgePoint> EdgePoints::find(const ContactSet& contacts, const ContactPair& pair,
-                                            std::span<const std::size_t> faces) {
+                                            std::span<const std::size_t> faces, FixedPart fixed) {
   points_.clear();
-  read(contacts, pair, faces);
+  read(contacts, pair, faces, fixed);
   std::stable_sort(reading_.begin(), reading_.end(), [](const Reading& i, const Reading& j) { return i.gap < j.gap; });
   place_.reset(pair.h);
   for (std::size_t i = 0; i < reading_.size(); ++i) place_.set(contacts.node_at(reading_[i].node, pair.h), i);

@@ -8,6 +8,7 @@
 #include "brim/contact/contact_set.h"
 #include "brim/math/types.h"
 #include "brim/response/node_places.h"
+#include "brim/response/patch_model.h"
 
 namespace brim {
 
@@ -32,7 +33,7 @@ class EdgePoints {
   /// voxels of one are theirs, unless they tell
   ///               of a smaller gap
   std::span<const EdgePoint> find(const ContactSet& contacts, const ContactPair& pair,
-                                  std::span<const std::size_t> faces);
+                                  std::span<const std::size_t> faces, FixedPart fixed = FixedPart::None);
 
  private:
   struct Reading {
@@ -40,7 +41,7 @@ class EdgePoints {
     Vec3 point, normal;
     double gap;
   };
-  void read(const ContactSet& contacts, const ContactPair& pair, std::span<const std::size_t> faces);
+  void read(const ContactSet& contacts, const ContactPair& pair, std::span<const std::size_t> faces, FixedPart fixed);
   void add_points(double h);
 
   std::vector<EdgePoint> points_;

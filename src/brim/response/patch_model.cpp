@@ -27,6 +27,8 @@ constexpr double kNoise = 0.015;
 /// by no more than kPlane voxels.
 constexpr std::size_t kFewest = 8;
 constexpr double kLevel = 0.15, kPlane = 1e-3;
+/// [1/h] bend of a fixed surface up to which its own normals hold, whatever deforms on it.
+constexpr double kFixedBend = 0.05;
 
 /// Half the difference of the distances to the two surfaces, (d_a − d_b)/2.
 double lean(const ContactSet& s, std::size_t c, double h) {
@@ -106,14 +108,20 @@ NodeModel model_at(const ContactSet& s, std::size_t c) {
 
 /// Normal at a shift from where the gradients hold.
 Vec3 normal_at(const Vec3& n, const Vec3& shift, const Vec3& away_a, const Vec3& away_b, const Mat3& curvature_a,
-               const Mat3& curvature_b) {
-  // The flatter of the two tells the direction better.
-  const double a = curvature_a.norm(), b = curvature_b.norm(), share = a + b > 0.0 ? a / (a + b) : 0.5;
+               const Mat3& curvature_b, FixedPart fixed, double h) {
+  const double share = share_of_b(curvature_a.norm(), curvature_b.norm(), fixed, h);
   const Vec3 found = share * (away_b + curvature_b * shift) - (1.0 - share) * (away_a + curvature_a * shift);
   return found.dot(n) > kAlikeToModel * found.norm() ? Vec3(found.normalized()) : n;
 }
 
 }  // namespace
+
+double share_of_b(double bend_a, double bend_b, FixedPart fixed, double h) {
+  if (fixed == FixedPart::None) return bend_a + bend_b > 0.0 ? bend_a / (bend_a + bend_b) : 0.5;
+  const double least = kFixedBend / h, a = fixed == FixedPart::A ? bend_a : bend_a + least,
+               b = fixed == FixedPart::B ? bend_b : bend_b + least;
+  return a * a / (a * a + b * b);
+}
 
 double facing(const ContactSet& s, std::size_t c) {
   const double size = s.gradient_a[c].norm() * s.gradient_b[c].norm();
@@ -144,7 +152,7 @@ double PatchModel::rise_at(const Vec3& y) const {
 }
 
 PatchModel PatchFitter::fit(const ContactSet& contacts, std::span<const Vec3> normals, double h,
-                            std::span<const std::size_t> nodes) {
+                            std::span<const std::size_t> nodes, FixedPart fixed) {
   const double deepest = contacts.depth[nodes.front()];
   // A patch with a flat middle is flat, whatever its edges: nodes count by how flat they are.
   const auto weight = [&](std::size_t c, const NodeModel& m) {
@@ -222,7 +230,7 @@ PatchModel PatchFitter::fit(const ContactSet& contacts, std::span<const Vec3> no
   double change = slope.dot(shift) + 0.5 * shift.dot(curvature * shift);
   // Farther away lies no least gap but an edge that the model does not see.
   if (!(change < 0.0 && std::isfinite(change) && length < kFarthestShift * h)) shift.setZero(), change = 0.0;
-  const Vec3 found = normal_at(n, shift, away_a, away_b, curvature_a, curvature_b);
+  const Vec3 found = normal_at(n, shift, away_a, away_b, curvature_a, curvature_b, fixed, h);
   PatchModel model;
   model.x = x, model.n = found, model.gap = gap, model.slope = slope, model.curvature = curvature;
   model.bend_a = curvature_a, model.bend_b = curvature_b;

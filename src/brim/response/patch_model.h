@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,13 @@ bool on_ramps(const ContactSet& contacts, std::size_t c, const ContactPair& pair
 double distance_to(const ContactSet& contacts, std::size_t c, bool of_a, double h);
 /// Cosine between the normals of the two surfaces at a node, 1 where they face each other; −1 where one has none.
 double facing(const ContactSet& contacts, std::size_t c);
+
+/// Which part of a pair is fixed, where the other one deforms: its normals then hold unless it has the sharper bend, so
+/// that what slides on it without friction is not braked by the unevenness of its own surface.
+enum class FixedPart : std::uint8_t { None, A, B };
+/// Share of b's normal in the common one, the rest being a's: the flatter surface tells the direction better.
+/// @param bend_a, bend_b  curvatures, [1/m]  @param h  [m] grid step
+double share_of_b(double bend_a, double bend_b, FixedPart fixed, double h);
 
 /// The gap between two surfaces over a patch of nodes, φ(y) = gap + slope·d + ½ d·curvature d with d the tangential
 /// part of y − x, and where it is least (docs/constraint.md).
@@ -45,7 +53,7 @@ class PatchFitter {
   /// @param h        [m] grid step
   /// @param nodes    contacts of one patch, deepest first; not empty
   PatchModel fit(const ContactSet& contacts, std::span<const Vec3> normals, double h,
-                 std::span<const std::size_t> nodes);
+                 std::span<const std::size_t> nodes, FixedPart fixed = FixedPart::None);
   /// Those of the nodes that counted in the last fit, all near the deepest.
   std::span<const std::size_t> near() const { return near_; }
 

@@ -275,6 +275,13 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
   return load > 0.0 ? changed / load : changed > 0.0 ? 1.0 : 0.0;
 }
 
+void Penalty::keep_loads() { kept_active_ = active_, kept_drag_ = drag_; }
+
+void Penalty::take_back_loads() {
+  active_.swap(kept_active_), drag_.swap(kept_drag_);
+  settle_actions();
+}
+
 Vec3 Penalty::slip_after(std::size_t c, std::span<const Vec3> delta) const {
   const Vec3 after = delta.empty() ? relative_[c] : Vec3(relative_[c] + delta[c]);
   return after - normal_[c] * normal_[c].dot(after);

@@ -74,6 +74,10 @@ class Penalty {
   /// @return change of the contact forces by it, over the sum of the loads: how far another solve would differ
   double update_loads(const ContactSet& contacts, std::span<const Vec3> delta);
 
+  /// What update_loads changes, to be taken up again where the solve before it is kept: forces are told as they acted.
+  void keep_loads();
+  void take_back_loads();
+
   /// Forces on part a over the step, [N], given the final relative velocity changes.
   void forces(std::span<const Vec3> delta, std::span<Vec3> normal, std::span<Vec3> friction) const;
 
@@ -139,9 +143,11 @@ class Penalty {
   std::vector<double> stiffness_;     ///< k h³ (ĝ·n)², [N/m]
   std::vector<double> lead_;          ///< [s] dt + β in overlap, dt before it
   std::vector<std::uint8_t> active_;  ///< 0: no force in this step
-  std::vector<double> scale_;         ///< k h³ (ĝ·n), [N]
-  std::vector<double> load_;          ///< predicted normal force, [N]
-  std::vector<double> drag_;          ///< C, friction per speed, [N·s/m]
+  std::vector<std::uint8_t> kept_active_;
+  std::vector<double> kept_drag_;
+  std::vector<double> scale_;  ///< k h³ (ĝ·n), [N]
+  std::vector<double> load_;   ///< predicted normal force, [N]
+  std::vector<double> drag_;   ///< C, friction per speed, [N·s/m]
   std::vector<double> mu_;
   std::vector<double> pressed_;  ///< set_pressed
   std::vector<Action> action_;

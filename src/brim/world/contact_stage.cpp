@@ -140,6 +140,7 @@ void ContactStage::access(std::span<const WorldPart> parts) {
     const PosedShape* solid = a.bounded.body != nullptr ? a.bounded.body->solid(parts[p].index) : nullptr;
     a.solid.solid = solid != nullptr ? solid->known_distance() : nullptr;
     if (a.is_solid()) a.solid.pose = solid->pose();
+    a.solid.by_distances = a.is_solid() && a.solid.solid->by_rows();
     a.immobile = parts[p].body->immobile();
   }
 }

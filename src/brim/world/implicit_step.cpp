@@ -240,6 +240,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     if (contacts > 0) maps.relative(delta, contact_delta_);
     if (contacts > 0) fill.finish(first_v, delta, contact_delta_);
     if (!kept) {
+      response.keep_loads();
       fill.give_loads(response);
       const double change = response.update_loads(contact_set, contact_delta_);
       settled = change < settings.load_tolerance;
@@ -247,6 +248,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     }
     if (kept || (settled && s.residual <= settings.tolerance)) {
       report.cg_residual = std::max(report.cg_residual, s.residual);
+      if (!kept) response.take_back_loads();
       break;
     }
   }

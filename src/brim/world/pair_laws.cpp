@@ -23,7 +23,7 @@ Response choose_response(Response pair, Response a, Response b, Response world) 
 
 /// How much stiffer the faces of a rigid body on something fixed are than the loads ask for: an edge that carries the
 /// whole weight sinks in little enough for its body not to lean.
-constexpr double kFaces = 10.0;
+constexpr double kFaces = 40.0;
 
 /// The same of a pair. What is round keeps what the loads ask for: the stiffer it is, the more the load of what rolls
 /// swings as nodes come and go under it.
@@ -132,7 +132,12 @@ void PairLaws::choose(std::span<const WorldPart> parts, std::span<const double> 
     // What takes the shape of another has no few points to hold it by: rows are for what keeps its own.
     const bool shapeless = a.info.shapeless || b.info.shapeless;
     const bool constrained = !shapeless && m.response == Response::Constraint;
-    constraints_[i] = {constrained, m.friction, m.restitution, is_rigid(a) && is_rigid(b)};
+    const bool stiff = is_rigid(a) && is_rigid(b);
+    constraints_[i] = {constrained, m.friction, m.restitution, stiff,
+                       stiff                ? FixedPart::None
+                       : a.body->immobile() ? FixedPart::A
+                       : b.body->immobile() ? FixedPart::B
+                                            : FixedPart::None};
     const bool rigid = std::isinf(a.info.modulus) && std::isinf(b.info.modulus);
     const bool fixed = a.body->immobile() || b.body->immobile();
     const double faces = rigid && fixed && !is_told(a.info, b.info, options) ? faces_of(pairs[i]) : 1.0;

@@ -72,7 +72,6 @@ def tower(case):
     return scene(bodies, 2.5, friction=2.0, response=case.response)
 
 
-SINKS = "contact gives: the edge that carries all sinks in; stiffer still, the loads of what slides would scatter"
 ANGLES = [a for a in np.arange(20.0, 29.1, 0.5)]
 
 
@@ -83,8 +82,7 @@ def first_to_fall(case, run):
 
 @experiment(law="tan θ = width / height", source="statics", unit="degrees", tolerance=0.028, study="voxels",
             cases=cases(response=BOTH, voxels=(4, 8, 16), place=(0.0, 0.4)), theory=math.degrees(math.atan(0.5)),
-            measure=first_to_fall,
-            misses={f"response penalty, {case}": SINKS for case in ("voxels 4, place 0.4", "voxels 8", "voxels 16")})
+            measure=first_to_fall)
 def topple(case):
     """A block half as wide as high, so many voxels wide, on slopes from 20 to 29 degrees in steps of a half: the first that
     falls over. Within half a degree, and a quarter for the steps."""
