@@ -78,8 +78,8 @@ TEST(World, OnlyTilesWithTwoPartsAreSampled) {
     if (r.substeps > 1) continue;  // the report sums over sub-steps
     ASSERT_FALSE(w.active_tiles().empty());
   }
-  // Each active tile holds two parts within a ramp and a step of it: density on the block of both, where they were
-  // then.
+  // Each active tile holds nodes of a cube in which two parts were sampled: both have density within that cube's width
+  // of it.
   run(w, 3.0);
   const State before = w.state();
   w.step();
@@ -89,8 +89,10 @@ TEST(World, OnlyTilesWithTwoPartsAreSampled) {
     int near = 0;
     for (int p = 0; p < w.part_count(); ++p) {
       std::vector<TileKey> present;
-      w.body(w.part(p).body).presence(0, h, 3 * h, tile_box(tile, h).inflated(h), present);
-      near += std::find(present.begin(), present.end(), tile) != present.end();
+      const Aabb around = tile_box(tile, h).inflated(kCubeOwn * h);
+      w.body(w.part(p).body).presence(0, h, 3 * h, around, present);
+      near += std::any_of(present.begin(), present.end(),
+                          [&](const TileKey& t) { return tile_box(t, h).inflated(h).overlaps(around); });
     }
     EXPECT_GE(near, 2);
   }
