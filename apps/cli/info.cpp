@@ -14,14 +14,23 @@
 #include "brim/mesh/tet_lattice.h"
 #include "brim/mesh/topology.h"
 #include "brim/record/run_reader.h"
+#include "brim/scene/document.h"
 #include "brim/scene/scene.h"
 #include "commands.h"
+#include "server/rebuilt_world.h"
 
 namespace brim::cli {
 
 namespace {
 
 std::string vec_text(const Vec3& v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x(), v.y(), v.z()); }
+
+std::string parameter_text(const Scene& scene) {
+  std::string text;
+  for (const auto& [name, value] : scene.document->parameters.items())
+    text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", name, shown(value));
+  return text;
+}
 
 void about_scene(const std::string& path) {
   const Scene scene = load_scene(path);
@@ -36,6 +45,7 @@ void about_scene(const std::string& path) {
   fmt::print("  {} frames of {:.6g} s, {} steps of {:.6g} s each\n", scene.frames, scene.frame_time(),
              scene.steps_per_frame, scene.world.time_step);
   fmt::print("  {} expectations\n", scene.expect.size());
+  if (!scene.document->parameters.empty()) fmt::print("  parameters, for --set: {}\n", parameter_text(scene));
 }
 
 void about_surface(const std::string& path) {
@@ -96,7 +106,12 @@ void about_run(const std::string& path) {
     for (const double x : run.series(name)) sum += x;
     return sum;
   };
-  fmt::print("\n  {:.0f} steps in {:.1f} s, at most {:.0f} contacts, worst overlap {:.3g} voxels, {:.0f} warnings\n",
+  fmt::print("\n");
+  for (const std::string& kind : viewer::foreign_kinds(run))
+    fmt::print(
+        "  \"{}\" is not a kind of brim's own: densities and --resume need its library, brim --plugin FILE ...\n",
+        kind);
+  fmt::print("  {:.0f} steps in {:.1f} s, at most {:.0f} contacts, worst overlap {:.3g} voxels, {:.0f} warnings\n",
              total("steps"), total("wall"), largest("contacts"), largest("worst_overlap"), total("warnings"));
 }
 
@@ -108,17 +123,18 @@ void about(const std::string& path) {
   std::string name = fs::path(path).filename().string();
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (name.ends_with(".json")) return about_scene(path);
+  if (name.ends_with(".json") || name.ends_with(".jsonc")) return about_scene(path);
   if (name.ends_with(".h5")) return about_run(path);
   if (name.ends_with(".msh") || name.ends_with(".vtk")) return about_tets(path);
   for (const char* end : {".nii", ".nii.gz", ".nrrd", ".nhdr", ".vdb"})
     if (name.ends_with(end)) return about_volume(path);
   for (const char* end : {".obj", ".stl", ".ply", ".off", ".gltf", ".glb"})
     if (name.ends_with(end)) return about_surface(path);
-  throw InputError(path +
-                   ": not a kind of file that brim knows; it must be a scene (.json), a surface (.obj, .stl, .ply, "
-                   ".off, .gltf, .glb), tetrahedra (.msh, .vtk), a volume (.nii, .nii.gz, .nrrd, .nhdr, .vdb), or a "
-                   "run (folder, .h5)");
+  throw InputError(
+      path +
+      ": not a kind of file that brim knows; it must be a scene (.json, .jsonc), a surface (.obj, .stl, .ply, "
+      ".off, .gltf, .glb), tetrahedra (.msh, .vtk), a volume (.nii, .nii.gz, .nrrd, .nhdr, .vdb), or a "
+      "run (folder, .h5)");
 }
 
 }  // namespace
