@@ -18,6 +18,7 @@
 #include "brim/scene/scene.h"
 #include "commands.h"
 #include "server/rebuilt_world.h"
+#include "volume_picture.h"
 
 namespace brim::cli {
 
@@ -68,7 +69,7 @@ void about_tets(const std::string& path) {
              q.min_dihedral * kDegrees, q.max_dihedral * kDegrees, q.min_ratio, q.mean_ratio);
 }
 
-void about_volume(const std::string& path) {
+void about_volume(const std::string& path, const std::string& sheet) {
   const VolumeInfo info = read_volume_info(path);
   const VoxelImage image = read_volume(info);
   const Aabb box = image.box();
@@ -78,14 +79,11 @@ void about_volume(const std::string& path) {
              info.unit_given ? "" : " (no unit in the file: millimetres taken)", voxel_word(info.type),
              info.big_endian ? "big" : "little");
   fmt::print("  box {} to {} m\n", vec_text(box.lo), vec_text(box.hi));
-  const auto [least, most] = std::minmax_element(image.values.begin(), image.values.end());
-  fmt::print("  intensities {:.6g} to {:.6g}; more than:", *least, *most);
-  for (int tenth = 1; tenth < 10; tenth += 2) {
-    const double level = *least + 0.1 * tenth * (*most - *least);
-    const auto above = std::count_if(image.values.begin(), image.values.end(), [&](float v) { return v > level; });
-    fmt::print(" {:.6g} in {:.2g} %{}", level, 100.0 * static_cast<double>(above) / static_cast<double>(image.count()),
-               tenth < 9 ? "," : "\n");
-  }
+  const VolumeHistogram histogram(image.values);
+  std::fputs(histogram.text().c_str(), stdout);
+  if (sheet.empty()) return;
+  write_contact_sheet(image, sheet);
+  fmt::print("  slices along z are drawn in {}\n", sheet);
 }
 
 void about_run(const std::string& path) {
@@ -115,7 +113,7 @@ void about_run(const std::string& path) {
              total("steps"), total("wall"), largest("contacts"), largest("worst_overlap"), total("warnings"));
 }
 
-void about(const std::string& path) {
+void about(const std::string& path, const std::string& sheet) {
   namespace fs = std::filesystem;
   std::error_code error;
   if (!fs::exists(path, error)) throw InputError(path + ": no such file or folder");
@@ -127,7 +125,7 @@ void about(const std::string& path) {
   if (name.ends_with(".h5")) return about_run(path);
   if (name.ends_with(".msh") || name.ends_with(".vtk")) return about_tets(path);
   for (const char* end : {".nii", ".nii.gz", ".nrrd", ".nhdr", ".vdb"})
-    if (name.ends_with(end)) return about_volume(path);
+    if (name.ends_with(end)) return about_volume(path, sheet);
   for (const char* end : {".obj", ".stl", ".ply", ".off", ".gltf", ".glb"})
     if (name.ends_with(end)) return about_surface(path);
   throw InputError(
@@ -141,10 +139,11 @@ void about(const std::string& path) {
 
 void add_info(CLI::App& app, int& code) {
   CLI::App* command = app.add_subcommand("info", "say what is in a scene, mesh, volume or run");
-  auto path = std::make_shared<std::string>();
+  auto path = std::make_shared<std::string>(), sheet = std::make_shared<std::string>();
   command->add_option("file", *path, "scene, surface, tetrahedra, volume or run")->required();
-  command->callback([path, &code] {
-    about(*path);
+  command->add_option("--sheet", *sheet, "of a volume: picture (.png) of slices along z to write");
+  command->callback([path, sheet, &code] {
+    about(*path, *sheet);
     code = kGood;
   });
 }
