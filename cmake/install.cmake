@@ -22,7 +22,33 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/brimConfigVersion.cmake C
 install(FILES ${PROJECT_BINARY_DIR}/brimConfig.cmake ${PROJECT_BINARY_DIR}/brimConfigVersion.cmake
   DESTINATION ${BRIM_CONFIG_DIR})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/THIRD_PARTY.md DESTINATION ${CMAKE_INSTALL_DOCDIR} OPTIONAL)
+# Notices of what is compiled in, as Debian has them (THIRD_PARTY.md holds that of the page's three.js).
+foreach(package libeigen3-dev nlohmann-json3-dev libcli11-dev pybind11-dev libfmt-dev)
+  install(FILES /usr/share/doc/${package}/copyright DESTINATION ${CMAKE_INSTALL_DOCDIR}/third_party RENAME ${package} OPTIONAL)
+endforeach()
+include(${CMAKE_CURRENT_LIST_DIR}/described.cmake)
+include(${CMAKE_CURRENT_LIST_DIR}/package.cmake)
+
+# What people start from. Scenes name the schema as ../schema/scene.schema.json.
+set(BRIM_SHARE ${CMAKE_INSTALL_DATADIR}/brim)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/schema ${PROJECT_SOURCE_DIR}/scenes DESTINATION ${BRIM_SHARE} FILES_MATCHING PATTERN "*.json"
+  PATTERN "*.urdf" PATTERN "*.obj")
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${BRIM_SHARE} FILES_MATCHING PATTERN "*.cpp" PATTERN "*.py"
+  PATTERN "*.json" PATTERN "*/*/CMakeLists.txt")
 
 # The viewer's page, when it has been built, and the script that makes pictures with it.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/viewer/dist/ DESTINATION ${CMAKE_INSTALL_DATADIR}/brim/viewer OPTIONAL)
 install(FILES ${PROJECT_SOURCE_DIR}/viewer/render.mjs DESTINATION ${CMAKE_INSTALL_DATADIR}/brim/viewer)
+
+# For pkg-config. A static library needs what it stands on said as well.
+set(brim_pc_requires "eigen3, tbb, fmt")
+set(brim_pc_libs "")
+if(BRIM_LIBRARY_TYPE STREQUAL "STATIC_LIBRARY")
+  string(APPEND brim_pc_requires ", assimp, zlib, tinyxml2, hdf5")
+  if(BRIM_HAS_OPENVDB)
+    set(brim_pc_libs "${BRIM_OPENVDB_LIBRARY} ${BRIM_IMATH_LIBRARY}")
+  endif()
+endif()
+file(RELATIVE_PATH brim_pc_up /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+configure_file(${CMAKE_CURRENT_LIST_DIR}/brim.pc.in ${PROJECT_BINARY_DIR}/brim.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/brim.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

@@ -103,13 +103,14 @@ def includes(path):
 
 
 def source_files(root):
-    """[(path, layer)]: src/brim/<layer>/..., and all of apps/ and python/ as layers of those names."""
+    """[(path, layer)]: src/brim/<layer>/..., all of apps/ and python/ as layers of those names, and src/brim/brim.h as a
+    layer by itself."""
     files = []
     for folder, layer_of in (("src/brim", None), ("apps", "apps"), ("python", "python")):
         for path in sorted((root / folder).rglob("*")):
             if path.suffix in (".h", ".cpp", ".inl") and path.is_file():
                 parts = path.relative_to(root / folder).parts
-                files.append((path, layer_of or (parts[0] if len(parts) > 1 else "")))
+                files.append((path, layer_of or (parts[0] if len(parts) > 1 else path.stem)))
     return files
 
 

@@ -10,6 +10,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "scenes.md"
 MARK = "<!-- made by tools/scene_reference.py; change the schema, not this -->\n"
 GALLERY = "<!-- scenes: made by tools/scene_reference.py; pictures by tools/scene_pictures.py -->\n"
+PRESETS = "<!-- presets: made by tools/scene_reference.py -->\n"
+PRESETS_END = "<!-- end of presets -->\n"
 GALLERY_END = "<!-- end of scenes -->\n"
 
 
@@ -119,15 +121,34 @@ def gallery():
     return "\n".join(lines)
 
 
+def presets():
+    """Every known material with its numbers and source."""
+    lines = ["| preset | for | numbers | source |", "|---|---|---|---|"]
+    for name, preset in json.loads((ROOT / "schema" / "presets.json").read_text(encoding="utf-8"))["presets"].items():
+        groups = {}
+        for kind, keys in preset.get("bodies", {}).items():
+            groups.setdefault(json.dumps(keys), (keys, []))[1].append(kind)
+        for group in ("material", "pair"):
+            if group in preset:
+                groups[group] = (preset[group], ["a material" if group == "material" else "a pair of materials"])
+        for keys, users in groups.values():
+            numbers = ", ".join(f"{key} {value:g}" for key, value in keys.items())
+            lines.append(f"| `{name}` | {', '.join(users)} | {numbers} | {cell(preset['source'])} |")
+    return "\n".join(lines) + "\n"
+
+
 def main():
     root = json.loads((ROOT / "schema" / "scene.schema.json").read_text(encoding="utf-8"))
     page = PAGE.read_text(encoding="utf-8")
-    head, first, rest = page.partition(GALLERY)
+    opening, second, rest = page.partition(PRESETS)
+    _, third, rest = rest.partition(PRESETS_END)
+    head, first, rest = rest.partition(GALLERY)
     _, end, rest = rest.partition(GALLERY_END)
     between, mark, _ = rest.partition(MARK)
-    for line, found in ((GALLERY, first), (GALLERY_END, end), (MARK, mark)):
+    for line, found in ((PRESETS, second), (PRESETS_END, third), (GALLERY, first), (GALLERY_END, end), (MARK, mark)):
         if not found:
             sys.exit(f"{PAGE}: the line {line.strip()} is missing")
+    head = opening + PRESETS + presets() + PRESETS_END + head
     text = head + GALLERY + "\n" + gallery() + GALLERY_END + between + MARK + "\n" + reference(root)
     if "--check" in sys.argv:
         if text != page:

@@ -17,6 +17,17 @@ void add_view(CLI::App& app, int& code);
 void add_render(CLI::App& app, int& code);
 void add_export(CLI::App& app, int& code);
 void add_pairs(CLI::App& app, int& code);
+void add_sweep(CLI::App& app, int& code);
+/// `help` and `version`, as words.
+void add_help(CLI::App& app, int& code);
+/// `completion` and `manual`: what the program says of its own commands, for shells and man.
+void add_describe(CLI::App& app, int& code);
+
+/// What is wrong with a command line that CLI11 refused, with the help that fits: "brim run --help".
+std::string complaint(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv);
+
+/// Version, and the commit that was built where it is known: "0.1.0 (1a2b3c4d5e6f)".
+const std::string& version_text();
 
 /// Adds --plugin, before or after any command.
 void add_plugins(CLI::App& app);

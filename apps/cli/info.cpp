@@ -14,14 +14,24 @@
 #include "brim/mesh/tet_lattice.h"
 #include "brim/mesh/topology.h"
 #include "brim/record/run_reader.h"
+#include "brim/scene/document.h"
 #include "brim/scene/scene.h"
 #include "commands.h"
+#include "server/rebuilt_world.h"
+#include "volume_picture.h"
 
 namespace brim::cli {
 
 namespace {
 
 std::string vec_text(const Vec3& v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x(), v.y(), v.z()); }
+
+std::string parameter_text(const Scene& scene) {
+  std::string text;
+  for (const auto& [name, value] : scene.document->parameters.items())
+    text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", name, shown(value));
+  return text;
+}
 
 void about_scene(const std::string& path) {
   const Scene scene = load_scene(path);
@@ -36,6 +46,7 @@ void about_scene(const std::string& path) {
   fmt::print("  {} frames of {:.6g} s, {} steps of {:.6g} s each\n", scene.frames, scene.frame_time(),
              scene.steps_per_frame, scene.world.time_step);
   fmt::print("  {} expectations\n", scene.expect.size());
+  if (!scene.document->parameters.empty()) fmt::print("  parameters, for --set: {}\n", parameter_text(scene));
 }
 
 void about_surface(const std::string& path) {
@@ -58,7 +69,7 @@ void about_tets(const std::string& path) {
              q.min_dihedral * kDegrees, q.max_dihedral * kDegrees, q.min_ratio, q.mean_ratio);
 }
 
-void about_volume(const std::string& path) {
+void about_volume(const std::string& path, const std::string& sheet) {
   const VolumeInfo info = read_volume_info(path);
   const VoxelImage image = read_volume(info);
   const Aabb box = image.box();
@@ -68,14 +79,11 @@ void about_volume(const std::string& path) {
              info.unit_given ? "" : " (no unit in the file: millimetres taken)", voxel_word(info.type),
              info.big_endian ? "big" : "little");
   fmt::print("  box {} to {} m\n", vec_text(box.lo), vec_text(box.hi));
-  const auto [least, most] = std::minmax_element(image.values.begin(), image.values.end());
-  fmt::print("  intensities {:.6g} to {:.6g}; more than:", *least, *most);
-  for (int tenth = 1; tenth < 10; tenth += 2) {
-    const double level = *least + 0.1 * tenth * (*most - *least);
-    const auto above = std::count_if(image.values.begin(), image.values.end(), [&](float v) { return v > level; });
-    fmt::print(" {:.6g} in {:.2g} %{}", level, 100.0 * static_cast<double>(above) / static_cast<double>(image.count()),
-               tenth < 9 ? "," : "\n");
-  }
+  const VolumeHistogram histogram(image.values);
+  std::fputs(histogram.text().c_str(), stdout);
+  if (sheet.empty()) return;
+  write_contact_sheet(image, sheet);
+  fmt::print("  slices along z are drawn in {}\n", sheet);
 }
 
 void about_run(const std::string& path) {
@@ -96,11 +104,16 @@ void about_run(const std::string& path) {
     for (const double x : run.series(name)) sum += x;
     return sum;
   };
-  fmt::print("\n  {:.0f} steps in {:.1f} s, at most {:.0f} contacts, worst overlap {:.3g} voxels, {:.0f} warnings\n",
+  fmt::print("\n");
+  for (const std::string& kind : viewer::foreign_kinds(run))
+    fmt::print(
+        "  \"{}\" is not a kind of brim's own: densities and --resume need its library, brim --plugin FILE ...\n",
+        kind);
+  fmt::print("  {:.0f} steps in {:.1f} s, at most {:.0f} contacts, worst overlap {:.3g} voxels, {:.0f} warnings\n",
              total("steps"), total("wall"), largest("contacts"), largest("worst_overlap"), total("warnings"));
 }
 
-void about(const std::string& path) {
+void about(const std::string& path, const std::string& sheet) {
   namespace fs = std::filesystem;
   std::error_code error;
   if (!fs::exists(path, error)) throw InputError(path + ": no such file or folder");
@@ -108,27 +121,29 @@ void about(const std::string& path) {
   std::string name = fs::path(path).filename().string();
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (name.ends_with(".json")) return about_scene(path);
+  if (name.ends_with(".json") || name.ends_with(".jsonc")) return about_scene(path);
   if (name.ends_with(".h5")) return about_run(path);
   if (name.ends_with(".msh") || name.ends_with(".vtk")) return about_tets(path);
   for (const char* end : {".nii", ".nii.gz", ".nrrd", ".nhdr", ".vdb"})
-    if (name.ends_with(end)) return about_volume(path);
+    if (name.ends_with(end)) return about_volume(path, sheet);
   for (const char* end : {".obj", ".stl", ".ply", ".off", ".gltf", ".glb"})
     if (name.ends_with(end)) return about_surface(path);
-  throw InputError(path +
-                   ": not a kind of file that brim knows; it must be a scene (.json), a surface (.obj, .stl, .ply, "
-                   ".off, .gltf, .glb), tetrahedra (.msh, .vtk), a volume (.nii, .nii.gz, .nrrd, .nhdr, .vdb), or a "
-                   "run (folder, .h5)");
+  throw InputError(
+      path +
+      ": not a kind of file that brim knows; it must be a scene (.json, .jsonc), a surface (.obj, .stl, .ply, "
+      ".off, .gltf, .glb), tetrahedra (.msh, .vtk), a volume (.nii, .nii.gz, .nrrd, .nhdr, .vdb), or a "
+      "run (folder, .h5)");
 }
 
 }  // namespace
 
 void add_info(CLI::App& app, int& code) {
   CLI::App* command = app.add_subcommand("info", "say what is in a scene, mesh, volume or run");
-  auto path = std::make_shared<std::string>();
+  auto path = std::make_shared<std::string>(), sheet = std::make_shared<std::string>();
   command->add_option("file", *path, "scene, surface, tetrahedra, volume or run")->required();
-  command->callback([path, &code] {
-    about(*path);
+  command->add_option("--sheet", *sheet, "of a volume: picture (.png) of slices along z to write");
+  command->callback([path, sheet, &code] {
+    about(*path, *sheet);
     code = kGood;
   });
 }

@@ -6,6 +6,7 @@
 
 #include "brim/core/error.h"
 #include "brim/core/printable.h"
+#include "brim/scene/errors.h"
 #include "commands.h"
 
 namespace {
@@ -24,7 +25,7 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is then an error of writing, with its message
 #endif
   CLI::App app("brim: bodies of any kind in contact through a grid of densities", "brim");
-  app.set_version_flag("--version", BRIM_VERSION);
+  app.set_version_flag("--version", "brim " + brim::cli::version_text());
   app.require_subcommand(1);
   app.fallthrough();
   brim::cli::add_plugins(app);
@@ -37,11 +38,18 @@ int main(int argc, char** argv) {
   brim::cli::add_render(app, code);
   brim::cli::add_export(app, code);
   brim::cli::add_pairs(app, code);
+  brim::cli::add_sweep(app, code);
+  brim::cli::add_help(app, code);
+  brim::cli::add_describe(app, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);
-    std::fprintf(stderr, "brim: error: %s; brim --help lists what is allowed\n", one_line(e.what()).c_str());
+    std::fprintf(stderr, "brim: error: %s\n", one_line(brim::cli::complaint(app, e, argc, argv)).c_str());
+    return brim::cli::kBadInput;
+  } catch (const brim::InputErrors& e) {
+    for (const std::string& message : e.messages())
+      std::fprintf(stderr, "brim: error: %s\n", one_line(message).c_str());
     return brim::cli::kBadInput;
   } catch (const brim::InputError& e) {
     std::fprintf(stderr, "brim: error: %s\n", one_line(e.what()).c_str());

@@ -15,6 +15,7 @@
 #include "profile_table.h"
 #include "progress.h"
 #include "server/page_folder.h"
+#include "settings.h"
 
 #if defined(__unix__) || defined(__APPLE__)
 #include <unistd.h>
@@ -26,6 +27,7 @@ namespace {
 
 struct Options {
   std::string scene, folder, resume;
+  SettingOptions settings;
   std::int64_t frames = 0;
   int threads = 0;
   bool check = false, json = false, force = false, edit = false, quiet = false, view = false, profile = false;
@@ -42,7 +44,7 @@ bool on_terminal() {
 int run(const Options& o) {
   const auto start = std::chrono::steady_clock::now();
   const ThreadLimit limit(o.threads);
-  const Scene scene = load_scene(o.scene);
+  const Scene scene = load_scene(o.scene, o.settings.read());
   RunPlan plan;
   plan.resume = !o.resume.empty();
   plan.folder = plan.resume         ? o.resume
@@ -108,6 +110,7 @@ void add_run(CLI::App& app, int& code) {
   command->add_option("scene", o->scene, "scene file (JSON)")->required();
   CLI::Option* folder =
       command->add_option("-o,--output", o->folder, "folder of the run; default out/<name of the scene>");
+  o->settings.add_to(*command);
   command->add_option("--frames", o->frames, "record this many frames after the first, whatever the scene says")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{10000000}));
   command->add_option("--threads", o->threads, "use at most this many threads; default all cores")

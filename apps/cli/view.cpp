@@ -39,11 +39,11 @@ int view(const ViewOptions& options) {
   viewer::RecordedRun run(options.run);
   viewer::ViewerServer server(run, viewer::find_page_folder());
   const int port = take_port(server, options);
+  watch_interrupts();  // before others are told that they may end it
   const bool v6 = options.host.find(':') != std::string::npos;
   fmt::print("{} is shown at http://{}:{}/  (Ctrl-C ends)\n", options.run,
              v6 ? fmt::format("[{}]", options.host) : options.host, port);
   std::fflush(stdout);
-  watch_interrupts();
   std::jthread serving([&server] { server.listen(); });
   const auto alone = [&options] { return options.with > 0 && ::getppid() != options.with; };
   while (!interrupted() && !alone()) std::this_thread::sleep_for(std::chrono::milliseconds(100));

@@ -2,11 +2,15 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "brim/record/run_reader.h"
 #include "brim/world/world.h"
 
 namespace brim::viewer {
+
+/// Kinds of the run's bodies that are not known here: those of a plugin that is not loaded, or of a Python program.
+std::vector<std::string> foreign_kinds(const RunReader& run);
 
 /// The world of a recorded run, built anew from the scene that the run keeps, to ask for what is not recorded: the
 /// densities of its bodies. Tests: tests/server/density_slice_test.cpp

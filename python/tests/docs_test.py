@@ -35,6 +35,27 @@ class Examples(unittest.TestCase):
     def test_docs_python(self):
         self.run_page(SOURCE / "docs/python.md")
 
+    def test_docs_formats(self):
+        try:
+            import h5py  # noqa: F401
+        except ImportError:
+            self.skipTest("no h5py")
+        import brim
+        world = brim.World(name="demo")
+        world.add("obstacle", name="floor", shape=brim.plane())
+        world.add("rigid", name="ball", shape=brim.sphere(0.2), transform={"position": (0, 0, 0.2)})
+        with tempfile.TemporaryDirectory() as folder:
+            run = str(Path(folder, "run"))
+            world.run(frames=3, record=run).all()
+            found = examples(SOURCE / "docs/formats.md")
+            self.assertGreater(len(found), 0)
+            for line, code in found:
+                with self.subTest(f"formats.md:{line}"), contextlib.redirect_stdout(io.StringIO()):
+                    names = {}
+                    exec(compile(code.replace("out/demo", run), "formats.md", "exec"), names)
+                    self.assertAlmostEqual(names["height"].min(), 0.2, places=2)
+                    names["run"].close()
+
     def test_readme(self):
         self.run_page(SOURCE / "README.md")
 

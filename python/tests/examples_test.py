@@ -15,7 +15,7 @@ FOLDER = Path(os.environ["BRIM_SOURCE"]) / "examples/python"
 class Examples(unittest.TestCase):
     def test_each_runs_and_draws_its_picture(self):
         files = sorted(FOLDER.glob("*.py"))
-        self.assertGreater(len(files), 2)
+        self.assertGreater(len(files), 4)
         for file in files:
             with self.subTest(file.name), tempfile.TemporaryDirectory() as out:
                 done = subprocess.run([sys.executable, str(file), out], capture_output=True, text=True,

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "brim/core/error.h"
@@ -90,6 +91,22 @@ TEST(Occupancy, TheLargestPieceIsKeptAndSpecksGo) {
   EXPECT_NEAR(m.center.x(), 0.1, 1e-3);
   const double volume = 4.0 / 3.0 * std::numbers::pi * 0.05 * 0.05 * 0.05;
   EXPECT_NEAR(m.volume, volume, 0.03 * volume);
+}
+
+TEST(Occupancy, APieceIsChosenByAPointOrBySize) {
+  const auto balls = [](const Vec3& x) {
+    return std::min({(x - Vec3(0.1, 0, 0)).norm() - 0.05, (x + Vec3(0.1, 0, 0)).norm() - 0.03, x.norm() - 0.015});
+  };
+  const OccupancyGrid grid =
+      sample_occupancy(testing::scan({Vec3(-0.2, -0.1, -0.1), Vec3(0.2, 0.1, 0.1)}, 0.005, balls), kWindow, 0.005);
+  const auto ball = [](double r) { return 4.0 / 3.0 * std::numbers::pi * r * r * r; };
+  OccupancyGrid small = grid, two = grid, none = grid;
+  EXPECT_EQ(keep_piece_at(small, Vec3(-0.2, 0.05, 0)), 3u);
+  EXPECT_NEAR(mass_properties(small, 1.0).center.x(), -0.1, 1e-3);
+  EXPECT_EQ(keep_pieces_above(two, ball(0.02)), 3u);
+  EXPECT_NEAR(mass_properties(two, 1.0).volume, ball(0.05) + ball(0.03), 0.03 * ball(0.05));
+  keep_pieces_above(none, 1.0);
+  EXPECT_TRUE(std::all_of(none.share.begin(), none.share.end(), [](std::uint8_t s) { return s < 128; }));
 }
 
 TEST(Occupancy, JoinedCellsHoldTheSameMatterInTheSamePlace) {

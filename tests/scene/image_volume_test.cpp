@@ -49,6 +49,38 @@ class ImageVolumes : public ::testing::Test {
   static inline fs::path folder_;
 };
 
+TEST_F(ImageVolumes, LabelsOfASegmentationAreBodiesAndKeepChoosesPieces) {
+  // Along x: a block of label 1 of 4 voxels, two of nothing, one of label 1, three of label 7.
+  std::string values;
+  for (int k = 0; k < 8; ++k)
+    for (int j = 0; j < 8; ++j)
+      for (int i = 0; i < 14; ++i) {
+        const bool inside = k > 1 && k < 6 && j > 1 && j < 6;
+        const int label = i < 2 || i > 11 ? 0 : i < 6 ? 1 : i < 8 ? 0 : i < 9 ? 1 : 7;
+        values += static_cast<char>(inside ? label : 0);
+      }
+  std::ofstream(folder_ / "labels.nrrd", std::ios::binary)
+      << "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 14 8 8\nspacings: 10 10 10\nencoding: raw\n\n"
+      << values;
+  const auto mass = [](const char* body) { return build(body).body(0).mass(); };
+  const double voxel = 16 * 1e-6 * 1000.0;  // a slice of 4 x 4 voxels of a cubic centimetre
+  const char* const common = R"("file": "labels.nrrd", "voxel_size": 0.01, )";
+  const auto with = [&](const char* keys) { return mass((std::string(common) + keys).c_str()); };
+  EXPECT_NEAR(with(R"("labels": [7])"), 3 * voxel, 0.3 * voxel);
+  EXPECT_NEAR(with(R"("labels": [1])"), 5 * voxel, 0.4 * voxel);
+  EXPECT_NEAR(with(R"("labels": [1, 7])"), 8 * voxel, 0.4 * voxel);
+  const double all = with(R"("labels": [1])"), large = with(R"("labels": [1], "keep": "largest")");
+  EXPECT_LT(large, all - 0.5 * voxel);
+  EXPECT_NEAR(with(R"("labels": [1], "keep": {"seed": [0.02, 0.04, 0.04]})"), large, 1e-12);
+  // Cells less than half filled that touch a piece at an edge alone go with the specks.
+  EXPECT_NEAR(with(R"("labels": [1], "keep": {"seed": [0.085, 0.04, 0.04]})"), voxel, 0.2 * voxel);
+  EXPECT_NEAR(with(R"("labels": [1], "keep": {"above": 3e-5})"), large, 1e-12);
+  EXPECT_NE(message(std::string(common) + R"("labels": [1], "keep": {"above": 1})").find("more than any piece"),
+            std::string::npos);
+  EXPECT_NE(message(std::string(common) + R"("labels": [1], "window": [0, 1])").find("give one"), std::string::npos);
+  EXPECT_NE(message(std::string(common) + R"("labels": [3])").find("/labels"), std::string::npos);
+}
+
 TEST_F(ImageVolumes, FileRawAndShapeOfTheSameBallGiveTheSameBody) {
   const double mass = 700.0 * 4.0 / 3.0 * 3.14159265358979 * 1e-3;
   for (const char* body : {R"("file": "ball.nii", "window": [0, 100], "density": 700)",

@@ -2,7 +2,9 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
@@ -97,45 +99,85 @@ OccupancyGrid joined_cells(const OccupancyGrid& grid, int f) {
   return out;
 }
 
-std::size_t keep_largest_piece(OccupancyGrid& grid) {
-  const std::ptrdiff_t step[6] = {-1,
-                                  1,
-                                  -static_cast<std::ptrdiff_t>(grid.cells.x()),
-                                  grid.cells.x(),
-                                  -static_cast<std::ptrdiff_t>(grid.cells.x()) * grid.cells.y(),
-                                  static_cast<std::ptrdiff_t>(grid.cells.x()) * grid.cells.y()};
-  std::vector<std::int32_t> piece(grid.share.size(), 0);
+namespace {
+
+/// CellPieces of a grid: cells at least half filled that are joined across faces.
+struct CellPieces {
+  std::array<std::ptrdiff_t, 6> step;  ///< to a cell's neighbours; border cells are empty, so neighbours exist
+  std::vector<std::int32_t> of;        ///< piece of each cell, from 1; 0: none
+  std::vector<std::size_t> size{0};    ///< [cells] of each piece
+};
+
+CellPieces find_pieces(const OccupancyGrid& grid) {
+  const std::ptrdiff_t row = grid.cells.x(), layer = row * grid.cells.y();
+  CellPieces p{{-1, 1, -row, row, -layer, layer}, std::vector<std::int32_t>(grid.share.size(), 0)};
   std::vector<std::size_t> stack;
-  std::int32_t count = 0, best = 0;
-  std::size_t most = 0;
   for (std::size_t seed = 0; seed < grid.share.size(); ++seed) {
-    if (grid.share[seed] < 128 || piece[seed] != 0) continue;
-    ++count;
-    std::size_t size = 0;
+    if (grid.share[seed] < 128 || p.of[seed] != 0) continue;
+    const auto number = static_cast<std::int32_t>(p.size.size());
+    p.size.push_back(0);
     stack.assign(1, seed);
-    piece[seed] = count;
+    p.of[seed] = number;
     while (!stack.empty()) {
       const std::size_t at = stack.back();
       stack.pop_back();
-      ++size;
-      for (const std::ptrdiff_t s : step) {  // border cells are empty, so neighbours exist
+      ++p.size.back();
+      for (const std::ptrdiff_t s : p.step) {
         const std::size_t next = at + static_cast<std::size_t>(s);
-        if (grid.share[next] >= 128 && piece[next] == 0) piece[next] = count, stack.push_back(next);
+        if (grid.share[next] >= 128 && p.of[next] == 0) p.of[next] = number, stack.push_back(next);
       }
     }
-    if (size > most) most = size, best = count;
   }
+  return p;
+}
+
+/// Empties what belongs to no piece that stays, and is no neighbour of one. @return number of pieces there were
+std::size_t keep(OccupancyGrid& grid, const CellPieces& p, const std::vector<bool>& stays) {
   std::vector<std::uint8_t> kept(grid.share.size(), 0);
-  for (std::size_t at = 0; at < piece.size(); ++at) {
-    if (piece[at] != best || best == 0) continue;
+  for (std::size_t at = 0; at < p.of.size(); ++at) {
+    if (p.of[at] == 0 || !stays[static_cast<std::size_t>(p.of[at])]) continue;
     kept[at] = grid.share[at];
-    for (const std::ptrdiff_t s : step) {
+    for (const std::ptrdiff_t s : p.step) {
       const std::size_t next = at + static_cast<std::size_t>(s);
-      if (piece[next] == 0) kept[next] = grid.share[next];
+      if (p.of[next] == 0) kept[next] = grid.share[next];
     }
   }
   grid.share = std::move(kept);
-  return static_cast<std::size_t>(count);
+  return p.size.size() - 1;
+}
+
+}  // namespace
+
+std::size_t keep_largest_piece(OccupancyGrid& grid) {
+  const CellPieces p = find_pieces(grid);
+  std::vector<bool> stays(p.size.size(), false);
+  const auto best = std::max_element(p.size.begin() + 1, p.size.end());
+  if (best != p.size.end()) stays[static_cast<std::size_t>(best - p.size.begin())] = true;
+  return keep(grid, p, stays);
+}
+
+std::size_t keep_piece_at(OccupancyGrid& grid, const Vec3& seed) {
+  const CellPieces p = find_pieces(grid);
+  std::vector<bool> stays(p.size.size(), false);
+  double least = std::numeric_limits<double>::infinity();
+  std::int32_t best = 0;
+  for (int k = 0; k < grid.cells.z(); ++k)
+    for (int j = 0; j < grid.cells.y(); ++j)
+      for (int i = 0; i < grid.cells.x(); ++i) {
+        const std::int32_t piece = p.of[grid.index(i, j, k)];
+        const double away = piece != 0 ? (grid.center(i, j, k) - seed).squaredNorm() : least;
+        if (away < least) least = away, best = piece;
+      }
+  if (best != 0) stays[static_cast<std::size_t>(best)] = true;
+  return keep(grid, p, stays);
+}
+
+std::size_t keep_pieces_above(OccupancyGrid& grid, double volume) {
+  const CellPieces p = find_pieces(grid);
+  const double cell = grid.spacing * grid.spacing * grid.spacing;
+  std::vector<bool> stays(p.size.size(), false);
+  for (std::size_t n = 1; n < p.size.size(); ++n) stays[n] = static_cast<double>(p.size[n]) * cell >= volume;
+  return keep(grid, p, stays);
 }
 
 MassProperties mass_properties(const OccupancyGrid& grid, double density) {

@@ -42,6 +42,10 @@ OccupancyGrid joined_cells(const OccupancyGrid& grid, int factor);
 /// Empties all cells but those of the largest piece (cells at least half filled, joined across faces) and their
 /// neighbours. @return number of pieces there were
 std::size_t keep_largest_piece(OccupancyGrid& grid);
+/// Likewise all but the piece nearest to a point: of its filled cell whose centre is nearest. @param seed  [m]
+std::size_t keep_piece_at(OccupancyGrid& grid, const Vec3& seed);
+/// Likewise all pieces smaller than a volume. @param volume  [m³] of cells at least half filled
+std::size_t keep_pieces_above(OccupancyGrid& grid, double volume);
 
 /// Volume, mass, centre and inertia of the matter; each cell a cube of constant density.
 /// @throws InputError  when there is none

@@ -162,7 +162,17 @@ int Document::line_of(std::string pointer) const {
   }
 }
 
+bool Document::has_place(const std::string& message) const {
+  if (message.starts_with(file + ":")) return true;
+  for (const auto& [unused, origin] : origins)
+    if (origin.document->has_place(message)) return true;
+  return false;
+}
+
 std::string Document::place(const std::string& pointer) const {
+  for (std::string at = pointer; !origins.empty() && !at.empty(); at.erase(at.rfind('/')))
+    if (const auto it = origins.find(at); it != origins.end())
+      return it->second.document->place(it->second.pointer + pointer.substr(at.size()));
   return fmt::format("{}:{}: {}", file, line_of(pointer), pointer.empty() ? "/" : pointer);
 }
 

@@ -22,8 +22,18 @@ struct Document {
   std::map<std::string, int> line;              ///< JSON pointer -> line, from 1; of the key for members of objects
   std::shared_ptr<const GivenArrays> arrays{};  ///< what stands in memory for files; may be nothing
 
+  /// Where a value that was taken from another file (an "include") is written.
+  struct Origin {
+    std::shared_ptr<const Document> document;
+    std::string pointer;
+  };
+  std::map<std::string, Origin> origins{};  ///< JSON pointer here -> there, with all that is below it
+  Json parameters{};                        ///< values of the scene's parameters, by name; an object or nothing
+
   /// Line of a pointer, or of its nearest ancestor that is written in the file (defaults are not).
   int line_of(std::string pointer) const;
+  /// True for a message that begins with a place of this document or of one that it includes.
+  bool has_place(const std::string& message) const;
   /// "file:line: pointer: message", the form of every complaint about a document.
   std::string place(const std::string& pointer) const;
 };

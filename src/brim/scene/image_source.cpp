@@ -61,6 +61,20 @@ VoxelImage image_of_shape(const Node& n, double limit) {
   return image;
 }
 
+/// What "keep" says. @param scale  of the body: lengths are those of the file
+void keep_pieces(const Node& keep, OccupancyGrid& grid, double scale) {
+  if (keep.json().is_string()) {
+    if (keep.string() == "largest") keep_largest_piece(grid);
+  } else if (keep.has("seed")) {
+    keep_piece_at(grid, scale * keep.vec3("seed"));
+  } else {
+    keep_pieces_above(grid, keep.number("above") * scale * scale * scale);
+    if (std::none_of(grid.share.begin(), grid.share.end(), [](std::uint8_t s) { return s >= 128; }))
+      throw keep.at("above").error(
+          fmt::format("{:.3g} m³ is more than any piece has; nothing is left", keep.number("above")));
+  }
+}
+
 }  // namespace
 
 void check_image_source(const Node& n) {
@@ -68,7 +82,7 @@ void check_image_source(const Node& n) {
     throw n.error(n.has("file") ? "both \"file\" and \"shape\" are given; give one"
                                 : "the key \"file\" is missing; give \"file\" or \"shape\"");
   if (n.has("shape")) {
-    for (const char* key : {"raw", "unit", "window"})
+    for (const char* key : {"raw", "unit", "window", "labels"})
       if (n.has(key))
         throw n.at(key).error(fmt::format("only a \"file\" has \"{}\"; the image here is made of a shape", key));
     if (!n.has("image_spacing"))
@@ -80,8 +94,12 @@ void check_image_source(const Node& n) {
   }
   if (n.has("image_spacing"))
     throw n.at("image_spacing").error("a \"file\" has its own voxels; only \"shape\" takes an image_spacing");
-  if (!n.has("window"))
-    throw n.error("the key \"window\" is missing; it says which intensities of the file are matter: [lo, hi]");
+  if (n.has("window") == n.has("labels"))
+    throw n.error(n.has("window")
+                      ? "both \"window\" and \"labels\" are given; give one"
+                      : "the key \"window\" is missing; it says which intensities of the file are matter: [lo, hi] "
+                        "(or \"labels\", of a segmentation)");
+  if (n.has("labels")) return;
   if (n.at("window").at(std::size_t{0}).number() > n.at("window").at(std::size_t{1}).number())
     throw n.at("window").error(
         fmt::format("{} is not allowed; the first must be at most the second", shown(n.at("window").json())));
@@ -101,8 +119,10 @@ ImageSolid read_image_solid(const Node& n, double scale, double cells_per_voxel,
   } else {
     info = read_info(n);
     info.unit *= scale;
-    window.lo = n.at("window").at(std::size_t{0}).number();
-    window.hi = n.at("window").at(std::size_t{1}).number();
+    if (n.has("window")) {
+      window.lo = n.at("window").at(std::size_t{0}).number();
+      window.hi = n.at("window").at(std::size_t{1}).number();
+    }
     step = info.steps();
     VoxelImage empty;
     empty.size = info.size;
@@ -126,12 +146,22 @@ ImageSolid read_image_solid(const Node& n, double scale, double cells_per_voxel,
       options.transfer = [window](double v) { return window.share(v); };
       window = {0.0, 1.0};
     }
+    if (n.has("labels")) {
+      // A voxel of one of the labels is full, any other empty; between their centres the share goes over evenly.
+      options.transfer = [labels = n.at("labels").integers()](double v) {
+        return std::find(labels.begin(), labels.end(), static_cast<int>(std::lround(v))) != labels.end() ? 1.0 : 0.0;
+      };
+      window = {0.0, 1.0};
+    }
     image = n.at("file").placed([&] { return read_volume(info, options); });
   } else {
     window = {0.0, 1.0};
   }
-  solid.grid = (n.has("window") ? n.at("window") : n).placed([&] { return sample_occupancy(image, window, spacing); });
-  if (n.string("keep") == "largest") keep_largest_piece(solid.grid);
+  solid.grid = (n.has("window")   ? n.at("window")
+                : n.has("labels") ? n.at("labels")
+                                  : n)
+                   .placed([&] { return sample_occupancy(image, window, spacing); });
+  keep_pieces(n.at("keep"), solid.grid, scale);
   if (n.boolean("center")) solid.grid.origin -= solid.grid.matter_box().center();
   return solid;
 }

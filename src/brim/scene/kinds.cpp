@@ -45,6 +45,12 @@ std::list<BodyKind>& all_kinds() {
 
 void add_body_kind(BodyKind kind) { all_kinds().push_back(std::move(kind)); }
 
+bool has_body_kind(const std::string& name) {
+  for (const BodyKind& kind : all_kinds())
+    if (kind.name == name) return true;
+  return false;
+}
+
 const BodyKind& find_body_kind(const std::string& name) {
   for (const BodyKind& kind : all_kinds())
     if (kind.name == name) return kind;

@@ -13,6 +13,11 @@ void check_count(const Node& n, double count, double bytes, double limit, const 
 }
 
 void check_voxel_size(const Node& body, double h, double area, double limit) {
+  if (!(h > 0.0))
+    throw body.error(
+        "the shape is flat: no voxel_size follows from a thickness of 0 m; give \"voxel_size\", or for a mesh of a "
+        "sheet "
+        "treatment \"thickness\" with a \"thickness\"");
   const double side = kTileSize * h;
   const double tiles = area / (side * side);
   const double bytes = tiles * (sizeof(TileKey) + sizeof(DensityBlock) / 16.0);

@@ -53,7 +53,7 @@ class Node {
       return f();
     } catch (const InputError& e) {
       const std::string text = e.what();
-      if (text.starts_with(document_->file + ":")) throw;
+      if (document_->has_place(text)) throw;
       throw error(text);
     }
   }

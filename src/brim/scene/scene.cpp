@@ -1,11 +1,16 @@
 #include "brim/scene/scene.h"
 
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "brim/core/printable.h"
+#include "brim/scene/errors.h"
+#include "brim/scene/include.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/node.h"
+#include "brim/scene/parameters.h"
+#include "brim/scene/presets.h"
 #include "brim/scene/repeat.h"
 #include "brim/scene/validate.h"
 #include "brim/world/shown_metric.h"
@@ -107,122 +112,196 @@ void need_material(const Node& n, const std::string& name, const std::map<std::s
                             near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
 }
 
-void read_pairs(const Node& list, const std::map<std::string, Material>& materials, WorldOptions& world) {
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const Node pair = list.at(i), names = pair.at("materials");
-    std::string a = names.at(std::size_t{0}).string(), b = names.at(std::size_t{1}).string();
-    need_material(names.at(std::size_t{0}), a, materials);
-    need_material(names.at(std::size_t{1}), b, materials);
-    if (a > b) std::swap(a, b);
-    if (!pair.has("friction") && !pair.has("stiffness") && !pair.has("restitution") && !pair.has("response"))
-      throw pair.error(
-          "the pair says nothing; give one or more of \"friction\", \"stiffness\", \"restitution\", "
-          "\"response\"");
-    PairMaterial m;
-    if (pair.has("friction")) m.friction = pair.number("friction");
-    if (pair.has("stiffness")) m.stiffness = pair.number("stiffness");
-    if (pair.has("restitution")) m.restitution = pair.number("restitution");
-    m.response = read_response(pair);
-    if (!world.pair_materials.emplace(std::make_pair(a, b), m).second)
-      throw pair.error(fmt::format("the pair \"{}\" and \"{}\" is given twice; once is allowed", a, b));
-  }
+void read_pair(const Node& pair, const std::map<std::string, Material>& materials, WorldOptions& world) {
+  const Node names = pair.at("materials");
+  std::string a = names.at(std::size_t{0}).string(), b = names.at(std::size_t{1}).string();
+  need_material(names.at(std::size_t{0}), a, materials);
+  need_material(names.at(std::size_t{1}), b, materials);
+  if (a > b) std::swap(a, b);
+  if (!pair.has("friction") && !pair.has("stiffness") && !pair.has("restitution") && !pair.has("response"))
+    throw pair.error(
+        "the pair says nothing; give one or more of \"friction\", \"stiffness\", \"restitution\", "
+        "\"response\"");
+  PairMaterial m;
+  if (pair.has("friction")) m.friction = pair.number("friction");
+  if (pair.has("stiffness")) m.stiffness = pair.number("stiffness");
+  if (pair.has("restitution")) m.restitution = pair.number("restitution");
+  m.response = read_response(pair);
+  if (!world.pair_materials.emplace(std::make_pair(a, b), m).second)
+    throw pair.error(fmt::format("the pair \"{}\" and \"{}\" is given twice; once is allowed", a, b));
 }
 
-/// Names that expectations may use: bodies, and stems of repeated ones.
-std::set<std::string> check_bodies(const Node& list, const std::map<std::string, Material>& materials) {
-  std::map<std::string, std::string> owner;  // final body name -> where it was given
-  std::set<std::string> names;
-  std::size_t total = 0;
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const Node body = list.at(i);
-    need_material(body.at("material"), body.string("material"), materials);
+/// Checks bodies one after another; knows the names so far.
+class BodyCheck {
+ public:
+  explicit BodyCheck(const std::map<std::string, Material>& materials) : materials_(materials) {}
+
+  void check(const Node& body) {
+    need_material(body.at("material"), body.string("material"), materials_);
     find_body_kind(body.string("kind")).check(body);
     if (const std::string name = body.string("name"); printable(name) != name)
       throw body.at("name").error(
           fmt::format("\"{}\" is not allowed; a name has no control characters", printable(name)));
-    if (!names.insert(body.string("name")).second)
+    if (!names_.insert(body.string("name")).second)
       throw body.at("name").error(
           fmt::format("\"{}\" is already the name of a body; names must be unique", body.string("name")));
-    total += repeat_count(body);
-    if (total > kMaxBodies)
-      throw body.error(fmt::format("{} bodies with this one; at most {} are allowed", total, kMaxBodies));
+    const std::size_t copies = repeat_count(body);
+    if (total_ + copies > kMaxBodies)
+      throw body.error(fmt::format("{} bodies with this one; at most {} are allowed", total_ + copies, kMaxBodies));
+    total_ += copies;
     for (const Placement& p : placements(body)) {
-      const auto [it, fresh] = owner.emplace(p.name, body.pointer());
+      const auto [it, fresh] = owner_.emplace(p.name, body.pointer());
       if (!fresh)
         throw body.at("name").error(
             fmt::format("\"{}\" is already the name of a body at {}; names must be unique", p.name, it->second));
-      if (body.has("repeat")) names.insert(p.name);
+      if (body.has("repeat")) names_.insert(p.name);
     }
   }
-  return names;
+
+  /// Names that expectations may use: bodies, and stems of repeated ones.
+  const std::set<std::string>& names() const { return names_; }
+
+ private:
+  const std::map<std::string, Material>& materials_;
+  std::map<std::string, std::string> owner_;  ///< final body name -> where it was given
+  std::set<std::string> names_;
+  std::size_t total_ = 0;
+};
+
+/// @param bodies  names; nothing where not all bodies could be read
+Expectation read_expectation(const Node& n, const std::set<std::string>* bodies, double end) {
+  Expectation e;
+  e.metric = n.string("metric");
+  const auto read_body = [&](const char* key, std::string& name) {
+    if (!n.has(key)) return;
+    name = n.string(key);
+    if (!bodies || bodies->contains(name)) return;
+    const std::string near = nearest_word(name, *bodies);
+    throw n.at(key).error(fmt::format("\"{}\" is not a body of this scene{}; must be the name of one", name,
+                                      near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
+  };
+  read_body("body", e.body);
+  read_body("of", e.of);
+  if (ShownMetric::knows(e.metric) && e.body.empty())
+    throw n.error(fmt::format("{} is of one body; \"body\" must name it", e.metric));
+  if (ShownMetric::needs_other(e.metric) != n.has("of"))
+    throw n.error(fmt::format(
+        "{} {}", e.metric,
+        n.has("of") ? "takes no other body; \"of\" must not be given" : "is beside another body; \"of\" must name it"));
+  e.from = n.number("from");
+  if (e.from > end * (1 + 1e-9))
+    throw n.at("from").error(fmt::format("{} s is after the end of the run; must be at most {:.6g}", e.from, end));
+  if (n.has("to")) e.to = n.number("to");
+  if (e.to < e.from) throw n.at("to").error(fmt::format("{} s is before \"from\"; must be at least {}", e.to, e.from));
+  if (!n.has("min") && !n.has("max")) throw n.error("no bound is given; \"min\", \"max\" or both are needed");
+  if (n.has("min")) e.min = n.number("min");
+  if (n.has("max")) e.max = n.number("max");
+  if (e.min > e.max)
+    throw n.at("min").error(fmt::format("{} is not allowed; must be at most \"max\", {}", e.min, e.max));
+  if (n.has("known_miss")) e.known_miss = n.string("known_miss");
+  return e;
 }
 
-std::vector<Expectation> read_expect(const Node& list, const std::set<std::string>& bodies, double end) {
-  std::vector<Expectation> expect;
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const Node n = list.at(i);
-    Expectation e;
-    e.metric = n.string("metric");
-    const auto read_body = [&](const char* key, std::string& name) {
-      if (!n.has(key)) return;
-      name = n.string(key);
-      if (bodies.contains(name)) return;
-      const std::string near = nearest_word(name, bodies);
-      throw n.at(key).error(fmt::format("\"{}\" is not a body of this scene{}; must be the name of one", name,
-                                        near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
-    };
-    read_body("body", e.body);
-    read_body("of", e.of);
-    if (ShownMetric::knows(e.metric) && e.body.empty())
-      throw n.error(fmt::format("{} is of one body; \"body\" must name it", e.metric));
-    if (ShownMetric::needs_other(e.metric) != n.has("of"))
-      throw n.error(fmt::format("{} {}", e.metric,
-                                n.has("of") ? "takes no other body; \"of\" must not be given"
-                                            : "is beside another body; \"of\" must name it"));
-    e.from = n.number("from");
-    if (e.from > end * (1 + 1e-9))
-      throw n.at("from").error(fmt::format("{} s is after the end of the run; must be at most {:.6g}", e.from, end));
-    if (n.has("to")) e.to = n.number("to");
-    if (e.to < e.from)
-      throw n.at("to").error(fmt::format("{} s is before \"from\"; must be at least {}", e.to, e.from));
-    if (!n.has("min") && !n.has("max")) throw n.error("no bound is given; \"min\", \"max\" or both are needed");
-    if (n.has("min")) e.min = n.number("min");
-    if (n.has("max")) e.max = n.number("max");
-    if (e.min > e.max)
-      throw n.at("min").error(fmt::format("{} is not allowed; must be at most \"max\", {}", e.min, e.max));
-    if (n.has("known_miss")) e.known_miss = n.string("known_miss");
-    expect.push_back(e);
-  }
-  return expect;
+/// The text that makes the same scene by itself: with parameters in their places and all that was included.
+void keep_equal_signs(Json& value) {
+  if (value.is_string() && value.get_ref<const std::string&>().starts_with("="))
+    value = "=" + value.get<std::string>();
+  else if (value.is_structured())
+    for (Json& member : value) keep_equal_signs(member);
 }
+
+std::string whole_text(Json root) {
+  keep_equal_signs(root);
+  return root.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+/// Reads parts of a scene, those alone that were found good; what else is wrong is collected.
+class SceneReader {
+ public:
+  SceneReader(const Node& root, ErrorList& errors) : root_(root), errors_(errors) {}
+
+  void read(Scene& scene) {
+    part("/name", [&] {
+      scene.name = root_.string("name");
+      if (scene.name.find_first_of("/\\") != std::string::npos || scene.name.starts_with('.'))
+        throw root_.at("name").error(fmt::format(
+            "\"{}\" is not allowed; must have no / or \\ and not begin with a dot: it names the folder of the run",
+            scene.name));
+    });
+    part("/description", [&] { scene.description = root_.string("description"); });
+    part("/world", [&] { scene.world = read_world(root_.at("world")); });
+    part("/steps_per_frame", [&] { scene.steps_per_frame = static_cast<int>(root_.integer("steps_per_frame")); });
+    // A misspelt key may be the one that is missing.
+    const Json& known = scene_schema().at("properties");
+    bool misspelt = false;
+    for (const auto& [key, unused] : root_.json().items()) misspelt = misspelt || !known.contains(key);
+    const bool timed = !misspelt && !errors_.touches("/world") && !errors_.touches("/steps_per_frame") &&
+                       !errors_.touches("/duration") && !errors_.touches("/frames");
+    if (timed) part("/frames", [&] { scene.frames = read_frames(root_, scene.frame_time()); });
+    part("/materials", [&] { scene.materials = read_materials(root_.at("materials")); });
+    if (!errors_.touches("/materials")) {
+      each("pairs", [&](const Node& pair) { read_pair(pair, scene.materials, scene.world); });
+      BodyCheck bodies(scene.materials);
+      each("bodies", [&](const Node& body) { bodies.check(body); });
+      const bool all = !errors_.touches("/bodies");
+      const double end = timed && !errors_.touches("/frames") ? static_cast<double>(scene.frames) * scene.frame_time()
+                                                              : std::numeric_limits<double>::infinity();
+      each("expect",
+           [&](const Node& n) { scene.expect.push_back(read_expectation(n, all ? &bodies.names() : nullptr, end)); });
+    }
+  }
+
+ private:
+  template <class F>
+  void part(const std::string& pointer, const F& f) {
+    if (!errors_.touches(pointer)) errors_.attempt(pointer, f);
+  }
+  template <class F>
+  void each(const char* key, const F& f) {
+    const Node list = root_.at(key);
+    if (!list.json().is_array()) return;
+    const bool good = !errors_.touches(list.pointer());
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const Node n = list.at(i);
+      if (good || !errors_.touches(n.pointer())) errors_.attempt(n.pointer(), [&] { f(n); });
+    }
+  }
+
+  const Node& root_;
+  ErrorList& errors_;
+};
 
 }  // namespace
 
-Scene check_scene(Document read) {
+Scene check_scene(Document document) { return check_scene(std::move(document), SceneSettings{}); }
+
+Scene check_scene(Document read, const SceneSettings& settings) {
   auto document = std::make_shared<Document>(std::move(read));
-  validate(*document, scene_schema());
-  const Node root(*document, document->root, "");
+  apply_parameters(*document, settings);
+  const bool included = apply_includes(*document);
+  if (settings.seed) apply_seed(*document, *settings.seed);
+  if (included || !settings.empty()) document->text = whole_text(document->root);
+  apply_presets(*document);
+  ErrorList errors;
+  validate(*document, scene_schema(), errors);
   Scene scene;
+  const Node root(*document, document->root, "");
+  // Without its frame nothing can be read, and the rest of what is wrong would be said in other words.
+  const Json& r = document->root;
+  if (r.is_object() && r.contains("bodies") && r.at("bodies").is_array() && r.contains("name"))
+    SceneReader(root, errors).read(scene);
+  errors.raise();
   scene.file = document->file;
   scene.text = document->text;
-  scene.name = root.string("name");
-  if (scene.name.find_first_of("/\\") != std::string::npos || scene.name.starts_with('.'))
-    throw root.at("name").error(fmt::format(
-        "\"{}\" is not allowed; must have no / or \\ and not begin with a dot: it names the folder of the run",
-        scene.name));
-  scene.description = root.string("description");
-  scene.world = read_world(root.at("world"));
-  scene.steps_per_frame = static_cast<int>(root.integer("steps_per_frame"));
-  scene.frames = read_frames(root, scene.frame_time());
-  scene.materials = read_materials(root.at("materials"));
-  read_pairs(root.at("pairs"), scene.materials, scene.world);
-  const std::set<std::string> bodies = check_bodies(root.at("bodies"), scene.materials);
-  scene.expect = read_expect(root.at("expect"), bodies, static_cast<double>(scene.frames) * scene.frame_time());
   scene.document = std::move(document);
   return scene;
 }
 
 Scene load_scene(const std::string& path) { return check_scene(read_document(path)); }
+
+Scene load_scene(const std::string& path, const SceneSettings& settings) {
+  return check_scene(read_document(path), settings);
+}
 
 Scene parse_scene(std::string_view text, const std::string& file) { return check_scene(parse_document(text, file)); }
 
@@ -230,23 +309,27 @@ std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene) {
   std::vector<std::unique_ptr<Body>> bodies;
   const Node list(*scene.document, scene.document->root.at("bodies"), "/bodies");
   const double duration = static_cast<double>(scene.frames) * scene.frame_time();
+  ErrorList errors;
   for (std::size_t i = 0; i < list.size(); ++i) {
     const Node node = list.at(i);
-    const BodyKind& kind = find_body_kind(node.string("kind"));
-    Material material = scene.materials.at(node.string("material"));
-    material.response = read_response(node);
-    // Copies share what the kind made of the node (meshes, distance fields), so it is read once.
-    const std::unique_ptr<BodyMaker> maker = node.placed([&] {
-      return kind.make(node, BuildContext{scene.world, material, duration});
-    });
-    for (const Placement& p : placements(node)) {
-      node.placed([&] {
-        std::unique_ptr<Body> body = maker->body(p);
-        body->set_name(p.name);
-        bodies.push_back(std::move(body));
+    errors.attempt(node.pointer(), [&] {
+      const BodyKind& kind = find_body_kind(node.string("kind"));
+      Material material = scene.materials.at(node.string("material"));
+      material.response = read_response(node);
+      // Copies share what the kind made of the node (meshes, distance fields), so it is read once.
+      const std::unique_ptr<BodyMaker> maker = node.placed([&] {
+        return kind.make(node, BuildContext{scene.world, material, duration});
       });
-    }
+      for (const Placement& p : placements(node)) {
+        node.placed([&] {
+          std::unique_ptr<Body> body = maker->body(p);
+          body->set_name(p.name);
+          bodies.push_back(std::move(body));
+        });
+      }
+    });
   }
+  errors.raise();
   return bodies;
 }
 

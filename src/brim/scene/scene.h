@@ -14,13 +14,15 @@
 namespace brim {
 
 struct Document;
+struct SceneSettings;  // brim/scene/parameters.h
 
 /// A scene file, read and found good (schema/scene.schema.json, docs/scenes.md).
 struct Scene {
   std::string file;  ///< as the user named it; paths inside are relative to its folder
   std::string name;
   std::string description;
-  std::string text;  ///< the file's bytes, for the run folder
+  std::string
+      text;  ///< for the run folder: the file's bytes, or where it includes others or was set otherwise, all of it
   WorldOptions world;
   std::int64_t frames = 0;  ///< recorded frames after the first
   int steps_per_frame = 1;
@@ -32,9 +34,11 @@ struct Scene {
 };
 
 /// Reads and checks a scene: syntax, schema, and everything that can be known without building its bodies.
-/// @throws InputError  "file:line: pointer: value and what is allowed"
+/// @throws InputError  "file:line: pointer: value and what is allowed"; InputErrors where several things are wrong
 /// Tests: tests/scene/bad_scenes_test.cpp
 Scene load_scene(const std::string& path);
+/// The same with values of its parameters.
+Scene load_scene(const std::string& path, const SceneSettings& settings);
 
 /// The same for a text. @param file  the name used in messages, and whose folder relative paths start from
 Scene parse_scene(std::string_view text, const std::string& file = "scene.json");
@@ -50,6 +54,7 @@ std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene);
 /// Checks a document that was read or made: all that load_scene does after reading.
 /// @throws InputError
 Scene check_scene(Document document);
+Scene check_scene(Document document, const SceneSettings& settings);
 
 /// The schema of scene files (JSON Schema 2020-12), the single source of what load_scene accepts.
 const std::string& scene_schema_text();

@@ -46,6 +46,11 @@ SolidSurface read_file(const Node& n, double scale) {
   double factor = scale;
   if (const auto fit = n.number_if("fit")) factor *= *fit / box.extent().maxCoeff();
   for (Vec3& x : s.mesh.vertices) x *= factor;
+  if (s.treatment == SurfaceTreatment::WindingNumber && !(bounds(s.mesh.vertices).extent().minCoeff() > 0.0))
+    throw n.at("file").error(
+        fmt::format("{} is flat and encloses nothing; treatment \"winding_number\" needs a surface around something, "
+                    "\"thickness\" makes a solid of a sheet",
+                    n.string("file")));
   const MeshReport report = inspect(s.mesh);
   if (s.treatment == SurfaceTreatment::Closed && !(report.closed() && report.oriented() && report.volume > 0.0))
     throw n.at("file").error(fmt::format(

@@ -65,7 +65,8 @@ std::string type_name(const Json& value) {
 
 class Validator {
  public:
-  Validator(const Document& document, const Json& schema) : doc_(document), root_(schema) {}
+  Validator(const Document& document, const Json& schema, ErrorList& errors)
+      : doc_(document), root_(schema), errors_(errors) {}
 
   void check(Json& value, const Json& given_schema, const std::string& at) const {
     const Json& schema = resolve(given_schema);
@@ -86,6 +87,13 @@ class Validator {
  private:
   [[noreturn]] void fail(const std::string& at, const std::string& message) const {
     throw InputError(doc_.place(at) + ": " + message);
+  }
+  void note(const std::string& at, const std::string& message) const {
+    errors_.add(at, doc_.place(at) + ": " + message);
+  }
+  /// Checks a member; what is wrong with it is collected, and its neighbours are looked at.
+  void check_member(Json& value, const Json& schema, const std::string& at) const {
+    errors_.attempt(at, [&] { check(value, schema, at); });
   }
 
   const Json& resolve(const Json& schema) const {
@@ -192,31 +200,34 @@ class Validator {
            fmt::format("a list of {} is not allowed; must have {} {}", value.size(), count, one ? "entry" : "entries"));
     }
     if (!schema.contains("items")) return;
-    for (std::size_t i = 0; i < value.size(); ++i) check(value[i], schema.at("items"), at + "/" + std::to_string(i));
+    for (std::size_t i = 0; i < value.size(); ++i)
+      check_member(value[i], schema.at("items"), at + "/" + std::to_string(i));
   }
 
   void check_object(Json& value, const Json& schema, const std::string& at) const {
     const Json empty = Json::object();
     const Json& properties = schema.contains("properties") ? schema.at("properties") : empty;
     // Unknown keys first: a misspelt required key is then shown as misspelt, not as missing.
+    std::set<std::string> misspelt;
     for (auto& [key, member] : value.items()) {
       const std::string below = at + "/" + pointer_token(key);
       if (properties.contains(key)) continue;
       const Json extra = schema.value("additionalProperties", Json(true));
       if (extra.is_object()) {
-        check(member, schema.at("additionalProperties"), below);
+        check_member(member, schema.at("additionalProperties"), below);
       } else if (!extra.get<bool>()) {
         std::vector<std::string> words;
         for (const auto& [k, unused] : properties.items()) words.push_back(k);
         const std::string near = nearest_word(key, words);
-        fail(below, fmt::format("unknown key \"{}\"{}; allowed here: {}", key,
+        misspelt.insert(near);
+        note(below, fmt::format("unknown key \"{}\"{}; allowed here: {}", key,
                                 near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near), either(words)));
       }
     }
     if (schema.contains("required"))
       for (const Json& key : schema.at("required"))
-        if (!value.contains(key.get<std::string>()))
-          fail(at, fmt::format("the key {} is missing; it must be {}", shown(key),
+        if (!value.contains(key.get<std::string>()) && !misspelt.contains(key.get<std::string>()))
+          note(at, fmt::format("the key {} is missing; it must be {}", shown(key),
                                allowed(properties.at(key.get<std::string>()))));
     for (const auto& [key, sub] : properties.items()) {
       if (!value.contains(key)) {
@@ -227,7 +238,7 @@ class Validator {
         if (!fill) continue;
         value[key] = *fill;
       }
-      check(value[key], sub, at + "/" + pointer_token(key));
+      check_member(value[key], sub, at + "/" + pointer_token(key));
     }
   }
 
@@ -254,13 +265,11 @@ class Validator {
   }
 
   bool accepts(const Json& value, const Json& schema) const {
-    try {
-      Json copy = value;
-      check(copy, schema, "");
-      return true;
-    } catch (const InputError&) {
-      return false;
-    }
+    ErrorList errors;
+    const Validator alone(doc_, root_, errors);
+    Json copy = value;
+    alone.check_member(copy, schema, "");
+    return errors.empty();
   }
 
   /// The property that is const in every branch, or "".
@@ -289,20 +298,32 @@ class Validator {
       fail(at, fmt::format("the key \"{}\" is missing; it must be one of {}", key, either(quoted)));
     const Json& given = value.at(key);
     const std::string near = given.is_string() ? nearest_word(given.get<std::string>(), words) : "";
-    fail(at + "/" + key, fmt::format("{} is not allowed; must be one of {}{}", shown(given), either(quoted),
-                                     near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
+    const bool body = root_.contains("$defs") && root_.at("$defs").contains("body") &&
+                      &resolve(root_.at("$defs").at("body").at("oneOf").front()) == branches.front();
+    fail(at + "/" + key,
+         fmt::format(
+             "{} is not allowed; must be one of {}{}{}", shown(given), either(quoted),
+             near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near),
+             body ? "; kinds of one's own come from a library: brim --plugin FILE (brim.load_plugin in Python)" : ""));
   }
 
   const Document& doc_;
   const Json& root_;
+  ErrorList& errors_;
 };
 
 }  // namespace
 
-void validate(Document& document, const Json& schema) {
+void validate(Document& document, const Json& schema, ErrorList& errors) {
   Json root = std::move(document.root);
-  Validator(document, schema).check(root, schema, "");
+  errors.attempt("", [&] { Validator(document, schema, errors).check(root, schema, ""); });
   document.root = std::move(root);
+}
+
+void validate(Document& document, const Json& schema) {
+  ErrorList errors;
+  validate(document, schema, errors);
+  errors.raise();
 }
 
 namespace {

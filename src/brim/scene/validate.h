@@ -3,6 +3,7 @@
 #include <string>
 
 #include "brim/scene/document.h"
+#include "brim/scene/errors.h"
 #include "brim/scene/scene.h"
 
 namespace brim {
@@ -16,8 +17,12 @@ namespace brim {
 /// A oneOf picks its branch first and then checks only that, so that the message speaks of what the user meant:
 /// by the JSON type; among objects by the property that is const in every branch ("kind"), or by the required key that
 /// is present.
-/// @throws InputError  one message: file, line, JSON pointer, the value, what is allowed, and for an unknown key the
-///   nearest known one
+///
+/// All that is wrong is collected in `errors`, one message each: file, line, JSON pointer, the value, what is allowed,
+/// and for an unknown key the nearest known one. What lies below a wrong value is left as it was given.
+void validate(Document& document, const Json& schema, ErrorList& errors);
+
+/// The same. @throws InputError, InputErrors  when something is wrong
 void validate(Document& document, const Json& schema);
 
 /// The schema of scene files, parsed, with the branches that were added.

@@ -1,0 +1,181 @@
+#include "brim/scene/include.h"
+
+#include <filesystem>
+#include <set>
+#include <vector>
+
+#include "brim/scene/motion.h"
+#include "brim/scene/moved_entry.h"
+#include "brim/scene/node.h"
+#include "brim/scene/parameters.h"
+#include "brim/scene/solid.h"
+#include "brim/scene/validate.h"
+
+namespace brim {
+
+namespace {
+
+constexpr std::size_t kMaxIncludes = 8, kMaxFiles = 1000;
+
+/// Keys of an included scene that say nothing about its bodies.
+const std::set<std::string> kOfTheWhole = {"$schema",         "brim",     "name",  "description", "world", "frames",
+                                           "steps_per_frame", "duration", "expect"};
+const std::set<std::string> kTaken = {"bodies", "materials", "pairs"};
+
+/// The files that are being read, each by the one before, and how many there were.
+struct Reading {
+  std::vector<std::filesystem::path> open;
+  std::size_t files = 0;
+};
+
+/// "include" alone, held against its part of the schema.
+Document checked_list(const Document& document) {
+  Document part = document;
+  part.root = {{"include", document.root.at("include")}};
+  const Json& scene = scene_schema();
+  const Json schema = {{"type", "object"},
+                       {"properties", {{"include", scene.at("properties").at("include")}}},
+                       {"$defs", scene.at("$defs")}};
+  validate(part, schema);
+  return part;
+}
+
+void take_paths(Json& value, const std::filesystem::path& folder) {
+  static const std::set<std::string> kPaths = {"file", "mesh", "tet_mesh", "urdf"};
+  if (value.is_array())
+    for (Json& item : value) take_paths(item, folder);
+  if (!value.is_object()) return;
+  for (auto& [key, member] : value.items()) {
+    if (!kPaths.contains(key) || !member.is_string()) {
+      take_paths(member, folder);
+      continue;
+    }
+    const auto path = member.get<std::string>();
+    if (!path.starts_with("${") && std::filesystem::path(path).is_relative())
+      member = (folder / path).lexically_normal().string();
+  }
+}
+
+/// Adds one included document to the including one.
+class Merger {
+ public:
+  Merger(Document& into, const std::shared_ptr<const Document>& from, const Node& entry)
+      : into_(into), from_(from), entry_(entry), prefix_(entry.string("prefix")) {}
+
+  void merge() {
+    for (const auto& [key, unused] : from_->root.items())
+      if (!kOfTheWhole.contains(key) && !kTaken.contains(key))
+        throw InputError(
+            fmt::format("{}: \"{}\" of a scene that is included cannot be taken over", from_->place("/" + key), key));
+    if (from_->root.contains("materials")) materials();
+    if (from_->root.contains("pairs")) pairs();
+    bodies();
+  }
+
+ private:
+  std::string material(const std::string& name) const {
+    const bool own = from_->root.contains("materials") && from_->root.at("materials").contains(name);
+    return own ? prefix_ + name : name;
+  }
+
+  void materials() {
+    Json& all = into_.root["materials"];
+    if (all.is_null()) all = Json::object();
+    for (const auto& [name, value] : from_->root.at("materials").items()) {
+      const std::string key = prefix_ + name, at = "/materials/" + pointer_token(name);
+      if (all.contains(key) && all.at(key) != value)
+        throw InputError(
+            fmt::format("{}: the material \"{}\" is there already and differs; a \"prefix\" keeps the two apart",
+                        from_->place(at), key));
+      all[key] = value;
+      into_.origins["/materials/" + pointer_token(key)] = {from_, at};
+    }
+  }
+
+  void pairs() {
+    Json& all = into_.root["pairs"];
+    if (all.is_null()) all = Json::array();
+    const Json& given = from_->root.at("pairs");
+    for (std::size_t i = 0; i < given.size(); ++i) {
+      Json pair = given[i];
+      if (pair.is_object() && pair.contains("materials") && pair["materials"].is_array())
+        for (Json& name : pair["materials"])
+          if (name.is_string()) name = material(name.get<std::string>());
+      if (std::find(all.begin(), all.end(), pair) != all.end()) continue;
+      into_.origins[fmt::format("/pairs/{}", all.size())] = {from_, fmt::format("/pairs/{}", i)};
+      all.push_back(std::move(pair));
+    }
+  }
+
+  void bodies() {
+    if (!from_->root.contains("bodies")) return;
+    const Json& given = from_->root.at("bodies");
+    if (!given.is_array())
+      throw InputError(
+          fmt::format("{}: {} is not allowed; must be a list of bodies", from_->place("/bodies"), shown(given)));
+    Json& all = into_.root["bodies"];
+    if (all.is_null()) all = Json::array();
+    const auto folder = std::filesystem::path(entry_.string("file")).parent_path();
+    const std::string default_material = material("default");
+    for (std::size_t i = 0; i < given.size(); ++i) {
+      const std::string at = fmt::format("/bodies/{}", i);
+      Json body = given[i];
+      if (body.is_object()) {
+        if (body.contains("name") && body["name"].is_string()) body["name"] = prefix_ + body["name"].get<std::string>();
+        if (body.contains("material") && body["material"].is_string())
+          body["material"] = material(body["material"].get<std::string>());
+        else if (!body.contains("material") && default_material != "default")
+          body["material"] = default_material;
+        take_paths(body, folder);
+        if (entry_.has("transform")) move_entry(body, entry_.at("transform"), Node(*from_, given[i], at));
+      }
+      into_.origins[fmt::format("/bodies/{}", all.size())] = {from_, at};
+      all.push_back(std::move(body));
+    }
+  }
+
+  Document& into_;
+  const std::shared_ptr<const Document>& from_;
+  const Node& entry_;
+  std::string prefix_;
+};
+
+bool include_all(Document& document, Reading& reading) {
+  if (!document.root.is_object() || !document.root.contains("include")) return false;
+  const Document part = checked_list(document);
+  document.root.erase("include");
+  const Node list(part, part.root.at("include"), "/include");
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Node entry = list.at(i);
+    const std::string path = scene_path(entry.at("file"));
+    const auto canonical = std::filesystem::canonical(path);
+    if (std::find(reading.open.begin(), reading.open.end(), canonical) != reading.open.end())
+      throw entry.at("file").error(fmt::format("\"{}\" includes itself", entry.string("file")));
+    if (reading.open.size() >= kMaxIncludes)
+      throw entry.at("file").error(fmt::format("scenes include each other deeper than {} files", kMaxIncludes));
+    if (++reading.files > kMaxFiles) throw entry.error(fmt::format("more than {} files are included", kMaxFiles));
+    auto from = std::make_shared<Document>(read_document(path));
+    SceneSettings settings;
+    if (entry.has("set"))
+      for (const auto& [name, value] : entry.at("set").json().items()) settings.set[name] = value;
+    entry.placed([&] { apply_parameters(*from, settings); });
+    reading.open.push_back(canonical);
+    include_all(*from, reading);
+    reading.open.pop_back();
+    const std::shared_ptr<const Document> read = std::move(from);
+    Merger(document, read, entry).merge();
+  }
+  return true;
+}
+
+}  // namespace
+
+bool apply_includes(Document& document) {
+  Reading reading;
+  std::error_code error;
+  const auto self = std::filesystem::canonical(document.file, error);
+  if (!error) reading.open.push_back(self);
+  return include_all(document, reading);
+}
+
+}  // namespace brim

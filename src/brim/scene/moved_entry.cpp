@@ -1,0 +1,106 @@
+#include "brim/scene/moved_entry.h"
+
+#include "brim/scene/motion.h"
+#include "brim/scene/validate.h"
+
+namespace brim {
+
+namespace {
+
+Json list_of(const Vec3& x) { return Json::array({x.x(), x.y(), x.z()}); }
+
+/// x -> position + rotation x, applied to the parts of an entry; what is not of the form that the schema asks for is
+/// left to the schema.
+class Mover {
+ public:
+  Mover(const Vec3& position, const Quat& rotation, bool turns) : p_(position), r_(rotation), turns_(turns) {}
+
+  void entry(Json& body, const Node& written) const {
+    if (turns_) need_free(body, written);
+    Json& transform = body["transform"];
+    if (transform.is_null()) transform = Json::object();
+    if (transform.is_object()) pose(transform);
+    for (const char* key : {"velocity", "angular_velocity"}) direction(body, key);
+    if (body.contains("keyframes")) keyframes(body["keyframes"]);
+    if (body.contains("constraints") && body["constraints"].is_array())
+      for (Json& c : body["constraints"])
+        if (c.is_object()) constraint(c);
+  }
+
+ private:
+  static bool is_vec3(const Json& v) {
+    return v.is_array() && v.size() == 3 && v[0].is_number() && v[1].is_number() && v[2].is_number();
+  }
+  static Vec3 vec3(const Json& v) { return {v[0].get<double>(), v[1].get<double>(), v[2].get<double>()}; }
+
+  void point(Json& owner, const char* key) const {
+    if (owner.contains(key) && is_vec3(owner[key])) owner[key] = list_of(p_ + r_ * vec3(owner[key]));
+  }
+  void direction(Json& owner, const char* key) const {
+    if (turns_ && owner.contains(key) && is_vec3(owner[key])) owner[key] = list_of(r_ * vec3(owner[key]));
+  }
+  static Json quaternion(const Quat& q) { return {{"quaternion", Json::array({q.w(), q.x(), q.y(), q.z()})}}; }
+  static Quat rotation_of(const Json& given) {
+    Document alone;
+    alone.root = {{"rotation", given}};
+    const Json schema = {{"type", "object"},
+                         {"properties", {{"rotation", {{"$ref", "#/$defs/rotation"}}}}},
+                         {"$defs", scene_schema().at("$defs")}};
+    validate(alone, schema);
+    return read_rotation(Node(alone, alone.root.at("rotation"), "/rotation"));
+  }
+
+  void pose(Json& transform) const {
+    if (!transform.contains("position")) transform["position"] = Json::array({0, 0, 0});
+    point(transform, "position");
+    if (turns_)
+      transform["rotation"] =
+          quaternion(r_ * (transform.contains("rotation") ? rotation_of(transform["rotation"]) : Quat::Identity()));
+  }
+  void keyframes(Json& keys) const {
+    if (!turns_ || !keys.is_array()) return;
+    for (Json& key : keys) {
+      if (!key.is_object()) continue;
+      direction(key, "offset");
+      if (key.contains("rotation")) key["rotation"] = quaternion(r_ * rotation_of(key["rotation"]) * r_.conjugate());
+    }
+  }
+  void region(Json& region_at) const {
+    if (!region_at.is_object()) return;
+    for (const char* key : {"lo", "hi", "center", "point"}) point(region_at, key);
+    direction(region_at, "normal");
+  }
+  void constraint(Json& c) const {
+    if (c.contains("select")) region(c["select"]);
+    direction(c, "velocity");
+    if (c.contains("keyframes")) keyframes(c["keyframes"]);
+  }
+
+  static bool is_box(const Json& select) { return select.is_object() && select.value("kind", "") == "box"; }
+
+  static void need_free(const Json& body, const Node& written) {
+    const auto refuse = [&](const char* what) {
+      throw written.error(
+          fmt::format("{} along the axes of the world; the scene that includes it may move it, not turn it", what));
+    };
+    if (body.contains("repeat")) refuse("the copies of a \"repeat\" lie");
+    if (body.value("kind", "") == "grid_fluid") refuse("the grid of a grid_fluid lies");
+    if (body.contains("constraints") && body.at("constraints").is_array())
+      for (const Json& c : body.at("constraints"))
+        if (c.is_object() && c.contains("select") && is_box(c.at("select"))) refuse("a region that is a box lies");
+  }
+
+  Vec3 p_;
+  Quat r_;
+  bool turns_;
+};
+
+}  // namespace
+
+void move_entry(Json& body, const Node& transform, const Node& written) {
+  const bool turns = transform.has("rotation");
+  const Quat r = turns ? read_rotation(transform.at("rotation")) : Quat::Identity();
+  written.placed([&] { Mover(transform.vec3("position"), r, turns).entry(body, written); });
+}
+
+}  // namespace brim

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "brim/scene/node.h"
+
+namespace brim {
+
+/// Moves an entry of "bodies" as a whole: its transform, velocities, imposed motions and regions of constraints.
+/// @param body       changed in place; defaults need not be filled in
+/// @param transform  {"position", "rotation"}, validated
+/// @param written    where the body is written, for messages
+/// @throws InputError  when a rotation meets what lies along the axes of the world: repeats, upright boxes, grid fluids
+void move_entry(Json& body, const Node& transform, const Node& written);
+
+}  // namespace brim

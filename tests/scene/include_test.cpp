@@ -1,0 +1,102 @@
+#include "brim/scene/include.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "brim/core/error.h"
+#include "brim/scene/scene.h"
+
+namespace brim {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Include : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("brim_include_" + std::to_string(::getpid()));
+    fs::create_directories(folder_ / "parts");
+    write("parts/tet.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n");
+    write("parts/table.json", R"({"brim": 1, "name": "table", "frames": 1, "parameters": {"height": 0.7},
+      "materials": {"wood": {"friction": 0.4}}, "pairs": [{"materials": ["wood", "wood"], "friction": 0.3}],
+      "bodies": [
+        {"kind": "obstacle", "name": "top", "material": "wood", "shape": {"kind": "box", "size": [1, 2, 0.1]},
+         "transform": {"position": [1, 0, "=height"]}},
+        {"kind": "rigid", "name": "tet", "shape": {"kind": "mesh", "file": "tet.obj"}, "velocity": [1, 0, 0]},
+        {"kind": "cloth", "name": "sheet", "grid": {"size": [1, 1], "cells": [4, 4]},
+         "constraints": [{"select": {"kind": "sphere", "center": [0.5, 0.5, 0], "radius": 0.3}}]}]})");
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  void write(const char* name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+  Scene scene_of(const std::string& include) const {
+    return parse_scene(R"({"brim": 1, "name": "room", "frames": 1, "bodies": [
+      {"kind": "obstacle", "name": "floor", "shape": {"kind": "plane"}}], "include": )" +
+                           include + "}",
+                       (folder_ / "room.json").string());
+  }
+  std::string message_of(const std::string& include) const {
+    try {
+      build_world(scene_of(include));
+      return "";
+    } catch (const InputError& e) {
+      return e.what();
+    }
+  }
+  fs::path folder_;
+};
+
+TEST_F(Include, BodiesAreNamedAndMovedAndMaterialsAreKeptApart) {
+  const Scene s = scene_of(R"([{"file": "parts/table.json", "prefix": "l_", "set": {"height": 0.5},
+    "transform": {"position": [10, 0, 1], "rotation": {"axis": [0, 0, 1], "degrees": 90}}},
+    {"file": "parts/table.json", "prefix": "r_"}])");
+  const World world = build_world(s);
+  ASSERT_EQ(world.body_count(), 7);
+  EXPECT_EQ(world.body(0).name(), "floor");
+  EXPECT_EQ(world.body(1).name(), "l_top");
+  // (1, 0, 0.5) turned about z by 90 degrees is (0, 1, 0.5).
+  EXPECT_NEAR((Vec3(world.q(1)[0], world.q(1)[1], world.q(1)[2]) - Vec3(10, 1, 1.5)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(world.q(4)[2], 0.7, 1e-12);
+  EXPECT_NEAR((Vec3(world.v(2)[0], world.v(2)[1], world.v(2)[2]) - Vec3(0, 1, 0)).norm(), 0.0, 1e-12);
+  const Json& sphere = s.document->root["bodies"][3]["constraints"][0]["select"];
+  EXPECT_NEAR(sphere["center"][0].get<double>(), 9.5, 1e-12);
+  EXPECT_TRUE(s.materials.contains("l_wood") && s.materials.contains("r_wood"));
+  EXPECT_EQ(s.world.pair_materials.size(), 2u);
+}
+
+TEST_F(Include, TheKeptTextStandsByItself) {
+  const Scene s = scene_of(R"([{"file": "parts/table.json", "prefix": "l_"}])");
+  const Scene again = parse_scene(s.text, (folder_ / "room.json").string());
+  EXPECT_EQ(again.document->root, s.document->root);
+  EXPECT_EQ(build_world(again).body_count(), 4);
+}
+
+TEST_F(Include, MistakesAreSaidWhereTheyStand) {
+  EXPECT_NE(message_of(R"([{"file": "parts/table.json"}, {"file": "parts/table.json"}])").find("parts/table.json:4"),
+            std::string::npos)
+      << "names that are there twice";
+  EXPECT_NE(message_of(R"([{"file": "none.json"}])").find("/include/0/file"), std::string::npos);
+  EXPECT_NE(message_of(R"([{"file": "parts/table.json", "prefx": "a"}])").find("did you mean \"prefix\"?"),
+            std::string::npos);
+  EXPECT_NE(message_of(R"([{"file": "parts/table.json", "set": {"hight": 1}}])").find("did you mean \"height\"?"),
+            std::string::npos);
+  write("parts/wrong.json",
+        "{\"brim\": 1,\n \"bodies\": [\n {\"kind\": \"rigid\", \"name\": \"a\", \"shape\": {\"kind\": "
+        "\"sphere\", \"radius\": -1}}]}");
+  EXPECT_NE(message_of(R"([{"file": "parts/wrong.json"}])").find("wrong.json:3: /bodies/0/shape/radius: -1"),
+            std::string::npos)
+      << message_of(R"([{"file": "parts/wrong.json"}])");
+  write("self.json", R"({"include": [{"file": "self.json"}]})");
+  EXPECT_NE(message_of(R"([{"file": "self.json"}])").find("includes itself"), std::string::npos);
+  write("turned.json", R"({"bodies": [{"kind": "rigid", "name": "a", "shape": {"kind": "sphere", "radius": 1},
+    "repeat": {"count": [2, 1, 1]}}]})");
+  const char* const turned =
+      R"([{"file": "turned.json", "transform": {"rotation": {"axis": [0, 0, 1], "degrees": 9}}}])";
+  EXPECT_NE(message_of(turned).find("move it, not turn it"), std::string::npos) << message_of(turned);
+}
+
+}  // namespace
+}  // namespace brim

@@ -1,0 +1,23 @@
+"""Sphinx: the documentation as a site (tools/site/build.py stages the pages beside this file)."""
+import os
+
+project = "brim"
+author = "the brim authors"
+version = release = os.environ.get("BRIM_VERSION", "")
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.mathjax"]
+myst_enable_extensions = ["dollarmath", "amsmath"]
+myst_heading_anchors = 4
+root_doc = "docs/index"
+exclude_patterns = ["build"]
+html_theme = "furo"
+html_title = "brim"
+html_static_path = ["_static"] if os.path.isdir(os.path.join(os.path.dirname(__file__), "_static")) else []
+html_copy_source = False
+# Debian's MathJax, copied into the site: formulas need no network.
+mathjax_path = "mathjax/MathJax.js?config=TeX-AMS_SVG"
+mathjax2_config = {"tex2jax": {"inlineMath": [["\\(", "\\)"]]}, "messageStyle": "none"}
+autodoc_member_order = "bysource"
+autodoc_typehints = "description"
+highlight_language = "none"
+# Keys of scenes and tables of the C++ reference are no pages; pages of the project link to files that are downloads.
+suppress_warnings = ["myst.header", "misc.highlighting_failure"]
