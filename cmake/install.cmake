@@ -26,3 +26,6 @@ install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/THIRD_PARTY.md
 # The viewer's page, when it has been built, and the script that makes pictures with it.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/viewer/dist/ DESTINATION ${CMAKE_INSTALL_DATADIR}/brim/viewer OPTIONAL)
 install(FILES ${PROJECT_SOURCE_DIR}/viewer/render.mjs DESTINATION ${CMAKE_INSTALL_DATADIR}/brim/viewer)
+
+# What draws the diagrams of brim plot.
+install(PROGRAMS ${PROJECT_SOURCE_DIR}/tools/plot_run.py DESTINATION ${CMAKE_INSTALL_DATADIR}/brim)
