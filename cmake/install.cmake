@@ -40,6 +40,9 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/examples DESTINATION ${BRIM_SHARE} FILES
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/viewer/dist/ DESTINATION ${CMAKE_INSTALL_DATADIR}/brim/viewer OPTIONAL)
 install(FILES ${PROJECT_SOURCE_DIR}/viewer/render.mjs DESTINATION ${CMAKE_INSTALL_DATADIR}/brim/viewer)
 
+# What draws the diagrams of brim plot.
+install(PROGRAMS ${PROJECT_SOURCE_DIR}/tools/plot_run.py DESTINATION ${CMAKE_INSTALL_DATADIR}/brim)
+
 # For pkg-config. A static library needs what it stands on said as well.
 set(brim_pc_requires "eigen3, tbb, fmt")
 set(brim_pc_libs "")

@@ -15,6 +15,7 @@ void add_info(CLI::App& app, int& code);
 void add_schema(CLI::App& app, int& code);
 void add_view(CLI::App& app, int& code);
 void add_render(CLI::App& app, int& code);
+void add_plot(CLI::App& app, int& code);
 void add_export(CLI::App& app, int& code);
 void add_pairs(CLI::App& app, int& code);
 void add_sweep(CLI::App& app, int& code);

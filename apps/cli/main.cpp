@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   brim::cli::add_schema(app, code);
   brim::cli::add_view(app, code);
   brim::cli::add_render(app, code);
+  brim::cli::add_plot(app, code);
   brim::cli::add_export(app, code);
   brim::cli::add_pairs(app, code);
   brim::cli::add_sweep(app, code);

@@ -1,13 +1,8 @@
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -17,6 +12,7 @@
 
 #include "brim/core/error.h"
 #include "commands.h"
+#include "outside_program.h"
 #include "server/page_folder.h"
 #include "server/recorded_run.h"
 #include "server/viewer_server.h"
@@ -34,25 +30,6 @@ struct RenderOptions {
   double fps = 0.0;  ///< 0: the run's own
   bool tiles = false;
 };
-
-/// The first of some programs that is on the PATH or, with a slash, where it says; empty when none is.
-std::string find_program(const std::vector<std::string>& names) {
-  const char* path = std::getenv("PATH");
-  for (const std::string& name : names) {
-    if (name.find('/') != std::string::npos) {
-      if (access(name.c_str(), X_OK) == 0) return name;
-      continue;
-    }
-    std::string_view rest = path ? path : "";
-    while (!rest.empty()) {
-      const std::size_t end = std::min(rest.find(':'), rest.size());
-      const std::string file = std::string(rest.substr(0, end)) + "/" + name;
-      if (end > 0 && access(file.c_str(), X_OK) == 0) return file;
-      rest.remove_prefix(std::min(end + 1, rest.size()));
-    }
-  }
-  return {};
-}
 
 /// Numbers between separators. @throws InputError  with the given text when there is anything else
 std::vector<double> numbers(const std::string& text, char separator, const std::string& usage) {
@@ -126,20 +103,6 @@ Json colour_wish(const std::string& text) {
     wish[piece.substr(0, equal)] = colour;
   }
   return wish;
-}
-
-/// Runs a program to its end and returns its exit code. No shell sees the arguments.
-int run_program(const std::string& program, const std::vector<std::string>& arguments) {
-  std::vector<char*> argv = {const_cast<char*>(program.c_str())};
-  for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
-  argv.push_back(nullptr);
-  pid_t child = 0;
-  if (const int error = posix_spawn(&child, program.c_str(), nullptr, nullptr, argv.data(), environ))
-    throw InputError(fmt::format("{} cannot be started: {}", program, std::strerror(error)));
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : static_cast<int>(kInterrupted);
 }
 
 struct Tools {

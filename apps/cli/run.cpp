@@ -26,7 +26,7 @@ namespace brim::cli {
 namespace {
 
 struct Options {
-  std::string scene, folder, resume;
+  std::string scene, folder, resume, levels;
   SettingOptions settings;
   std::int64_t frames = 0;
   int threads = 0;
@@ -58,6 +58,7 @@ int run(const Options& o) {
   plan.expect = scene.expect;
   plan.force = o.force;
   plan.edit = o.edit;
+  plan.levels = o.levels;
   // Before the work of building, which may take a while.
   if (!plan.resume) check_run_folder(plan.folder, plan.force);
   if (o.view) viewer::find_page_folder();
@@ -118,6 +119,7 @@ void add_run(CLI::App& app, int& code) {
   command->add_flag(
       "--check", o->check,
       "exit with 1 when an expectation of the scene is not met, or one that is marked as a known miss is");
+  command->add_option("--levels", o->levels, "take the levels of detail of this run, frame by frame");
   command->add_flag("--json", o->json, "report progress as lines of JSON on standard output");
   command->add_flag("--quiet", o->quiet, "no progress bar");
   command->add_flag("--profile", o->profile,

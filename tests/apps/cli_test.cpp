@@ -263,6 +263,30 @@ TEST_F(Program, AFrameThatIsNotThereCannotBeRendered) {
   EXPECT_EQ(run("render made -o a.png --frame -4").code, 2);
 }
 
+TEST_F(Program, PlotDrawsARunAndRefusesInOneLine) {
+  ASSERT_EQ(run("run good.json -o made --frames 3").code, 0);
+  for (const char* wrong : {"plot made -o a.pdf", "plot none", "plot made -o a.svg extra"}) {
+    const Outcome o = run(wrong);
+    EXPECT_EQ(o.code, 2) << wrong;
+    EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+  }
+  // A program that says that it has no Matplotlib, as plot_run.py does.
+  write("bare", "#!/bin/sh\nexit 3\n");
+  fs::permissions(folder_ / "bare", fs::perms::owner_all);
+  ASSERT_EQ(setenv("BRIM_PYTHON", (folder_ / "bare").c_str(), 1), 0);
+  const Outcome bare = run("plot made");
+  unsetenv("BRIM_PYTHON");
+  EXPECT_EQ(bare.code, 2);
+  EXPECT_NE(bare.err.find("python3-matplotlib"), std::string::npos) << bare.err;
+  EXPECT_FALSE(fs::exists(folder_ / "made/plot.svg"));
+  const Outcome drawn = run("plot made");
+  if (drawn.err.find("python3-matplotlib") != std::string::npos) GTEST_SKIP() << "no Matplotlib";
+  ASSERT_EQ(drawn.code, 0) << drawn.err;
+  EXPECT_NE(read(folder_ / "made/plot.svg").find("</svg>"), std::string::npos);
+  EXPECT_EQ(run("plot made/run.h5 -o a.png").code, 0);
+  EXPECT_TRUE(fs::exists(folder_ / "a.png"));
+}
+
 TEST_F(Program, KilledRunKeepsTheFramesFlushedBeforeAndCanBeGoneOnWith) {
   start_long_run();
   ASSERT_TRUE(wait_for_frame(3));

@@ -4,6 +4,7 @@
 
 #include "brim/body/posed_display.h"
 #include "brim/core/parallel.h"
+#include "brim/raster/averaged_distances.h"
 
 namespace brim {
 
@@ -11,6 +12,11 @@ PosedShape::PosedShape(std::shared_ptr<const Shape> shape, TriMesh surface)
     : shape_(std::move(shape)),
       known_(dynamic_cast<const KnownDistance*>(shape_.get())),
       surface_(std::move(surface)) {}
+
+const KnownDistance* PosedShape::known_distance_averaged(double w) const {
+  const auto* detailed = dynamic_cast<const AveragedDistances*>(shape_.get());
+  return detailed != nullptr ? &detailed->averaged(w) : known_;
+}
 
 double PosedShape::box_reach(const Vec3& center) const {
   const Aabb box = shape_->bounds();

@@ -77,25 +77,57 @@ OccupancyGrid sample_occupancy(const VoxelImage& image, const IntensityWindow& w
   return grid;
 }
 
-OccupancyGrid joined_cells(const OccupancyGrid& grid, int f) {
-  BRIM_CHECK(f, >=, 1);
+namespace {
+
+/// Cells of joined_cells without their shares.
+OccupancyGrid joined_frame(const OccupancyGrid& grid, int f) {
   OccupancyGrid out;
   out.spacing = f * grid.spacing;
   out.cells = ((grid.cells.array() + f - 1) / f + 2).matrix();
   out.origin = grid.origin + Vec3::Constant(0.5 * (f - 1) * grid.spacing - out.spacing);
   out.share.assign(static_cast<std::size_t>(out.cells.x()) * out.cells.y() * out.cells.z(), 0);
-  parallel_for(static_cast<std::size_t>(out.cells.z() - 2), [&](std::size_t slab) {
-    const int k = static_cast<int>(slab) + 1;
-    for (int j = 1; j + 1 < out.cells.y(); ++j)
-      for (int i = 1; i + 1 < out.cells.x(); ++i) {
-        double sum = 0.0;
-        for (int c = 0; c < f * f * f; ++c) {
-          const Vec3i at = f * (Vec3i(i, j, k) - Vec3i::Ones()) + Vec3i(c % f, c / f % f, c / (f * f));
-          if ((at.array() < grid.cells.array()).all()) sum += grid.share[grid.index(at.x(), at.y(), at.z())];
-        }
-        out.share[out.index(i, j, k)] = static_cast<std::uint8_t>(std::lround(sum / (f * f * f)));
+  return out;
+}
+
+/// Its shares in one layer of cells.
+void join_layer(const OccupancyGrid& grid, int f, int k, OccupancyGrid& out) {
+  for (int j = 1; j + 1 < out.cells.y(); ++j)
+    for (int i = 1; i + 1 < out.cells.x(); ++i) {
+      double sum = 0.0;
+      for (int c = 0; c < f * f * f; ++c) {
+        const Vec3i at = f * (Vec3i(i, j, k) - Vec3i::Ones()) + Vec3i(c % f, c / f % f, c / (f * f));
+        if ((at.array() < grid.cells.array()).all()) sum += grid.share[grid.index(at.x(), at.y(), at.z())];
       }
-  });
+      out.share[out.index(i, j, k)] = static_cast<std::uint8_t>(std::lround(sum / (f * f * f)));
+    }
+}
+
+}  // namespace
+
+OccupancyGrid joined_cells(const OccupancyGrid& grid, int f) {
+  BRIM_CHECK(f, >=, 1);
+  OccupancyGrid out = joined_frame(grid, f);
+  parallel_for(static_cast<std::size_t>(out.cells.z() - 2),
+               [&](std::size_t slab) { join_layer(grid, f, static_cast<int>(slab) + 1, out); });
+  return out;
+}
+
+OccupancyGrid halved_cells(const OccupancyGrid& grid) {
+  OccupancyGrid out = joined_frame(grid, 2);
+  for (int k = 1; k + 1 < out.cells.z(); ++k) join_layer(grid, 2, k, out);
+  return out;
+}
+
+OccupancyGrid widened_cells(const OccupancyGrid& grid, int rings) {
+  OccupancyGrid out;
+  out.spacing = grid.spacing;
+  out.cells = grid.cells + Vec3i::Constant(2 * rings);
+  out.origin = grid.origin - Vec3::Constant(rings * grid.spacing);
+  out.share.assign(static_cast<std::size_t>(out.cells.x()) * out.cells.y() * out.cells.z(), 0);
+  for (int k = 0; k < grid.cells.z(); ++k)
+    for (int j = 0; j < grid.cells.y(); ++j)
+      std::copy_n(grid.share.begin() + static_cast<std::ptrdiff_t>(grid.index(0, j, k)), grid.cells.x(),
+                  out.share.begin() + static_cast<std::ptrdiff_t>(out.index(rings, j + rings, k + rings)));
   return out;
 }
 

@@ -38,6 +38,10 @@ OccupancyGrid sample_occupancy(const VoxelImage& image, const IntensityWindow& w
 
 /// The same matter in cells `factor` times as wide, their mean; one ring of empty cells stays around.
 OccupancyGrid joined_cells(const OccupancyGrid& grid, int factor);
+/// The same with factor 2 by one thread: a level of a pyramid (box filter).
+OccupancyGrid halved_cells(const OccupancyGrid& grid);
+/// The same matter with so many rings of empty cells more.
+OccupancyGrid widened_cells(const OccupancyGrid& grid, int rings);
 
 /// Empties all cells but those of the largest piece (cells at least half filled, joined across faces) and their
 /// neighbours. @return number of pieces there were

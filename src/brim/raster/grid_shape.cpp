@@ -1,6 +1,10 @@
 #include "brim/raster/grid_shape.h"
 
+#include <mutex>
+
 #include "brim/mesh/distance_row.h"
+#include "brim/raster/averaged_distances.h"
+#include "brim/raster/averaged_solid.h"
 #include "brim/raster/cube_distances.h"
 #include "brim/raster/known_distance.h"
 
@@ -8,7 +12,7 @@ namespace brim {
 
 namespace {
 
-class GridShape final : public Shape, public KnownDistance {
+class GridShape final : public Shape, public KnownDistance, public AveragedDistances {
  public:
   GridShape(std::shared_ptr<const DistanceGrid> grid, double thickness)
       : grid_(std::move(grid)), box_(grid_->solid_box()), thickness_(thickness) {}
@@ -22,6 +26,13 @@ class GridShape final : public Shape, public KnownDistance {
     wanted.for_rows([&](int j, int k, std::uint8_t row) {
       distance_row(*grid_, f.base + j * f.dy + k * f.dz, f.dx, row, d + cube_index(0, j, k));
     });
+  }
+  const KnownDistance& averaged(double w) const override {
+    const std::scoped_lock lock(mutex_);
+    if (!pyramid_) pyramid_ = std::make_unique<OccupancyPyramid>(occupancy_of(*grid_));
+    auto& solid = averaged_[w];
+    if (!solid) solid = std::make_unique<AveragedSolid>(*grid_, pyramid_->field(w));
+    return *solid;
   }
   Aabb bounds() const override { return box_; }
   double thickness() const override { return thickness_; }
@@ -42,6 +53,9 @@ class GridShape final : public Shape, public KnownDistance {
   std::shared_ptr<const DistanceGrid> grid_;
   Aabb box_;
   double thickness_;
+  mutable std::mutex mutex_;
+  mutable std::unique_ptr<OccupancyPyramid> pyramid_;
+  mutable std::map<double, std::unique_ptr<AveragedSolid>> averaged_;
 };
 
 }  // namespace

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <mutex>
-#include <shared_mutex>
 
 #include "brim/core/parallel.h"
+#include "brim/raster/averaged_solid.h"
 #include "brim/raster/ball_field.h"
 
 namespace brim {
@@ -71,15 +69,19 @@ class MatterMask {
 class ImageShape final : public Shape {
  public:
   ImageShape(OccupancyGrid grid, double thickness)
-      : grid_(std::move(grid)), mask_(grid_), box_(grid_.matter_box().inflated(grid_.spacing)), thickness_(thickness) {}
+      : spacing_(grid.spacing),
+        mask_(grid),
+        box_(grid.matter_box().inflated(grid.spacing)),
+        thickness_(thickness),
+        pyramid_(std::move(grid)) {}
 
   /// Interpolation spreads the density by a cell.
-  double distance(const Vec3& p) const override { return std::max(0.0, mask_.distance(p) - grid_.spacing); }
+  double distance(const Vec3& p) const override { return std::max(0.0, mask_.distance(p) - spacing_); }
   Aabb bounds() const override { return box_; }
   double thickness() const override { return thickness_; }
 
   void fill(const Pose& pose, const TileKey& tile, double h, double w, DensityBlock& out) const override {
-    const BallField& field = field_of(w);
+    const BallField& field = pyramid_.field(w);
     std::fill(std::begin(out.source), std::end(out.source), 0);
     const Mat3 back = pose.rotation.transpose();
     const Vec3 base = back * (block_origin(tile, h) - pose.translation);
@@ -99,24 +101,11 @@ class ImageShape final : public Shape {
   }
 
  private:
-  const BallField& field_of(double w) const {
-    {
-      const std::shared_lock lock(mutex_);
-      if (const auto it = fields_.find(w); it != fields_.end()) return *it->second;
-    }
-    // Made by one thread: a parallel loop in here could wait for a thread that waits for this lock.
-    const std::unique_lock lock(mutex_);
-    auto& field = fields_[w];
-    if (!field) field = std::make_unique<BallField>(grid_, w);
-    return *field;
-  }
-
-  OccupancyGrid grid_;
+  double spacing_;
   MatterMask mask_;
   Aabb box_;
   double thickness_;
-  mutable std::shared_mutex mutex_;
-  mutable std::map<double, std::unique_ptr<BallField>> fields_;
+  OccupancyPyramid pyramid_;
 };
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "brim/record/run_layout.h"
 #include "brim/record/scene_change.h"
 #include "brim/record/upgrade_run.h"
+#include "brim/world/levels.h"
 #include "brim/world/report_fields.h"
 
 namespace brim {
@@ -66,6 +67,17 @@ class NewRun {
   std::string folder_;
   bool made_;
 };
+
+/// Gives a frame the levels of detail that it had in another run.
+void take_levels(const RunReader& leader, std::int64_t frame, World& world) {
+  if (frame >= leader.frames())
+    throw InputError(
+        fmt::format("{}: has {} frames, and levels are wanted for frame {}", leader.path(), leader.frames(), frame));
+  const std::vector<int> levels = levels_in(leader.state(frame));
+  if (levels.empty())
+    throw InputError(fmt::format("{}: holds no levels of detail; its scene has no \"levels\"", leader.path()));
+  follow_levels(world, levels);
+}
 
 /// The steps of one frame, joined.
 StepReport step_frame(World& world, int steps, int& taken) {
@@ -145,12 +157,15 @@ RunResult record_run(World& world, const RunPlan& plan, const std::function<bool
     writer->flush();
     plan.started();
   }
+  std::optional<RunReader> leader;
+  if (!plan.levels.empty()) leader.emplace(plan.levels);
   Rate rate;
   double record_seconds = 0.0;
   const double build_and_start = since(start);
   const Clock::time_point stepping = Clock::now();
   while (frame < plan.frames) {
     int taken = 0;
+    if (leader) take_levels(*leader, frame + 1, world);
     StepReport report = step_frame(world, plan.info.steps_per_frame, taken);
     // Recording a frame ends after its report is written: its time counts with the next.
     report.seconds[static_cast<std::size_t>(Phase::Record)] += record_seconds;

@@ -22,6 +22,7 @@ struct RunPlan {
   bool force = false;               ///< replace an old run
   bool resume = false;              ///< go on with the run in the folder
   bool edit = false;                ///< where its scene was another one (same_scene): go on with the one given
+  std::string levels{};             ///< a run whose levels of detail are taken, frame by frame; empty: they are chosen
   std::function<void()> started{};  ///< called once a first frame is on disk
 };
 

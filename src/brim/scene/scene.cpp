@@ -13,6 +13,7 @@
 #include "brim/scene/presets.h"
 #include "brim/scene/repeat.h"
 #include "brim/scene/validate.h"
+#include "brim/world/levels.h"
 #include "brim/world/shown_metric.h"
 
 namespace brim {
@@ -39,6 +40,31 @@ Quality read_quality(const Node& n) {
   if (word == "fine") return {0.5, 1e-6, 8, 1e-5, 1000};
   const WorldOptions o;
   return {o.max_motion_voxels, o.cg_tolerance, o.max_passes, o.constraint_tolerance, o.constraint_sweeps};
+}
+
+/// Levels are chosen once a frame, so that a frame's record has them.
+LevelOptions read_levels(const Node& n, int steps_per_frame) {
+  LevelOptions o;
+  for (const auto& [name, level] : n.at("bodies").json().items()) o.bodies[name] = level.get<int>();
+  if (n.has("interest")) o.interest = n.vec3("interest");
+  o.near = n.number("near");
+  o.most = static_cast<int>(n.integer("most"));
+  o.budget = 1e-3 * n.number("budget_ms");
+  o.average = n.string("reduce") == "average";
+  o.interval = steps_per_frame;
+  return o;
+}
+
+/// Throws when levels are given for what is no body.
+void check_levels(const Node& n, const std::set<std::string>& bodies) {
+  for (const auto& [name, level] : n.at("bodies").json().items()) {
+    if (bodies.contains(name)) continue;
+    const std::string near = nearest_word(name, bodies);
+    throw n.at("bodies")
+        .at(name.c_str())
+        .error(fmt::format("\"{}\" is not a body of this scene{}; must be the name of one", name,
+                           near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
+  }
 }
 
 WorldOptions read_world(const Node& n) {
@@ -244,6 +270,8 @@ class SceneReader {
       BodyCheck bodies(scene.materials);
       each("bodies", [&](const Node& body) { bodies.check(body); });
       const bool all = !errors_.touches("/bodies");
+      if (all && !errors_.touches("/world") && root_.at("world").has("levels"))
+        part("/world/levels", [&] { check_levels(root_.at("world").at("levels"), bodies.names()); });
       const double end = timed && !errors_.touches("/frames") ? static_cast<double>(scene.frames) * scene.frame_time()
                                                               : std::numeric_limits<double>::infinity();
       each("expect",
@@ -336,6 +364,8 @@ std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene) {
 World build_world(const Scene& scene) {
   World world(scene.world);
   for (std::unique_ptr<Body>& body : build_bodies(scene)) world.add(std::move(body));
+  const Node n(*scene.document, scene.document->root.at("world"), "/world");
+  if (n.has("levels")) set_levels(world, read_levels(n.at("levels"), scene.steps_per_frame));
   return world;
 }
 

@@ -11,6 +11,7 @@
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/core/stopwatch.h"
+#include "brim/world/averaged_raster.h"
 #include "brim/world/fill_stage.h"
 #include "brim/world/pair_laws.h"
 
@@ -118,7 +119,7 @@ void ContactStage::find(std::span<const WorldPart> parts, std::span<const double
     rasterize(parts, options.ramp_voxels, report);
   }
   const ScopedSeconds timer(seconds(Phase::Detect));
-  rigid_.find(held_, options.constraint_every_node);
+  rigid_.find(held_, options.constraint_every_node, average_);
   plan_work();
   // Work past the limit is not begun.
   const double most = options.memory_limit / kContactBytes;
@@ -139,6 +140,7 @@ void ContactStage::access(std::span<const WorldPart> parts) {
     a.bounded = {dynamic_cast<const DistanceBound*>(parts[p].body), parts[p].index};
     const PosedShape* solid = a.bounded.body != nullptr ? a.bounded.body->solid(parts[p].index) : nullptr;
     a.solid.solid = solid != nullptr ? solid->known_distance() : nullptr;
+    a.posed = solid;
     if (a.is_solid()) a.solid.pose = solid->pose();
     a.solid.by_distances = a.is_solid() && a.solid.solid->by_rows();
     a.immobile = parts[p].body->immobile();
@@ -147,15 +149,16 @@ void ContactStage::access(std::span<const WorldPart> parts) {
 
 void ContactStage::outline(std::span<const WorldPart> parts, std::span<const double> v,
                            std::span<const std::size_t> first_v, double ramp) {
-  if (rigid_.any()) rigid_.follow();
+  if (rigid_.any()) rigid_.follow(coarsest_level(parts));
   outline_.resize(parts.size());
+  const double wide = std::ldexp(0.5 * ramp, coarsest_level(parts));
   parallel_for(
       parts.size(),
       [&](std::size_t p) {
         const WorldPart& part = parts[p];
         const auto vb = v.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
         Outline& o = outline_[p];
-        o.box = part.body->bounds(part.index).inflated(0.5 * ramp * part.h);
+        o.box = part.body->bounds(part.index).inflated(wide * part.h);
         o.swept = o.box;
         if (rigid_.any() && rigid_.follows(static_cast<std::int32_t>(p)))
           o.swept.extend(rigid_.box(static_cast<std::int32_t>(p)));
@@ -223,7 +226,8 @@ void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<c
     const Aabb &box_a = held ? rigid_.box(pa) : outline_[pa].box, &box_b = held ? rigid_.box(pb) : outline_[pb].box;
     if (!box_a.overlaps(box_b)) continue;
     const Aabb region = box_a.intersection(box_b);
-    const double h = std::min(a.h, b.h);  // they meet at the finer of their two steps
+    const int level = meeting_level(a, b);
+    const double h = meeting_step(a, b);  // the finer of their two, seen at that level
     // Nodes whose gap may close within the step count as contacts that wait.
     const double speed =
         (outline_[pa].velocity - outline_[pb].velocity).norm() + outline_[pa].spread + outline_[pb].spread;
@@ -231,23 +235,32 @@ void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<c
     const double margin = std::clamp(1.5 * (speed + fall) * dt / (ramp * h), least, 0.4);
     require_near(a, b, region, h);
     if (held) {
-      if (rigid_.leaves_room(pa, pb, widest_gap(margin) * ramp * h)) held_.push_back({pa, pb, h, ramp * h, margin});
+      if (rigid_.leaves_room(pa, pb, widest_gap(margin) * ramp * h))
+        held_.push_back({pa, pb, h, ramp * h, margin, level});
       continue;
     }
     if (candidate_count_ == candidates_.size()) candidates_.emplace_back();
     Candidate& c = candidates_[candidate_count_++];
     c.pair = ContactPair{pa, pb, h, ramp * h, margin, 0, 0};
     c.region = region;
+    c.level = level;
     c.tiles.clear(), c.octants.clear();
-    c.layer_a = access_[pa].is_solid() ? -1 : layer_of(pa, h, region);
-    c.layer_b = access_[pb].is_solid() ? -1 : layer_of(pb, h, region);
+    c.layer_a = access_[pa].is_solid() ? -1 : layer_of(pa, h, level, region);
+    c.layer_b = access_[pb].is_solid() ? -1 : layer_of(pb, h, level, region);
   }
   for (std::size_t l = 0; l < layer_count_; ++l) require_few(parts[layers_[l].part], layers_[l].region, layers_[l].h);
 }
 
-std::int32_t ContactStage::layer_of(std::int32_t part, double h, const Aabb& region) {
+CubeSide ContactStage::side_of(std::int32_t part, const Candidate& c) const {
+  CubeSide side = access_[part].solid;
+  if (c.level > 0 && average_ && side.solid != nullptr)
+    side.solid = access_[part].posed->known_distance_averaged(c.pair.w);
+  return side;
+}
+
+std::int32_t ContactStage::layer_of(std::int32_t part, double h, int level, const Aabb& region) {
   for (std::size_t l = layer_count_; l-- > 0;)
-    if (layers_[l].part == part && layers_[l].h == h) {
+    if (layers_[l].part == part && layers_[l].h == h && layers_[l].level == level) {
       layers_[l].region.extend(region);
       return static_cast<std::int32_t>(l);
     }
@@ -255,6 +268,7 @@ std::int32_t ContactStage::layer_of(std::int32_t part, double h, const Aabb& reg
   Layer& layer = layers_[layer_count_];
   layer.part = part;
   layer.h = h;
+  layer.level = level;
   layer.region = region;
   return static_cast<std::int32_t>(layer_count_++);
 }
@@ -281,7 +295,9 @@ void ContactStage::refine(const WorldOptions& options) {
   parallel_for(candidate_count_, [&](std::size_t i) {
     Candidate& c = candidates_[i];
     if (c.layer_a < 0 && c.layer_b < 0) return;
-    const BoundedPart &pa = access_[c.pair.part_a].bounded, &pb = access_[c.pair.part_b].bounded;
+    BoundedPart pa = access_[c.pair.part_a].bounded, pb = access_[c.pair.part_b].bounded;
+    // What is averaged is no ramp of the distance, but empty beyond half a ramp from the surface.
+    if (c.level > 0 && pa.body != nullptr) pb.body = nullptr;
     const std::vector<OctantTile>& one = layers_[c.layer_a >= 0 ? c.layer_a : c.layer_b].present;
     const std::vector<OctantTile>& other = layers_[c.layer_b >= 0 ? c.layer_b : c.layer_a].present;
     const TileRange range = tiles_meeting(c.region.inflated(c.pair.h), c.pair.h);
@@ -326,6 +342,9 @@ void ContactStage::rasterize(std::span<const WorldPart> parts, double ramp, Step
     const ProfileScope scope("rasterize", *part.body);
     profile_bytes(static_cast<double>(blocks.size_bytes()));
     for (std::size_t t = 0; t < blocks.size(); ++t) blocks[t].octants = layer.octants[t];
+    // Solids average themselves, as does what has no finer level.
+    if (layer.level > 0 && average_ && access_[layer.part].posed == nullptr)
+      return rasterize_averaged(*part.body, part.index, {layer.h, ramp, layer.level}, layer.needed, blocks);
     part.body->rasterize(part.index, layer.h, ramp * layer.h, layer.needed, blocks);
   });
   for (std::size_t l = 0; l < layer_count_; ++l) report.tiles += static_cast<std::int64_t>(layers_[l].needed.size());
@@ -352,7 +371,7 @@ void ContactStage::search(Work& work) const {
   const double h = c.pair.h;
   if (c.layer_a < 0 && c.layer_b < 0) {
     const Vec3i lo = (c.region.lo / h).array().ceil().cast<int>(), hi = (c.region.hi / h).array().floor().cast<int>();
-    const CubeSide &a = access_[c.pair.part_a].solid, &b = access_[c.pair.part_b].solid;
+    const CubeSide a = side_of(c.pair.part_a, c), b = side_of(c.pair.part_b, c);
     if ((lo.array() <= hi.array()).all()) find_between_solids(a, b, c.pair, {lo, hi}, work.finds);
     carry_to_edges(a, b, h, work.finds.contacts);
     // Only what rolls on something fixed: between two free bodies single points leave a residue of momentum.
@@ -362,7 +381,7 @@ void ContactStage::search(Work& work) const {
     }
     return;
   }
-  CubeSide a = access_[c.pair.part_a].solid, b = access_[c.pair.part_b].solid;
+  CubeSide a = side_of(c.pair.part_a, c), b = side_of(c.pair.part_b, c);
   const auto take_block = [&](std::int32_t l, const TileKey& tile, CubeSide& side) {
     if (l < 0) return;
     side.tile = tile;

@@ -25,6 +25,8 @@ class ContactStage {
   void find(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
             double dt, const WorldOptions& options, StepReport& report);
 
+  /// Whether coarse densities are means of fine ones; else they are samples.
+  void average(bool means) { average_ = means; }
   /// Contacts of all pairs but those that are held below.
   const ContactSet& contacts() const { return contacts_; }
   /// The same, for another search to add to.
@@ -39,7 +41,8 @@ class ContactStage {
   /// What a part offers besides rasterization.
   struct PartAccess {
     BoundedPart bounded;
-    CubeSide solid;  ///< of solids
+    CubeSide solid;                     ///< of solids
+    const PosedShape* posed = nullptr;  ///< the solid
     bool immobile = false;
     bool is_solid() const { return solid.solid != nullptr; }
   };
@@ -47,6 +50,7 @@ class ContactStage {
   struct Layer {
     std::int32_t part = 0;
     double h = 0.0;
+    int level = 0;                    ///< at which it is seen
     Aabb region;                      ///< where some other part may be
     std::vector<OctantTile> present;  ///< tiles that may hold density, and where in them; sorted
     std::vector<TileKey> needed;      ///< tiles on which a pair meets, sorted
@@ -63,6 +67,7 @@ class ContactStage {
   struct Candidate {
     std::int32_t layer_a = -1, layer_b = -1;  ///< of the sides that are no solids
     ContactPair pair;
+    int level = 0;  ///< at which the two see each other
     Aabb region;
     std::vector<TileKey> tiles;    ///< of pairs with a layer
     std::vector<Octants> octants;  ///< of each tile
@@ -81,7 +86,9 @@ class ContactStage {
                double ramp);
   /// Pairs of parts whose swept boxes overlap, ordered.
   void sweep_boxes(double memory_limit);
-  std::int32_t layer_of(std::int32_t part, double h, const Aabb& region);
+  std::int32_t layer_of(std::int32_t part, double h, int level, const Aabb& region);
+  /// A solid as a candidate sees it: coarse ones averaged.
+  CubeSide side_of(std::int32_t part, const Candidate& c) const;
   void find_presence(std::span<const WorldPart> parts, double ramp, StepReport& report);
   void refine(const WorldOptions& options);
   void rasterize(std::span<const WorldPart> parts, double ramp, StepReport& report);
@@ -90,6 +97,7 @@ class ContactStage {
   void collect(StepReport& report);
 
   RigidContacts rigid_;
+  bool average_ = true;  ///< coarse densities are means of fine ones
   std::vector<RigidContacts::Touch> held_;
   std::vector<Outline> outline_;  ///< per part
   std::vector<Aabb> swept_;       ///< in the order of the sweep

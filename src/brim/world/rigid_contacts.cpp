@@ -72,6 +72,7 @@ void RigidContacts::start(std::span<const WorldPart> parts, const PairLaws& laws
   half_ramp_.assign(parts.size(), 0.0), reach_.assign(parts.size(), 0.0);
   side_.assign(parts.size(), {}), box_.assign(parts.size(), {});
   pairs_.clear(), kept_.clear();
+  coarsest_ = 0;
   references_.reset(parts.size());
   most_rows_ = options.memory_limit / kRowBytes;
   std::map<std::tuple<std::string, double, double, Response>, std::int32_t> known;
@@ -108,7 +109,12 @@ void RigidContacts::restore(std::span<const double> memory) {
   pairs_.clear(), kept_.clear();
 }
 
-void RigidContacts::follow() {
+void RigidContacts::follow(int coarsest) {
+  if (coarsest != coarsest_) {
+    for (double& r : half_ramp_) r = std::ldexp(r, coarsest - coarsest_);
+    coarsest_ = coarsest;
+    box_.assign(box_.size(), {});
+  }
   for (std::size_t p = 0; p < solid_.size(); ++p) {
     if (solid_[p] == nullptr) continue;
     const std::uint64_t before = references_.stamp(p);
@@ -119,7 +125,14 @@ void RigidContacts::follow() {
   }
 }
 
-void RigidContacts::find(std::span<const Touch> touches, bool every_node) {
+CubeSide RigidContacts::side_of(std::int32_t part, const Touch& t) const {
+  CubeSide side = side_[part];
+  if (t.level > 0 && average_) side.solid = solid_[part]->known_distance_averaged(t.w);
+  return side;
+}
+
+void RigidContacts::find(std::span<const Touch> touches, bool every_node, bool average) {
+  average_ = average;
   std::swap(pairs_, kept_);
   pairs_.resize(touches.size());
   fresh_.clear();
@@ -133,7 +146,7 @@ void RigidContacts::find(std::span<const Touch> touches, bool every_node) {
     const std::uint64_t a = references_.stamp(static_cast<std::size_t>(t.part_a)),
                         b = references_.stamp(static_cast<std::size_t>(t.part_b));
     // Stamps belong to one part each and are never given twice.
-    const bool same = p.stamp_a == a && p.stamp_b == b && p.touch.margin == t.margin;
+    const bool same = p.stamp_a == a && p.stamp_b == b && p.touch.margin == t.margin && p.touch.level == t.level;
     if (same) continue;
     p.touch = t, p.stamp_a = a, p.stamp_b = b;
     fresh_.push_back(i);
@@ -172,7 +185,7 @@ bool RigidContacts::apart(std::int32_t a, std::int32_t b, double gap) const {
 
 bool RigidContacts::read_between(Pair& pair, const Aabb& region, double gap) const {
   const Touch& t = pair.touch;
-  SolidGap between(side_[t.part_a], side_[t.part_b], t.h);
+  SolidGap between(side_of(t.part_a, t), side_of(t.part_b, t), t.h);
   if (!between.reads()) return false;
   const bool near = between.approach(region, gap, pair.deepest),
              found = near && between.find_rows(pair.deepest, gap, pair.rows);
@@ -189,14 +202,14 @@ void RigidContacts::sample(Pair& pair, Workspace& ws, bool every_node) const {
   pair.rows.clear(), pair.boxes.clear();
   pair.contacts = 0, pair.engulfed = 0, pair.nodes = 0, pair.most_overlap = 0.0f;
   ContactPair contact_pair{t.part_a, t.part_b, t.h, t.w, t.margin, 0, 0};
-  const double gap = widest_gap(t.margin) * t.w;
-  if (apart(t.part_a, t.part_b, gap) || apart(t.part_b, t.part_a, gap)) return;
+  const double gap = widest_gap(t.margin) * t.w, seen = t.level > 0 ? gap + t.w : gap;
+  if (apart(t.part_a, t.part_b, seen) || apart(t.part_b, t.part_a, seen)) return;
   const Aabb region = box_[t.part_a].intersection(box_[t.part_b]);
   if (!every_node && read_between(pair, region, gap)) return;
   const Vec3i lo = (region.lo / t.h).array().ceil().cast<int>(), hi = (region.hi / t.h).array().floor().cast<int>();
   if (!(lo.array() <= hi.array()).all()) return;
   ws.finds.clear();
-  find_between_solids(side_[t.part_a], side_[t.part_b], contact_pair, {lo, hi}, ws.finds);
+  find_between_solids(side_of(t.part_a, t), side_of(t.part_b, t), contact_pair, {lo, hi}, ws.finds);
   pair.boxes.assign(ws.finds.boxes.begin(), ws.finds.boxes.end());
   pair.engulfed = ws.finds.engulfed, pair.nodes = ws.finds.nodes;
   if (ws.finds.contacts.empty()) return;

@@ -36,7 +36,8 @@ class RigidContacts {
   bool any() const { return any_; }
 
   /// Takes in where solids lie.
-  void follow();
+  /// @param coarsest  level of any part: boxes hold its ramp
+  void follow(int coarsest = 0);
   /// Box of what contact may see of a part at its reference, [m]; for parts that holds knows.
   const Aabb& box(std::int32_t part) const { return box_[part]; }
   bool follows(std::int32_t part) const { return class_[part] >= 0; }
@@ -50,9 +51,11 @@ class RigidContacts {
   struct Touch {
     std::int32_t part_a, part_b;
     double h, w, margin;
+    int level = 0;  ///< at which they see each other
   };
   /// Samples the pairs of which nothing is kept. @param touches  ordered by part numbers, those that holds knows
-  void find(std::span<const Touch> touches, bool every_node);
+  /// @param average  coarse densities are means of fine ones
+  void find(std::span<const Touch> touches, bool every_node, bool average = true);
   /// All rows, where they are now.
   GatheredRows gather();
 
@@ -90,15 +93,18 @@ class RigidContacts {
   /// True where the distance of b's place from a leaves no room for a gap, [m].
   bool apart(std::int32_t a, std::int32_t b, double gap) const;
   void sample(Pair& pair, Workspace& workspace, bool every_node) const;
+  /// A solid at its reference, as a pair sees it.
+  CubeSide side_of(std::int32_t part, const Touch& t) const;
   /// Reads the rows of two convex solids between the nodes. @return false where that cannot be done
   bool read_between(Pair& pair, const Aabb& region, double gap) const;
 
   std::vector<std::int32_t> class_;  ///< per part: of parts that act alike; −1 for what is no rigid solid
   std::int32_t classes_ = 0;
   std::vector<ConstraintPair> laws_;  ///< shape (classes, classes)
-  bool any_ = false;
-  double finest_ = 0.0;                   ///< [m] finest step of any part
-  std::vector<double> half_ramp_;         ///< [m] per part
+  bool any_ = false, average_ = true;
+  double finest_ = 0.0;            ///< [m] finest step of any part
+  std::vector<double> half_ramp_;  ///< [m] per part, at the coarsest level
+  int coarsest_ = 0;
   std::vector<double> reach_;             ///< [m] per part, farthest matter from its place; 0 where that is unknown
   std::vector<const PosedShape*> solid_;  ///< per part, or null
   std::vector<CubeSide> side_;            ///< per part, at its reference

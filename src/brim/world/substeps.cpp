@@ -42,7 +42,7 @@ constexpr std::size_t kEntriesOfWork = 256;
 }  // namespace
 
 double motion_limit(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
-  const double h = std::min(a.h, b.h);
+  const double h = meeting_step(a, b);
   const double usual = options.max_motion_voxels * h;
   if (meet_by_rigid_rows(a, b, options) || a.info.shapeless || b.info.shapeless) return usual;
   const auto thickness = [](const WorldPart& p) {
@@ -57,6 +57,7 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
   if (most_pieces(parts, v, first_v, options, time, change) <= 1.0) return 1.0;
   std::vector<std::vector<MotionCluster>> clusters(parts.size());
   std::vector<std::vector<Aabb>> swept(parts.size());
+  const double wide = std::ldexp(0.5 * options.ramp_voxels, coarsest_level(parts));
   parallel_for(parts.size(), [&](std::size_t p) {
     const WorldPart& part = parts[p];
     const auto vb = v.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
@@ -69,7 +70,7 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
     }
     for (MotionCluster& c : clusters[p]) {
       if (!part.body->immobile()) c.deviation += change;
-      const Aabb now = c.box.inflated(0.5 * options.ramp_voxels * part.h + c.deviation * time);
+      const Aabb now = c.box.inflated(wide * part.h + c.deviation * time);
       Aabb box = now;
       box.extend(Aabb{now.lo + time * c.velocity.lo, now.hi + time * c.velocity.hi});
       swept[p].push_back(box);

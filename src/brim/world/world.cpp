@@ -16,6 +16,7 @@
 #include "brim/world/contact_stage.h"
 #include "brim/world/fill_stage.h"
 #include "brim/world/implicit_step.h"
+#include "brim/world/levels.h"
 #include "brim/world/momentum_check.h"
 #include "brim/world/pair_laws.h"
 #include "brim/world/pair_reports.h"
@@ -41,6 +42,7 @@ struct World::Impl {
   bool started = false;
   PairLaws laws;
   Sleep sleep;
+  Levels levels;
 
   ContactStage stage;
   FillStage fill;
@@ -64,6 +66,8 @@ struct World::Impl {
   /// Those that sleep are as they were; all others must be updated.
   void stir();
   void prescribe(double dt);
+  /// Chooses the levels of a step, and eases over what changes with them.
+  void choose_levels(StepReport& report);
   void find_contacts(double dt, StepReport& report);
   /// Wakes what something awake has contacts with. @return true where there was something
   bool wake_touched();
@@ -132,11 +136,15 @@ void World::set_state(State state) {
                                  state.q.size(), state.v.size(), w.state.q.size(), w.state.v.size()));
   w.start();  // what is chosen from the initial state stays as it was chosen there
   w.state = std::move(state);
+  w.levels.take(w.state.memory, w.bodies);
+  w.levels.mark(w.parts);
+  w.stage.average(w.levels.average());
   w.sleep.take(w.state.memory);
   w.stage.rigid().restore(w.state.memory);
   for (std::size_t b = 0; b < w.bodies.size(); ++b)
     if (std::any_of(w.v(b).begin(), w.v(b).end(), [](double x) { return x != 0.0; })) w.sleep.wake(b);
   w.sleep.keep(w.state.memory);
+  w.levels.keep(w.state.memory);
   w.update_bodies();
 }
 
@@ -144,9 +152,11 @@ bool World::asleep(int b) const { return impl_->sleep.asleep(static_cast<std::si
 
 void World::wake(int b) {
   Impl& w = *impl_;
+  w.levels.take(w.state.memory, w.bodies);
   w.sleep.take(w.state.memory);
   w.sleep.wake(static_cast<std::size_t>(b));
   w.sleep.keep(w.state.memory);
+  w.levels.keep(w.state.memory);
 }
 
 void World::density(int part, double h, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {
@@ -223,6 +233,7 @@ StepReport World::step() {
     w.start();
     report.stiffness = w.laws.stiffness();
     if (w.state.step == 0) w.laws.warn(w.parts, w.options, report);
+    if (w.levels.on()) w.choose_levels(report);
     if (w.sleep.on()) {
       w.sleep.take(w.state.memory);
       w.sleep.mark(w.parts, w.state.v, w.first_v);
@@ -235,7 +246,22 @@ StepReport World::step() {
     w.measure(report);
   }
   report.time = w.state.time;
+  if (w.levels.on()) w.levels.took(report.wall);
   return report;
+}
+
+void World::Impl::choose_levels(StepReport& report) {
+  levels.take(state.memory, bodies);
+  update_bodies();
+  if (!levels.choose(state.step, bodies)) return;
+  const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Detect)]);
+  StepReport aside;
+  const double dt = options.time_step;
+  stage.find(parts, state.v, first_v, dt, options, aside);
+  const auto before = LevelShift::depths(stage.contacts());
+  levels.mark(parts);
+  stage.find(parts, state.v, first_v, dt, options, aside);
+  levels.shift().change(before, LevelShift::depths(stage.contacts()));
 }
 
 void World::Impl::prescribe(double dt) {
@@ -264,6 +290,7 @@ bool World::Impl::wake_touched() {
 void World::Impl::find_contacts(double dt, StepReport& report) {
   do {
     stage.find(parts, state.v, first_v, dt, options, report);
+    levels.shift().apply(stage.contacts());
     const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Detect)]);
     fill.find(bodies, parts, options, stage.contacts());
   } while (sleep.on() && wake_touched());
@@ -393,6 +420,7 @@ double World::Impl::substep(double left, StepReport& report) {
     bodies[b]->finish_step(state.time, dt, q(b), v(b));
   });
   stir();
+  levels.shift().pass(dt);
   state.time += dt;
   return dt;
 }
@@ -406,6 +434,7 @@ void World::Impl::measure(StepReport& report) {
     sleep.keep(state.memory);
     report.asleep = sleep.count();
   }
+  levels.keep(state.memory);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     report.kinetic_energy += bodies[b]->kinetic_energy(v(b));
     report.potential_energy += bodies[b]->potential_energy(options.environment);

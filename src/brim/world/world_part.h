@@ -1,5 +1,9 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <span>
+
 #include "brim/body/body.h"
 
 namespace brim {
@@ -11,6 +15,7 @@ struct WorldPart {
   int index = 0;   ///< within the body
   double h = 0.0;  ///< [m] its own grid step, h0 2^l
   PartInfo info;
+  int level = 0;       ///< at which contact sees its body (Levels)
   bool still = false;  ///< as Sleep marks it: asleep, or fixed and not moving; nothing is, where bodies do not sleep
 };
 
@@ -18,6 +23,28 @@ struct WorldPart {
 inline bool may_touch(const WorldPart& a, const WorldPart& b) {
   if (a.body == b.body && !a.body->parts_collide(a.index, b.index)) return false;
   return !(a.still && b.still) && !(a.body->immobile() && b.body->immobile());
+}
+
+/// By how many levels two parts meet coarser than their own steps: the coarser of the two says, but neither becomes
+/// thinner than two voxels, and fluids keep their own.
+inline int meeting_level(const WorldPart& a, const WorldPart& b) {
+  int level = std::max(a.level, b.level);
+  if (level == 0 || a.info.shapeless || b.info.shapeless) return 0;
+  const double h = std::min(a.h, b.h), thin = std::min(a.info.thickness, b.info.thickness);
+  while (level > 0 && thin < (2.0 - 1e-9) * std::ldexp(h, level)) --level;
+  return level;
+}
+
+/// [m] step at which two parts meet: the finer of their two, seen at that level.
+inline double meeting_step(const WorldPart& a, const WorldPart& b) {
+  return std::ldexp(std::min(a.h, b.h), meeting_level(a, b));
+}
+
+/// The coarsest level of any part: boxes that are to hold a ramp are widened by two to its power.
+inline int coarsest_level(std::span<const WorldPart> parts) {
+  int most = 0;
+  for (const WorldPart& p : parts) most = std::max(most, p.level);
+  return most;
 }
 
 }  // namespace brim
