@@ -5,6 +5,7 @@
 
 #include "brim/core/printable.h"
 #include "brim/scene/kinds.h"
+#include "brim/scene/links.h"
 #include "brim/scene/node.h"
 #include "brim/scene/repeat.h"
 #include "brim/scene/validate.h"
@@ -217,6 +218,8 @@ Scene check_scene(Document read) {
   scene.materials = read_materials(root.at("materials"));
   read_pairs(root.at("pairs"), scene.materials, scene.world);
   const std::set<std::string> bodies = check_bodies(root.at("bodies"), scene.materials);
+  scene.world.touch_rules = read_filters(root);
+  check_wiring(root);
   scene.expect = read_expect(root.at("expect"), bodies, static_cast<double>(scene.frames) * scene.frame_time());
   scene.document = std::move(document);
   return scene;
@@ -253,6 +256,7 @@ std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene) {
 World build_world(const Scene& scene) {
   World world(scene.world);
   for (std::unique_ptr<Body>& body : build_bodies(scene)) world.add(std::move(body));
+  wire_up(Node(*scene.document, scene.document->root, ""), world);
   return world;
 }
 
