@@ -20,6 +20,11 @@ constexpr double kLinksMark = -0.25;
 /// Distance of the two ends, over the step of the grid, up to which they are at the same place.
 constexpr double kSamePlace = 1e-3;
 
+/// Gap between two sides, over the step, up to which they are taken to be at the same place: it closes as
+/// exp(−t / kClosing).
+constexpr double kSeam = 0.5;
+constexpr double kClosing = 0.1;  // [s]
+
 /// The part of a side that is meant, or the one whose box lies nearest to x.
 int choose_part(std::span<const WorldPart> parts, const std::vector<int>& mine, int wanted, const Vec3& x) {
   if (wanted >= static_cast<int>(mine.size()))
@@ -91,7 +96,7 @@ std::vector<Vec3> points_in(const Body& body, const std::function<bool(const Vec
 }  // namespace
 
 int Links::add(const Attachment& given, std::span<const WorldPart> parts, const Side& a, const Side& b,
-               double ramp_voxels) {
+               double ramp_voxels, double time) {
   const auto prefixed = [&](const std::string& what) {
     return InputError(fmt::format("attachment '{}': {}", given.name, what));
   };
@@ -112,6 +117,7 @@ int Links::add(const Attachment& given, std::span<const WorldPart> parts, const 
   try {
     Link link;
     link.given = given;
+    link.start = time;
     std::vector<Vec3> x;
     if (given.region) {
       const Body& body = *parts[a.parts[0]].body;
@@ -156,7 +162,7 @@ int Links::add(const Attachment& given, std::span<const WorldPart> parts, const 
       }
     }
     for (const Vec3& p : link.b.positions()) link.middle += p / static_cast<double>(link.b.size());
-    choose_held(link, kSamePlace * pa.h);
+    choose_held(link, pa.h);
     const double least = std::min(pa.body->mass(), mass_b), most = std::max(pa.body->mass(), mass_b);
     link.mass = std::isinf(most) ? least : std::min(most, kUnequal * least);
     if (!std::isfinite(least)) throw InputError("neither side can move");
@@ -187,17 +193,27 @@ std::vector<Vec3> Links::joint_points(const LinkJoint& joint, double span) {
   return {p + span * n, p - span * n, p + span * side, p - span * side, p};
 }
 
-void Links::choose_held(Link& link, double same_place) {
+void Links::choose_held(Link& link, double h) {
+  const double same_place = kSamePlace * h;
   const std::size_t n = link.a.size();
-  const auto hold = [&](std::size_t point, Hold how, double share) { link.held.push_back({point, how, share, 0.0}); };
+  const auto hold = [&](std::size_t point, Hold how, double share) {
+    link.held.push_back({point, how, share, 0.0, Vec3::Zero()});
+  };
   if (!link.given.joint) {
-    double apart = 0.0;
-    for (std::size_t i = 0; i < n; ++i) apart = std::max(apart, (link.a.positions()[i] - link.b.positions()[i]).norm());
-    const bool along = link.given.length.has_value() || link.given.pulls_only || apart > same_place;
+    const bool line = link.given.to_point || link.given.length || link.given.pulls_only;
     for (std::size_t i = 0; i < n; ++i) {
-      hold(i, along ? Hold::Along : Hold::Point, 1.0 / static_cast<double>(n));
-      link.held.back().length = link.given.length.value_or((link.a.positions()[i] - link.b.positions()[i]).norm());
+      const Vec3 gap = link.a.positions()[i] - link.b.positions()[i];
+      const double apart = gap.norm(), length = link.given.length.value_or(apart);
+      // A line needs two ends; what is at the same place is held there.
+      const bool along =
+          line ? link.given.pulls_only || std::max(length, apart) > same_place : n == 1 && apart > kSeam * h;
+      if (!line && !along && apart > kSeam * h) continue;  // of a region: the other side has no matter there
+      hold(i, along ? Hold::Along : Hold::Point, 1.0);
+      link.held.back().length = length;
+      if (!along) link.held.back().gap = gap;
     }
+    if (link.held.empty()) throw InputError("the two sides have no matter in common in the region");
+    for (Held& held : link.held) held.share = 1.0 / static_cast<double>(link.held.size());
     return;
   }
   const LinkJoint& j = *link.given.joint;
@@ -290,6 +306,11 @@ void Links::append(std::span<const WorldPart> parts, std::span<const double> q, 
         tie.n = c.n, tie.lever = c.lever;
         xa = xb = c.point;
       } else {
+        if (held.gap != Vec3::Zero()) {
+          const double now = std::exp(-(time - link.start) / kClosing), next = now * std::exp(-dt / kClosing);
+          tie.error -= now * held.gap;
+          tie.target += (next - now) / dt * held.gap;
+        }
         if (held.hold == Hold::Across) tie.n = c.axis, tie.error -= c.axis * c.axis.dot(tie.error);
         if (link.b.in_space() || held.hold == Hold::Across || (link.a.on_nodes() && !link.b.on_nodes()))
           xb = xa;

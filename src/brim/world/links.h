@@ -37,10 +37,10 @@ class Links {
     std::span<const double> q;
   };
 
-  /// Takes a link in. @param w  ramp over h  @throws InputError naming the link
+  /// Takes a link in. @param time  [s] now  @throws InputError naming the link
   /// @return its number
   int add(const Attachment& attachment, std::span<const WorldPart> parts, const Side& a, const Side& b,
-          double ramp_voxels);
+          double ramp_voxels, double time);
   bool empty() const { return links_.empty(); }
   std::size_t size() const { return links_.size(); }
   const Attachment& attachment(std::size_t i) const { return links_[i].given; }
@@ -73,8 +73,9 @@ class Links {
   struct Held {
     std::size_t point = 0;
     Hold hold = Hold::Point;
-    double share = 1.0;   ///< of the link's stiffness
-    double length = 0.0;  ///< [m] at rest, along a line
+    double share = 1.0;       ///< of the link's stiffness
+    double length = 0.0;      ///< [m] at rest, along a line
+    Vec3 gap = Vec3::Zero();  ///< [m] of a against b as they were attached, which closes
   };
   struct Link {
     Attachment given;
@@ -83,6 +84,7 @@ class Links {
     MatterPoints a, b;
     std::vector<Held> held;
     Vec3 middle = Vec3::Zero();  ///< [m] of side b as it was attached
+    double start = 0.0;          ///< [s] when that was
     double mass = 0.0;           ///< [kg] that a rigid one is made for
     bool broken = false;
   };
@@ -102,7 +104,7 @@ class Links {
     Vec3 n = Vec3::UnitZ();
     double lever = 1.0;
   };
-  static void choose_held(Link& link, double same_place);
+  static void choose_held(Link& link, double h);
   static std::vector<Vec3> joint_points(const LinkJoint& joint, double span);
   static Coordinate coordinate(const Link& link);
   double rigid(const Link& link) const { return kRigid * link.mass / (dt_ * dt_); }

@@ -33,6 +33,9 @@ namespace {
 
 /// Motion of a sub-step, over what is allowed, above which it is solved again in pieces.
 constexpr double kOutrun = 1.25;
+/// Tolerance of the solve where there are links, over the usual one: rigid ones rule the residual, and what it leaves
+/// of softer motions would shake them.
+constexpr double kLinked = 1e-2;
 
 }  // namespace
 
@@ -188,8 +191,8 @@ int World::attach(const Attachment& attachment) {
   const int a = w.find(attachment.body), b = attachment.to.empty() ? -1 : w.find(attachment.to);
   w.start();
   w.update_bodies();
-  const int number =
-      w.links.add(attachment, w.parts, w.side_of(a), b < 0 ? Links::Side{} : w.side_of(b), w.options.ramp_voxels);
+  const int number = w.links.add(attachment, w.parts, w.side_of(a), b < 0 ? Links::Side{} : w.side_of(b),
+                                 w.options.ramp_voxels, w.state.time);
   if (w.links.needs_space() && !w.has_space) w.show_space();
   w.keep_apart();
   for (const int body : {a, b})
@@ -448,7 +451,7 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
 
   ImplicitStep::Settings settings;
   settings.dt = dt;
-  settings.tolerance = options.cg_tolerance;
+  settings.tolerance = (contacts.link_pairs > 0 ? kLinked : 1.0) * options.cg_tolerance;
   settings.max_iterations = options.cg_max_iterations;
   settings.passes = options.max_passes;
   std::vector<std::uint8_t> asleep(sleep.on() ? bodies.size() : 0);
