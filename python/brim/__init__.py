@@ -16,6 +16,7 @@ SI units and right-handed axes with z up, as in scene files. docs/python.md is t
 from ._core import Defect, InputError, State, StepReport, StepWarning, __version__, set_threads, thread_count
 from .body import Body
 from .env import Env, Envs
+from .link import Attachment
 from .own_body import OwnBody
 from .plugin import load_plugin
 from .recorded import Run, RunBody
@@ -25,8 +26,8 @@ from .view import View, view
 from .world import Frame, Running, StepError, World, load
 
 __all__ = [
-    "Body", "Defect", "Env", "Envs", "Frame", "InputError", "OwnBody", "Run", "RunBody", "Running", "State",
-    "StepError", "StepReport", "StepWarning", "View", "World", "__version__", "blob", "bowl", "box", "capsule", "cup",
+    "Attachment", "Body", "Defect", "Env", "Envs", "Frame", "InputError", "OwnBody", "Run", "RunBody", "Running",
+    "State", "StepError", "StepReport", "StepWarning", "View", "World", "__version__", "blob", "bowl", "box", "capsule", "cup",
     "cylinder", "gear", "l_profile", "load", "load_plugin", "mesh", "plane", "set_threads", "sphere", "star", "thread_count",
     "torus", "u_profile", "view",
 ]

@@ -123,6 +123,15 @@ class Run:
         """As World.pairs."""
         return self._core.pairs(_from_start(frame, len(self)))
 
+    def links(self, frame: int) -> NDArray[Any]:
+        """Attachments and joints in the order of link_names, an array with named fields: force [N] (3,), error [m],
+        coordinate [rad or m], effort [N m or N], broken."""
+        return self._core.links(_from_start(frame, len(self)))
+
+    @property
+    def link_names(self) -> list[str]:
+        return self._core.link_names()
+
     def report(self, frame: int) -> _core.StepReport:
         return self._core.report(_from_start(frame, len(self)))
 

@@ -11,11 +11,16 @@ from numpy.typing import NDArray
 
 from . import _core
 from .body import Array, Body, Force
+from .link import Attachment
 from .own_body import OwnBody
 from .scene_file import scene_text, take_arrays, write_arrays
 from .view import View, view
 
-_SCENE_KEYS = ("name", "description", "duration", "frames", "steps_per_frame", "materials", "pairs", "expect")
+_SCENE_KEYS = ("name", "description", "duration", "frames", "steps_per_frame", "materials", "pairs", "groups", "expect")
+
+
+def _name(body: Body | str) -> str:
+    return body if isinstance(body, str) else body.name
 
 
 class StepError(RuntimeError):
@@ -40,7 +45,7 @@ class World:
     """Bodies, their state, and the step that moves them.
 
     Keywords are those of "world" in a scene file (time_step [s], voxel_size [m], gravity, stiffness [Pa], response, ...), and
-    of the scene itself: name, materials, pairs, steps_per_frame, frames or duration.
+    of the scene itself: name, materials, pairs, groups, steps_per_frame, frames or duration.
     """
 
     def __init__(self, **keys: Any) -> None:
@@ -122,6 +127,65 @@ class World:
 
     def __iter__(self) -> Iterator[Body]:
         return iter(self.bodies)
+
+    # ---- wiring ------------------------------------------------------------------------------------------------------
+
+    def attach(self, body: Body | str, to: Body | str | None = None, **keys: Any) -> Attachment:
+        """Holds a point or a region of a body to another body, or to space where `to` is None, as they are now.
+
+        keys: of an entry of "attachments" in a scene file: point or region, to_point, stiffness [N/m] (0: rigid), damping
+        [N s/m], length [m], pulls_only, break_force [N], touch, keyframes, part, to_part, name.
+
+        Attached before the first step, it is in saved scenes and recorded runs as it was made; later, a run that was
+        recorded cannot be taken up again.
+
+        @raises InputError for what a scene file could not say either; nothing is added then
+        """
+        entry = {"name": keys.pop("name", None) or f"attachment_{len(self._core.attachment_names()) + 1}",
+                 "body": _name(body), **keys}
+        if to is not None:
+            entry["to"] = _name(to)
+        return Attachment(self, self._core.wire("attachments", entry))
+
+    def joint(self, body: Body | str, to: Body | str | None = None, **keys: Any) -> Attachment:
+        """Joins a body to another body, or to space where `to` is None, as they are now.
+
+        keys: of an entry of "joints" in a scene file: kind ("fixed", "revolute", "prismatic", "ball"), position [m], axis, span
+        [m], lower, upper, limit_stiffness, damping, drive, break_force [N], touch, part, to_part, name.
+
+        @raises InputError for what a scene file could not say either; nothing is added then
+        """
+        entry = {"name": keys.pop("name", None) or f"joint_{len(self._core.attachment_names()) + 1}",
+                 "body": _name(body), **keys}
+        if to is not None:
+            entry["to"] = _name(to)
+        return Attachment(self, self._core.wire("joints", entry))
+
+    @property
+    def attachments(self) -> list[Attachment]:
+        return [Attachment(self, number) for number in range(len(self._core.attachment_names()))]
+
+    def apply_force(self, *bodies: Body | str, **keys: Any) -> None:
+        """Lets something act on bodies from outside, from now on; on all that can move where none is named.
+
+        bodies: handles, names, stems of copies or patterns with * and ?. keys: of an entry of "forces" in a scene file: force
+        [N], torque [N m], acceleration [m/s^2], gravity_scale, damping [1/s], point, region, wind, attractor, scale, name.
+
+        @raises InputError for what a scene file could not say either; nothing is added then
+        """
+        name = keys.pop("name", None) or f"force_{len(self._core.head().get('forces', [])) + 1}"
+        self._core.wire("forces", {"name": name, "bodies": [_name(body) for body in bodies], **keys})
+
+    def set_touch(self, a: Body | str, b: Body | str, touch: bool = False) -> None:
+        """Says whether bodies touch, over all that was said before: as an entry of "filters" in a scene file.
+
+        a, b: handles, names, stems of copies, patterns with * and ?, or groups
+        """
+        self._core.wire("filters", {"between": [_name(a), _name(b)], "touch": touch})
+
+    def set_gravity(self, gravity: Any) -> None:
+        """From the next step on [m/s^2], shape (3,). It is no part of a saved state, nor of a saved scene."""
+        self._core.set_gravity([float(g) for g in gravity])
 
     # ---- stepping ----------------------------------------------------------------------------------------------------
 

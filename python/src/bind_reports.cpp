@@ -18,6 +18,22 @@ struct PairRow {
   double worst_overlap, force[3], friction[3], center[3];
 };
 
+struct LinkRow {
+  double force[3], error, coordinate, effort;
+  bool broken;
+};
+
+py::object links_array(std::span<const LinkReport> links) {
+  py::array_t<LinkRow> out(static_cast<py::ssize_t>(links.size()));
+  LinkRow* row = out.mutable_data();
+  for (const LinkReport& l : links) {
+    std::copy_n(l.force.data(), 3, row->force);
+    row->error = l.error, row->coordinate = l.coordinate, row->effort = l.effort, row->broken = l.broken;
+    ++row;
+  }
+  return out;
+}
+
 py::object contacts_array(std::span<const ContactSample> contacts, std::span<const int> body_of_part) {
   py::array_t<ContactRow> out(static_cast<py::ssize_t>(contacts.size()));
   ContactRow* row = out.mutable_data();
@@ -52,6 +68,7 @@ py::object pairs_array(std::span<const PairReport> pairs, std::span<const int> b
 
 void bind_reports(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(ContactRow, position, force, friction, overlap, part_a, part_b, body_a, body_b);
+  PYBIND11_NUMPY_DTYPE(LinkRow, force, error, coordinate, effort, broken);
   PYBIND11_NUMPY_DTYPE(PairRow, part_a, part_b, body_a, body_b, contacts, worst_overlap, force, friction, center);
 
   py::class_<Warning>(m, "StepWarning", "Something that went wrong or nearly so.")

@@ -104,6 +104,12 @@ void bind_runs(py::module_& m) {
              const std::vector<PairReport> p = r.pairs(frame);
              return pairs_array(p, bodies_of_parts(r));
            })
+      .def("links",
+           [](const RunReader& r, std::int64_t frame) {
+             const std::vector<LinkReport> l = r.links(frame);
+             return links_array(l);
+           })
+      .def("link_names", &RunReader::link_names)
       .def("report", &RunReader::report)
       .def("series", [](const RunReader& r, const std::string& name) { return array_of(r.series(name)); });
 }

@@ -8,6 +8,7 @@
 #include "brim/body/rigid_frame.h"
 #include "brim/io/surface_reader.h"
 #include "brim/io/tet_reader.h"
+#include "brim/world/attachment.h"
 #include "json_of.h"
 #include "recorder.h"
 #include "samples.h"
@@ -153,6 +154,23 @@ void bind_session(py::module_& m) {
       .def("give_surface", &give_surface)
       .def("give_tets", &give_tets)
       .def("give_volume", &give_volume)
+      .def("wire", &Session::wire)
+      .def("detach", &Session::detach)
+      .def("set_drive", &Session::set_drive)
+      .def("detached",
+           [](Session& s, int i) {
+             if (i < 0 || i >= s.world().attachment_count())
+               throw InputError(fmt::format("attachment {}: there are {}", i, s.world().attachment_count()));
+             return s.world().detached(i);
+           })
+      .def("attachment_names",
+           [](Session& s) {
+             std::vector<std::string> names;
+             for (int i = 0; i < s.world().attachment_count(); ++i) names.push_back(s.world().attachment(i).name);
+             return names;
+           })
+      .def("links", [](Session& s) { return links_array(s.report().links); })
+      .def("set_gravity", &Session::set_gravity)
       .def("step", &Session::step)
       .def("takes_forces", &Session::takes_forces)
       .def("asleep", [](Session& s, int b) { return s.world().asleep(b); })

@@ -17,4 +17,8 @@ pybind11::object contacts_array(std::span<const ContactSample> contacts, std::sp
 /// on a, center [m].
 pybind11::object pairs_array(std::span<const PairReport> pairs, std::span<const int> body_of_part);
 
+/// Attachments likewise: force [N] on the first body, error [m], coordinate [rad or m], effort [N m or N], broken.
+/// Shape (n,), none before the first step.
+pybind11::object links_array(std::span<const LinkReport> links);
+
 }  // namespace brim::python

@@ -8,8 +8,11 @@
 #include "array_body.h"
 #include "arrays.h"
 #include "brim/scene/kinds.h"
+#include "brim/scene/links.h"
 #include "brim/scene/node.h"
 #include "brim/scene/solid.h"
+#include "brim/world/applied_force.h"
+#include "brim/world/attachment.h"
 #include "brim/world/report_fields.h"
 #include "json_of.h"
 
@@ -29,7 +32,9 @@ auto in_words(const std::string& file, const std::string& what, const F& f) {
     std::string text = e.what();
     if (!text.starts_with(file + ":")) throw InputError(what + ": " + text);
     text = text.substr(text.find(": ") + 2);
-    for (const char* prefix : {"/bodies/0/", "/bodies/0: ", "/world/", "/"})
+    for (const char* prefix :
+         {"/bodies/0/", "/bodies/0: ", "/attachments/0/", "/attachments/0: ", "/joints/0/", "/joints/0: ", "/forces/0/",
+          "/forces/0: ", "/filters/0/", "/filters/0: ", "/world/", "/"})
       if (text.starts_with(prefix)) {
         text = text.substr(std::strlen(prefix));
         break;
@@ -79,6 +84,7 @@ std::unique_ptr<Session> Session::load(const std::string& path) {
     const py::gil_scoped_release release;
     s->world_ = std::make_unique<World>(scene.world);
     s->take(build_bodies(scene));
+    wire_up(Node(*scene.document, scene.document->root, ""), *s->world_);
   }
   for (const Json& entry : s->entries_) s->names_.insert(entry.at("name").get<std::string>());
   return s;
@@ -88,7 +94,7 @@ Scene Session::checked(const Json& entry, const std::string& kind) const {
   Document document;
   document.file = (std::filesystem::path(folder_) / kAdded).string();
   document.root = head_;
-  document.root.erase("expect");
+  for (const char* list : {"expect", "attachments", "joints", "forces"}) document.root.erase(list);
   document.root["bodies"] = Json::array({entry});
   document.arrays = arrays;
   const bool alone = entry == floor_entry();
@@ -185,6 +191,60 @@ int Session::add_own(const py::dict& given, const py::object& author, const py::
   entry["class"] = kind;
   include(std::move(bodies), entry);
   return number;
+}
+
+int Session::wire(const std::string& list, const py::dict& given) {
+  const Busy busy(*this);
+  const Json entry = json_of(given, "");
+  const bool named = entry.contains("name") && entry["name"].is_string();
+  const std::string what =
+      named ? fmt::format("{} \"{}\"", list.substr(0, list.size() - 1), entry["name"].get<std::string>())
+            : list.substr(0, list.size() - 1);
+  Document document;
+  document.file = (std::filesystem::path(folder_) / kAdded).string();
+  document.root = head_;
+  for (const char* other : {"expect", "attachments", "joints", "forces", "filters"}) document.root.erase(other);
+  document.root["bodies"] = Json::array({floor_entry()});
+  document.root[list] = Json::array({entry});
+  const std::string made_up = document.file;
+  int number = -1;
+  in_words(made_up, what, [&] {
+    const Scene scene = check_scene(std::move(document));
+    read_mirrors();
+    unlocked([&] {
+      const Node root(*scene.document, scene.document->root, ""), node = root.at(list.c_str()).at(std::size_t{0});
+      if (list == "filters")
+        for (const TouchRule& rule : scene.world.touch_rules) world_->set_touch(rule);
+      else if (list == "attachments")
+        number = node.placed([&] { return world_->attach(read_attachment(node)); });
+      else if (list == "joints")
+        number = node.placed([&] { return world_->attach(read_joint(node)); });
+      else
+        number = node.placed([&] { return world_->apply(read_force(node)); });
+    });
+  });
+  head_[list].push_back(entry);
+  file.clear(), text.clear();
+  return number;
+}
+
+void Session::detach(int attachment) {
+  const Busy busy(*this);
+  if (attachment < 0 || attachment >= world_->attachment_count())
+    throw InputError(fmt::format("attachment {}: there are {}", attachment, world_->attachment_count()));
+  world_->detach(attachment);
+}
+
+void Session::set_drive(int attachment, double position, double velocity) {
+  const Busy busy(*this);
+  if (attachment < 0 || attachment >= world_->attachment_count())
+    throw InputError(fmt::format("attachment {}: there are {}", attachment, world_->attachment_count()));
+  world_->set_drive(attachment, position, velocity);
+}
+
+void Session::set_gravity(const std::array<double, 3>& g) {
+  const Busy busy(*this);
+  world_->set_gravity(Vec3(g[0], g[1], g[2]));
 }
 
 void Session::unlocked(const std::function<void()>& f) {

@@ -3,6 +3,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <array>
 #include <map>
 #include <memory>
 #include <set>
@@ -39,6 +40,14 @@ class Session {
   /// Adds a body whose author is a Python object. @param entry  as that of a rigid body: its shape is the surface
   int add_own(const py::dict& entry, const py::object& author, const py::object& q, const py::object& v,
               double mass_spacing, double stiffness_damping);
+
+  /// Adds an entry of "attachments", "joints", "forces" or "filters" by way of the scene's own reader; nothing when it
+  /// is refused.
+  /// @return its number in the world, -1 of a filter  @throws InputError
+  int wire(const std::string& list, const py::dict& entry);
+  void detach(int attachment);
+  void set_drive(int attachment, double position, double velocity);
+  void set_gravity(const std::array<double, 3>& gravity);
 
   /// One step. @param joined  the report speaks of this step and of those before it
   /// @param forces  that act on bodies over this step, generalised, by number: arrays of shape (nv)

@@ -78,9 +78,18 @@ struct ContactSet {
   FloatVectors gradient_a, gradient_b;  ///< [1/m] ∇ρ
   std::vector<std::array<float, 3>> bend_a, bend_b;  ///< [1/m²] packed; read by curvature_a and curvature_b
   std::vector<std::int32_t> source_a, source_b;
+  /// The last pairs are no contacts but links that others have added, one entry of `link_point_b` per link: where the
+  /// force acts on side b, [m].
+  std::size_t link_pairs = 0;
+  std::vector<Vec3> link_point_b;
   std::int64_t engulfed = 0;  ///< overlapping nodes without any gradient: one part deep inside the other
 
   std::size_t size() const { return node.size(); }
+  /// The first link, and the first pair of links.
+  std::size_t first_link() const { return size() - link_point_b.size(); }
+  std::size_t first_link_pair() const { return pairs.size() - link_pairs; }
+  /// Where the force acts on side b, [m].
+  const Vec3& point_b(std::size_t c) const { return c < first_link() ? point[c] : link_point_b[c - first_link()]; }
   void resize(std::size_t n);
   /// Place of the grid point, [m]. @param h  [m] step of the pair
   Vec3 node_at(std::size_t c, double h) const { return h * node[c].cast<double>(); }

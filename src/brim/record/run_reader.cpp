@@ -352,6 +352,29 @@ std::vector<PairReport> RunReader::pairs(std::int64_t frame) const {
   return list;
 }
 
+std::vector<LinkReport> RunReader::links(std::int64_t frame) const {
+  impl_->need(frame);
+  if (!impl_->file.exists("/links")) return {};
+  const auto [first, n] = impl_->range("/links", frame);
+  const auto force = impl_->rows<double>("/links/force", first, n, 3, Type::Float64);
+  const auto error = impl_->rows<double>("/links/error", first, n, 1, Type::Float64);
+  const auto coordinate = impl_->rows<double>("/links/coordinate", first, n, 1, Type::Float64);
+  const auto effort = impl_->rows<double>("/links/effort", first, n, 1, Type::Float64);
+  const auto broken = impl_->rows<std::int32_t>("/links/broken", first, n, 1, Type::Int32);
+  std::vector<LinkReport> list(n);
+  for (std::size_t i = 0; i < n; ++i)
+    list[i] = {Vec3(&force[3 * i]), error[i], coordinate[i], effort[i], broken[i] != 0};
+  return list;
+}
+
+std::vector<std::string> RunReader::link_names() const {
+  std::vector<std::string> names;
+  if (!impl_->file.exists("/links") || !impl_->file.has_attribute("/links", "names")) return names;
+  std::istringstream lines(impl_->file.text("/links", "names"));
+  for (std::string line; std::getline(lines, line);) names.push_back(line);
+  return names;
+}
+
 std::vector<Warning> RunReader::warnings(std::int64_t frame) const {
   const auto [first, n] = impl_->range("/warnings", frame);
   const auto bytes = impl_->rows<std::uint8_t>("/warnings/text", first, n, 1, Type::UInt8);
@@ -373,6 +396,7 @@ StepReport RunReader::report(std::int64_t frame) const {
   for (const ReportField& f : report_fields()) f.set(r, impl_->scalars(f.name, impl_->need(frame), 1)[0]);
   r.time = time(frame);
   r.pairs = pairs(frame);
+  r.links = links(frame);
   r.warnings = warnings(frame);
   return r;
 }

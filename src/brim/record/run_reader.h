@@ -50,6 +50,9 @@ class RunReader {
   std::vector<ContactSample> contacts(std::int64_t frame) const;
   std::vector<std::pair<TileKey, double>> tiles(std::int64_t frame) const;
   std::vector<PairReport> pairs(std::int64_t frame) const;
+  /// Attachments and joints in the last sub-step of a frame, and what they are called; none where the run has none.
+  std::vector<LinkReport> links(std::int64_t frame) const;
+  std::vector<std::string> link_names() const;
   std::vector<Warning> warnings(std::int64_t frame) const;
   /// Report of a frame: scalars, pairs and warnings.
   StepReport report(std::int64_t frame) const;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "brim/body/changing_surface.h"
 #include "brim/body/posed_display.h"
@@ -15,6 +16,7 @@
 #include "brim/record/run_tables.h"
 #include "brim/record/scene_change.h"
 #include "brim/record/xdmf.h"
+#include "brim/world/attachment.h"
 #include "brim/world/report_fields.h"
 
 namespace brim {
@@ -68,6 +70,11 @@ const std::vector<ColumnType> kPairColumns = {{"parts", Type::Int32, 2},      {"
                                               {"friction", Type::Float64, 3}, {"center", Type::Float64, 3},
                                               {"contacts", Type::Int32, 0},   {"overlap", Type::Float64, 0},
                                               {"pressure", Type::Float64, 0}};
+const std::vector<ColumnType> kLinkColumns = {{"force", Type::Float64, 3},
+                                              {"error", Type::Float64, 0},
+                                              {"coordinate", Type::Float64, 0},
+                                              {"effort", Type::Float64, 0},
+                                              {"broken", Type::Int32, 0}};
 const std::vector<ColumnType> kMemoryColumns = {{"value", Type::Float64, 0}};
 const std::vector<ColumnType> kVertexColumns = {{"position", Type::Float32, 3}};
 const std::vector<ColumnType> kTriangleColumns = {{"corner", Type::Int32, 3}};
@@ -133,6 +140,7 @@ struct RunWriter::Impl {
   Column series_steps, series_warnings;
   std::vector<Surface> surfaces;
   Ragged contacts, tiles, pairs, memory, warnings;
+  std::optional<Ragged> links;  ///< of worlds with attachments
   h5::Dataset count, still_set;
   std::vector<std::int64_t> still;  ///< of each body: 1 until its display differs from the first
   bool still_changed = false;
@@ -164,6 +172,8 @@ struct RunWriter::Impl {
   void add_contacts(std::span<const ContactSample> list);
   void add_tiles(std::span<const std::pair<TileKey, double>> list);
   void add_pairs(const std::vector<PairReport>& list);
+  void add_links(const std::vector<LinkReport>& list);
+  std::vector<Ragged*> lists();
   void add_warnings(const std::vector<Warning>& list);
   void flush();
   void write_xdmf();
@@ -272,6 +282,12 @@ void RunWriter::Impl::open_all(const World& world, bool create) {
   pairs = open_ragged("/pairs", kPairColumns, kPairRows, create);
   memory = open_ragged("/memory", kMemoryColumns, kContactRows, create);
   warnings = open_ragged("/warnings", kWarningColumns, kTextRows, create);
+  if (create ? world.attachment_count() > 0 : file->exists("/links")) {
+    links = open_ragged("/links", kLinkColumns, kPairRows, create);
+    std::string names;
+    for (int i = 0; i < world.attachment_count(); ++i) names += (i > 0 ? "\n" : "") + world.attachment(i).name;
+    if (create) file->attribute("/links", "names", names);
+  }
   describe_xdmf();
 }
 
@@ -298,6 +314,13 @@ void RunWriter::Impl::describe_xdmf() {
   }
 }
 
+std::vector<Ragged*> RunWriter::Impl::lists() {
+  std::vector<Ragged*> all = {&contacts, &tiles, &pairs, &memory, &warnings};
+  if (links) all.push_back(&*links);
+  for (Surface& s : surfaces) all.insert(all.end(), {&s.vertices, &s.triangles});
+  return all;
+}
+
 /// Calls visit(column, list) for every column; list is the ragged list it is of, or nothing where it has a row a frame.
 template <class Visit>
 void RunWriter::Impl::for_each_column(const Visit& visit) {
@@ -309,8 +332,7 @@ void RunWriter::Impl::for_each_column(const Visit& visit) {
     visit(*c, nullptr);
   for (Column& c : series) visit(c, nullptr);
   for (Column& c : motion) visit(c, nullptr);
-  for (Ragged* r : {&contacts, &tiles, &pairs, &memory, &warnings}) ragged(*r);
-  for (Surface& s : surfaces) ragged(s.vertices), ragged(s.triangles);
+  for (Ragged* r : lists()) ragged(*r);
 }
 
 void RunWriter::Impl::cut_all(std::int64_t frames) {
@@ -318,8 +340,7 @@ void RunWriter::Impl::cut_all(std::int64_t frames) {
   // First it is said that the later frames are gone: a reader must never count rows that are being cut.
   count.overwrite(&frames, Type::Int64);
   file->flush();
-  std::vector<Ragged*> lists = {&contacts, &tiles, &pairs, &memory, &warnings};
-  for (Surface& s : surfaces) lists.insert(lists.end(), {&s.vertices, &s.triangles});
+  const std::vector<Ragged*> lists = this->lists();
   for (Ragged* r : lists) r->offset.set().read(&r->total, 1, n, 1, Type::Int64);
   for_each_column([&](Column& c, const Ragged* list) {
     const bool offset = std::ranges::any_of(lists, [&](const Ragged* r) { return &r->offset == &c; });
@@ -466,6 +487,19 @@ void RunWriter::Impl::add_pairs(const std::vector<PairReport>& list) {
   pairs.close_frame(static_cast<std::int64_t>(list.size()));
 }
 
+void RunWriter::Impl::add_links(const std::vector<LinkReport>& list) {
+  if (!links) return;
+  append_column<double>(links->columns[0], room, list, 3, [](const LinkReport& r, double* x) {
+    for (int a = 0; a < 3; ++a) x[a] = r.force[a];
+  });
+  append_column<double>(links->columns[1], room, list, 1, [](const LinkReport& r, double* x) { *x = r.error; });
+  append_column<double>(links->columns[2], room, list, 1, [](const LinkReport& r, double* x) { *x = r.coordinate; });
+  append_column<double>(links->columns[3], room, list, 1, [](const LinkReport& r, double* x) { *x = r.effort; });
+  append_column<std::int32_t>(links->columns[4], room, list, 1,
+                              [](const LinkReport& r, std::int32_t* x) { *x = r.broken ? 1 : 0; });
+  links->close_frame(static_cast<std::int64_t>(list.size()));
+}
+
 void RunWriter::Impl::add_warnings(const std::vector<Warning>& list) {
   std::string text;
   for (const Warning& w : list)
@@ -535,6 +569,7 @@ void RunWriter::add(const World& world, const StepReport& frame, int steps, std:
   d.add_contacts(contacts);
   d.add_tiles(tiles);
   d.add_pairs(frame.pairs);
+  d.add_links(frame.links);
   d.memory.columns[0].append(state.memory.data(), state.memory.size());
   d.memory.close_frame(static_cast<std::int64_t>(state.memory.size()));
   d.add_warnings(frame.warnings);

@@ -45,6 +45,7 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
   lead_.resize(n), load_.resize(n), active_.resize(n), rate_.resize(n), stiffness_.resize(n), scale_.resize(n),
       drag_.resize(n), mu_.resize(n);
   pressed_.assign(n, 0.0);
+  bonds_.clear();
   bend_.resize(contacts.pairs.size()), slip_.resize(contacts.pairs.size()), inverse_mass_.resize(contacts.pairs.size()),
       rigid_.resize(contacts.pairs.size()), fixed_.resize(contacts.pairs.size()), filled_.resize(contacts.pairs.size());
 
@@ -205,6 +206,8 @@ void Penalty::right_hand_side(std::span<Vec3> force) const {
             force_[c] - (lead_[c] * scale_[c] * rate_[c]) * n - drag_[c] * (relative_[c] - n * n.dot(relative_[c]));
       },
       512);
+  for (std::size_t i = 0; i < bonds_.size(); ++i)
+    force[first_bond() + i] = active_[first_bond() + i] ? bonds_[i].force : Vec3::Zero();
 }
 
 void Penalty::settle_actions() {
@@ -217,6 +220,37 @@ void Penalty::settle_actions() {
         action_[c] = {normal_[c], across, drag};
       },
       512);
+  for (std::size_t i = 0; i < bonds_.size(); ++i) {
+    const double acts = active_[first_bond() + i] ? 1.0 : 0.0;
+    action_[first_bond() + i] = {bonds_[i].n, acts * bonds_[i].across, acts * bonds_[i].along};
+  }
+}
+
+void Penalty::set_bonds(std::vector<Bond> bonds) {
+  bonds_ = std::move(bonds);
+  for (std::size_t i = 0; i < bonds_.size(); ++i) {
+    active_[first_bond() + i] = 1;
+    settled_ = settled_ && !bonds_[i].one_way;
+  }
+  idle_ = idle_ && bonds_.empty();
+  settle_actions();
+}
+
+Vec3 Penalty::bond_force(std::size_t i, const Vec3& delta) const {
+  const Bond& b = bonds_[i];
+  return b.force - (b.across * b.n.dot(delta) * b.n + b.along * delta) / options_.dt;
+}
+
+void Penalty::release_bonds(std::span<const Vec3> delta, double& changed, double& total) {
+  for (std::size_t i = 0; i < bonds_.size(); ++i) {
+    const std::size_t c = first_bond() + i;
+    if (!bonds_[i].one_way || !active_[c]) continue;
+    const double load = bond_force(i, delta[c]).dot(bonds_[i].n);
+    total += std::abs(load);
+    if (load >= 0.0) continue;
+    active_[c] = 0;
+    changed -= load;
+  }
 }
 
 void Penalty::apply(std::span<const Vec3> delta, std::span<Vec3> force) const {
@@ -269,8 +303,9 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
       if (active_[c] && !filled_[p]) change[p] += std::abs(drag_[c] - before) * slip.norm();
     }
   });
-  settle_actions();
   double changed = 0.0, load = 0.0;
+  release_bonds(delta, changed, load);
+  settle_actions();
   for (std::size_t p = 0; p < contacts.pairs.size(); ++p) changed += change[p], load += total[p];
   return load > 0.0 ? changed / load : changed > 0.0 ? 1.0 : 0.0;
 }
@@ -345,6 +380,8 @@ void Penalty::forces(std::span<const Vec3> delta, std::span<Vec3> normal, std::s
         friction[c] = -drag_[c] * (after - n * n.dot(after));
       },
       512);
+  for (std::size_t i = 0; i < bonds_.size(); ++i)
+    if (active_[first_bond() + i]) normal[first_bond() + i] = bond_force(i, delta[first_bond() + i]);
 }
 
 }  // namespace brim

@@ -33,6 +33,15 @@ struct PairState {
   bool fixed = false;         ///< one of them does not move
 };
 
+/// What a link does in the place of a contact: a force at the start of the step, and the matrix
+/// across n nᵀ + along 1 of the implicit step, [N·s²/m]. Links have the pairs at the end of a contact set.
+struct Bond {
+  Vec3 force = Vec3::Zero();  ///< [N] on a: f − (dt k + d) v at the start
+  Vec3 n = Vec3::UnitZ();     ///< unit
+  double across = 0.0, along = 0.0;
+  bool one_way = false;  ///< acts along n on a only: where it would pull the other way it is let go for the step
+};
+
 /// Penalty response (paper, section 4.2): contacts become forces at their points, equal and opposite on the two parts,
 /// and a positive semi-definite stiffness and friction for the implicit step.
 ///
@@ -68,6 +77,8 @@ class Penalty {
   /// another answers, and the normal force that friction works with, [N].
   void set_pressed(std::size_t c, double stiffness) { pressed_[c] = stiffness; }
   void set_load(std::size_t c, double load);
+  /// After begin: what the last contacts do, which are links. @param bonds  shape (links)
+  void set_bonds(std::vector<Bond> bonds);
 
   /// After a solve: lets go of nodes that would pull, and sets the friction to the predicted loads.
   /// @param delta  relative velocity changes found by the solve
@@ -99,6 +110,11 @@ class Penalty {
     double across, drag;
   };
   void settle_actions();
+  std::size_t first_bond() const { return force_.size() - bonds_.size(); }
+  /// Force on a of a link over the step, [N]. @param delta  relative velocity change
+  Vec3 bond_force(std::size_t i, const Vec3& delta) const;
+  /// Lets go of links that act one way and would act the other. @param changed, total  [N] added to
+  void release_bonds(std::span<const Vec3> delta, double& changed, double& total);
   void choose_normals(const ContactSet& contacts, std::span<const PairState> pairs);
   /// The normals of a surface that something shapeless lies against.
   void take_normals_of(bool side_b, const ContactSet& contacts, const ContactPair& pair);
@@ -151,6 +167,7 @@ class Penalty {
   std::vector<double> mu_;
   std::vector<double> pressed_;  ///< set_pressed
   std::vector<Action> action_;
+  std::vector<Bond> bonds_;                  ///< of the last contacts
   std::vector<SlipHistory> slip_;            ///< per pair
   std::vector<double> inverse_mass_;         ///< [1/kg] per pair
   std::vector<std::uint8_t> rigid_, fixed_;  ///< per pair

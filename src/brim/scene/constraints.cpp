@@ -28,17 +28,6 @@ Inside region(const Node& n) {
   return [](const Vec3&) { return true; };
 }
 
-/// Offset and rotation of a motion at a time, between its keys and held outside.
-MotionKey at_time(const std::vector<MotionKey>& keys, double time) {
-  if (time <= keys.front().time) return keys.front();
-  if (time >= keys.back().time) return keys.back();
-  const auto next =
-      std::upper_bound(keys.begin(), keys.end(), time, [](double t, const MotionKey& k) { return t < k.time; });
-  const MotionKey &a = *(next - 1), &b = *next;
-  const double s = (time - a.time) / (b.time - a.time);
-  return {time, (1.0 - s) * a.offset + s * b.offset, a.rotation.slerp(s, b.rotation)};
-}
-
 /// The selected nodes move as one: turned about their middle, then shifted.
 NodeMotion keyed_motion(std::vector<std::int32_t> nodes, std::vector<MotionKey> keys, std::span<const Vec3> rest) {
   Vec3 middle = Vec3::Zero();
@@ -51,6 +40,12 @@ NodeMotion keyed_motion(std::vector<std::int32_t> nodes, std::vector<MotionKey> 
 }
 
 }  // namespace
+
+std::function<bool(const Vec3&)> read_region(const Node& n) {
+  if (n.string("kind") == "corners")
+    throw n.error("\"corners\" is not allowed here; must be box, sphere, plane or all");
+  return region(n);
+}
 
 void check_constraints(const Node& list, bool has_corners) {
   for (std::size_t i = 0; i < list.size(); ++i) {

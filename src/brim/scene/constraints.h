@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 
 #include "brim/body/particles/particle_body.h"
@@ -11,6 +12,9 @@ namespace brim {
 /// @param has_corners  whether the body is a cloth grid
 /// @throws InputError
 void check_constraints(const Node& list, bool has_corners);
+
+/// True for the points of a region ("box", "sphere", "plane" or "all"). @throws InputError for corners
+std::function<bool(const Vec3&)> read_region(const Node& region);
 
 /// Adds what a scene fixes and moves to a body's options. A node that two entries select belongs to the first.
 /// @param rest     [m] positions of the nodes as the body starts, world frame

@@ -1,5 +1,6 @@
 #include "brim/scene/motion.h"
 
+#include <algorithm>
 #include <numbers>
 
 namespace brim {
@@ -41,6 +42,16 @@ Quat read_rotation(const Node& n) {
   }
   const Vec3 e = n.vec3("euler_degrees");
   return about(Vec3::UnitZ(), e.z()) * about(Vec3::UnitY(), e.y()) * about(Vec3::UnitX(), e.x());
+}
+
+MotionKey at_time(const std::vector<MotionKey>& keys, double time) {
+  if (time <= keys.front().time) return keys.front();
+  if (time >= keys.back().time) return keys.back();
+  const auto next =
+      std::upper_bound(keys.begin(), keys.end(), time, [](double t, const MotionKey& k) { return t < k.time; });
+  const MotionKey &a = *(next - 1), &b = *next;
+  const double s = (time - a.time) / (b.time - a.time);
+  return {time, (1.0 - s) * a.offset + s * b.offset, a.rotation.slerp(s, b.rotation)};
 }
 
 }  // namespace brim

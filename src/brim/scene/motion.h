@@ -17,6 +17,8 @@ struct MotionKey {
 /// @throws InputError  when times do not increase
 void check_key_times(const Node& keyframes);
 std::vector<MotionKey> read_motion(const Node& keyframes);
+/// Offset and rotation of a motion at a time, between its keys and held outside.
+MotionKey at_time(const std::vector<MotionKey>& keys, double time);
 /// A rotation as scenes write it. @throws InputError  when its axis or quaternion has length zero
 Quat read_rotation(const Node& rotation);
 

@@ -8,6 +8,7 @@
 #include "brim/scene/errors.h"
 #include "brim/scene/include.h"
 #include "brim/scene/kinds.h"
+#include "brim/scene/links.h"
 #include "brim/scene/node.h"
 #include "brim/scene/parameters.h"
 #include "brim/scene/presets.h"
@@ -270,6 +271,8 @@ class SceneReader {
       BodyCheck bodies(scene.materials);
       each("bodies", [&](const Node& body) { bodies.check(body); });
       const bool all = !errors_.touches("/bodies");
+      if (all) part("/filters", [&] { scene.world.touch_rules = read_filters(root_); });
+      if (all) part("/attachments", [&] { check_wiring(root_); });
       if (all && !errors_.touches("/world") && root_.at("world").has("levels"))
         part("/world/levels", [&] { check_levels(root_.at("world").at("levels"), bodies.names()); });
       const double end = timed && !errors_.touches("/frames") ? static_cast<double>(scene.frames) * scene.frame_time()
@@ -364,6 +367,7 @@ std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene) {
 World build_world(const Scene& scene) {
   World world(scene.world);
   for (std::unique_ptr<Body>& body : build_bodies(scene)) world.add(std::move(body));
+  wire_up(Node(*scene.document, scene.document->root, ""), world);
   const Node n(*scene.document, scene.document->root.at("world"), "/world");
   if (n.has("levels")) set_levels(world, read_levels(n.at("levels"), scene.steps_per_frame));
   return world;

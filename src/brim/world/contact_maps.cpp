@@ -61,7 +61,7 @@ void ContactMaps::build(std::span<const WorldPart> parts, const ContactSet& cont
       row_b_[i] = static_cast<std::uint32_t>(next[p.part_b]++);
       part_a_[i] = p.part_a, part_b_[i] = p.part_b;
       contact_[row_a_[i]] = contact_[row_b_[i]] = c;
-      point_[row_a_[i]] = point_[row_b_[i]] = contacts.point[c];
+      point_[row_a_[i]] = contacts.point[c], point_[row_b_[i]] = contacts.point_b(c);
       source_[row_a_[i]] = contacts.source_a[c];
       source_[row_b_[i]] = contacts.source_b[c];
       if (all == nullptr) continue;

@@ -395,6 +395,7 @@ void ContactStage::search(Work& work) const {
 
 void ContactStage::collect(StepReport& report) {
   contacts_.pairs.clear();
+  contacts_.link_pairs = 0, contacts_.link_point_b.clear();
   pieces_.clear();
   active_known_ = false;
   std::size_t last = candidate_count_;

@@ -57,7 +57,9 @@ void FillStage::find(std::span<const std::unique_ptr<Body>> bodies, std::span<co
     const double reach = filler.body->fill_reach();
     const Aabb box = parts[f].body->bounds(parts[f].index).inflated(reach);
     for (std::size_t o = 0; o < parts.size(); ++o) {
-      if (o == f || !fills(parts[f], parts[o]) || !box.overlaps(parts[o].body->bounds(parts[o].index))) continue;
+      if (o == f || !fills(parts[f], parts[o]) || !rules_allow(parts[f], parts[o]) ||
+          !box.overlaps(parts[o].body->bounds(parts[o].index)))
+        continue;
       const double h = std::min(parts[f].h, parts[o].h);
       found_.clear();
       const auto* bound = dynamic_cast<const DistanceBound*>(parts[o].body);

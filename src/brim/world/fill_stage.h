@@ -31,8 +31,8 @@ class FillStage {
              Penalty& response);
 
   bool empty() const { return contact_.empty(); }
-  bool holds(std::size_t c) const { return c >= first_; }
-  std::size_t first() const { return first_; }  ///< the first of these contacts in the set; all that follow are
+  bool holds(std::size_t c) const { return c - first_ < contact_.size(); }
+  std::size_t first() const { return first_; }  ///< the first of these contacts in the set; links follow them
   bool handles(std::size_t body) const { return body < filler_.size() && filler_[body].body != nullptr; }
 
   /// y += ∂Q/∂q v of a body at the start.

@@ -47,7 +47,7 @@ bool ImplicitStep::solve_frames(std::span<const std::unique_ptr<Body>> bodies, s
         if (!settings.asleep.empty() && settings.asleep[b]) return;
         Six force = Six::Zero();
         bodies[b]->begin_solve(dt);
-        bodies[b]->add_forces(env, {force.data(), 6});
+        bodies[b]->add_forces(settings.environment(b, env), {force.data(), 6});
         force *= dt;
         if (!impulse.empty()) force += Eigen::Map<const Six>(impulse.data() + first_v[b]);
         const RigidFrame::Frame f = dynamic_cast<const RigidFrame&>(*bodies[b]).rigid_frame();
@@ -88,7 +88,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     if (asleep(b)) return;
     const ProfileScope scope("elements", *bodies[b]);
     bodies[b]->begin_solve(dt);
-    bodies[b]->add_forces(env, slice(internal_, b));
+    bodies[b]->add_forces(settings.environment(b, env), slice(internal_, b));
     if (fill.handles(b))
       fill.add_start_stiffness(b, slice(scratch_, b));
     else
@@ -125,7 +125,10 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     if (contacts > 0) {
       const ScopedSeconds contact_timer(contact_seconds);
       acting_.take_velocities(x);
-      if (!fill.empty()) acting_.for_taken(fill.first(), [&](std::size_t c, const Vec3& d) { fill.see(c, d); });
+      if (!fill.empty())
+        acting_.for_taken(fill.first(), [&](std::size_t c, const Vec3& d) {
+          if (fill.holds(c)) fill.see(c, d);
+        });
     }
     parallel_for(bodies.size(), [&](std::size_t b) {
       const ProfileScope scope("product", *bodies[b]);

@@ -33,6 +33,13 @@ class ImplicitStep {
     double load_tolerance = 0.01;  ///< passes end when the contact forces would change by less than this share
     /// Nonzero for bodies that are left as they are, without contacts; shape (bodies) or empty.
     std::span<const std::uint8_t> asleep{};
+    /// How much gravity counts for each body; shape (bodies) or empty: 1.
+    std::span<const double> gravity_scale{};
+
+    /// What acts on body b. @param env  what acts on all
+    Environment environment(std::size_t b, const Environment& env) const {
+      return gravity_scale.empty() ? env : Environment{gravity_scale[b] * env.gravity};
+    }
   };
 
   /// x = A⁻¹ b once the system stands.

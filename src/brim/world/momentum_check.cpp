@@ -44,7 +44,7 @@ void check_momentum(std::span<const std::unique_ptr<Body>> bodies, std::span<con
   for (const ContactPair& pair : contacts.pairs)
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       add(pair.part_a, contacts.point[c], force_on_a[c], pair.h);
-      add(pair.part_b, contacts.point[c], -force_on_a[c], pair.h);
+      add(pair.part_b, contacts.point_b(c), -force_on_a[c], pair.h);
     }
   std::vector<double> motion(first_v.back(), 0.0);
   std::vector<double> linear(bodies.size(), 0.0), angular(bodies.size(), 0.0);

@@ -153,4 +153,14 @@ void PairLaws::choose(std::span<const WorldPart> parts, std::span<const double> 
   }
 }
 
+void PairLaws::leave_to_links(std::size_t first) {
+  for (std::size_t i = first; i < penalties_.size(); ++i) {
+    penalties_[i] = PairState{};
+    // Without gradients there are no normals to find, and no loads.
+    penalties_[i].shapeless = {true, false};
+    penalties_[i].filled = true;
+    constraints_[i] = ConstraintPair{};
+  }
+}
+
 }  // namespace brim

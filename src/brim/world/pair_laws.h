@@ -34,6 +34,8 @@ class PairLaws {
   /// What the responses need to know of every pair of a contact set, at the velocities v.
   void choose(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
               const WorldOptions& options, std::span<const ContactPair> pairs);
+  /// The last pairs, from `first` on, are links: neither response has a law of its own for them.
+  void leave_to_links(std::size_t first);
   /// Says of which materials the scene makes contact softer than five times the matter behind it.
   void warn(std::span<const WorldPart> parts, const WorldOptions& options, StepReport& report) const;
   /// How rows would act between two parts.

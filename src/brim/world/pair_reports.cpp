@@ -36,9 +36,9 @@ void warn_of_start(std::span<const WorldPart> parts, double time, StepReport& re
 void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const Vec3> normal,
                   std::span<const Vec3> friction, double time, StepReport& report,
                   std::vector<ContactSample>& samples) {
-  samples.resize(contacts.size());
+  samples.resize(contacts.first_link());
   report.pairs.clear();
-  for (const ContactPair& pair : contacts.pairs) {
+  for (const ContactPair& pair : std::span(contacts.pairs).first(contacts.first_link_pair())) {
     if (pair.begin == pair.end) continue;
     PairReport r;
     r.part_a = pair.part_a;

@@ -89,6 +89,7 @@ void join(StepReport& frame, StepReport&& next) {
     }
   }
   frame.pairs = std::move(next.pairs);
+  frame.links = std::move(next.links);
   std::move(next.warnings.begin(), next.warnings.end(), std::back_inserter(frame.warnings));
 }
 

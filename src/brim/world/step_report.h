@@ -26,6 +26,15 @@ struct PairReport {
   Vec3 center = Vec3::Zero();         ///< [m] centre of pressure
 };
 
+/// An attachment or joint in the last sub-step (World::attachment).
+struct LinkReport {
+  Vec3 force = Vec3::Zero();  ///< [N] on its first body, of all its points
+  double error = 0.0;         ///< [m] worst distance from where it wants its points
+  double coordinate = 0.0;    ///< [rad or m] of a joint that turns or slides, at the start of the sub-step
+  double effort = 0.0;        ///< [N m or N] of its drive, spring and limits along it, on the first body
+  bool broken = false;
+};
+
 /// Something that went wrong or nearly so, in words, with the pair or body it concerns.
 struct Warning {
   double time = 0.0;  ///< [s]
@@ -67,6 +76,7 @@ struct StepReport {
   int asleep = 0;                 ///< bodies that sleep at the end of the step
   double stiffness = 0.0;         ///< [Pa] contact stiffness k in use
   std::vector<PairReport> pairs;  ///< of the last sub-step, ordered by part numbers
+  std::vector<LinkReport> links;  ///< of the last sub-step, one per attachment
   std::vector<Warning> warnings;
 };
 

@@ -11,16 +11,21 @@
 #include "brim/core/profile.h"
 #include "brim/core/stopwatch.h"
 #include "brim/response/penalty.h"
+#include "brim/world/applied_force.h"
+#include "brim/world/attachment.h"
 #include "brim/world/constraint_step.h"
 #include "brim/world/contact_maps.h"
 #include "brim/world/contact_stage.h"
 #include "brim/world/fill_stage.h"
 #include "brim/world/implicit_step.h"
 #include "brim/world/levels.h"
+#include "brim/world/links.h"
 #include "brim/world/momentum_check.h"
+#include "brim/world/outer_actions.h"
 #include "brim/world/pair_laws.h"
 #include "brim/world/pair_reports.h"
 #include "brim/world/sleep.h"
+#include "brim/world/space.h"
 #include "brim/world/substeps.h"
 
 namespace brim {
@@ -29,6 +34,9 @@ namespace {
 
 /// Motion of a sub-step, over what is allowed, above which it is solved again in pieces.
 constexpr double kOutrun = 1.25;
+/// Tolerance of the solve where there are links, over the usual one: rigid ones rule the residual, and what it leaves
+/// of softer motions would shake them.
+constexpr double kLinked = 1e-2;
 
 }  // namespace
 
@@ -42,6 +50,10 @@ struct World::Impl {
   bool started = false;
   PairLaws laws;
   Sleep sleep;
+  TouchRules rules;
+  Links links;
+  OuterActions actions;
+  bool has_space = false;  ///< the last body and part stand for space
   Levels levels;
 
   ContactStage stage;
@@ -62,6 +74,17 @@ struct World::Impl {
   std::span<double> v(std::size_t b) { return std::span(state.v).subspan(first_v[b], first_v[b + 1] - first_v[b]); }
 
   void start();
+  /// Appends a body that is whole: what it throws has been thrown.
+  void append(std::unique_ptr<Body> body, std::span<const double> q0, std::span<const double> v0);
+  void show_space();
+  void hide_space();
+  std::size_t count() const { return bodies.size() - has_space; }  ///< of bodies that others see
+  int find(const std::string& name) const;
+  Links::Side side_of(int body);
+  /// State of links and sleep comes out of memory, and goes back before all else in it.
+  void take_memory();
+  void keep_memory();
+  void keep_apart();
   void update_bodies();
   /// Those that sleep are as they were; all others must be updated.
   void stir();
@@ -90,6 +113,7 @@ World::World(WorldOptions options) : impl_(std::make_unique<Impl>()) {
   need("max_substeps", options.max_substeps, options.max_substeps >= 1);
   need("cg_tolerance", options.cg_tolerance, options.cg_tolerance > 0.0 && options.cg_tolerance < 1.0);
   impl_->options = std::move(options);
+  for (const TouchRule& rule : impl_->options.touch_rules) impl_->rules.add(rule);
 }
 
 World::~World() = default;
@@ -97,25 +121,136 @@ World::World(World&&) noexcept = default;
 
 int World::add(std::unique_ptr<Body> body) {
   Impl& w = *impl_;
-  if (!w.names.insert(body->name()).second)
+  if (w.names.contains(body->name()))
     throw InputError(fmt::format("world: two bodies are named '{}'; names must be unique", body->name()));
-  const std::size_t q0 = w.state.q.size(), v0 = w.state.v.size();
-  w.state.q.resize(q0 + body->q_size());
-  w.state.v.resize(v0 + body->v_size());
-  body->initial_state(std::span(w.state.q).subspan(q0), std::span(w.state.v).subspan(v0));
-  body->update(w.state.time, std::span(w.state.q).subspan(q0), std::span(w.state.v).subspan(v0));
-  w.first_q.push_back(w.state.q.size());
-  w.first_v.push_back(w.state.v.size());
-  for (int p = 0; p < body->part_count(); ++p)
-    w.parts.push_back({body.get(), static_cast<int>(w.bodies.size()), p, 0.0, body->part(p)});
-  w.bodies.push_back(std::move(body));
+  // All that may throw comes first.
+  std::vector<double> q0(body->q_size()), v0(body->v_size());
+  body->initial_state(q0, v0);
+  body->update(w.state.time, q0, v0);
+  std::vector<PartInfo> infos;
+  for (int p = 0; p < body->part_count(); ++p) infos.push_back(body->part(p));
+  w.names.insert(body->name());
+  const bool space = w.has_space;
+  if (space) w.hide_space();
+  w.append(std::move(body), q0, v0);
+  if (space) w.show_space();
   w.started = false;
-  return static_cast<int>(w.bodies.size()) - 1;
+  return static_cast<int>(w.count()) - 1;
 }
 
-int World::body_count() const { return static_cast<int>(impl_->bodies.size()); }
+void World::Impl::append(std::unique_ptr<Body> body, std::span<const double> q0, std::span<const double> v0) {
+  state.q.insert(state.q.end(), q0.begin(), q0.end());
+  state.v.insert(state.v.end(), v0.begin(), v0.end());
+  first_q.push_back(state.q.size());
+  first_v.push_back(state.v.size());
+  for (int p = 0; p < body->part_count(); ++p)
+    parts.push_back({body.get(), static_cast<int>(bodies.size()), p, 0.0, body->part(p)});
+  bodies.push_back(std::move(body));
+}
+
+void World::Impl::show_space() {
+  append(std::make_unique<Space>(), {}, {});
+  has_space = true;
+  started = false;
+}
+
+void World::Impl::hide_space() {
+  bodies.pop_back(), parts.pop_back(), first_q.pop_back(), first_v.pop_back();
+  has_space = false;
+}
+
+int World::Impl::find(const std::string& name) const {
+  for (std::size_t b = 0; b < count(); ++b)
+    if (bodies[b]->name() == name) return static_cast<int>(b);
+  throw InputError(fmt::format("\"{}\" is not a body", name));
+}
+
+Links::Side World::Impl::side_of(int body) {
+  Links::Side side;
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    if (parts[p].body_index == body) side.parts.push_back(static_cast<int>(p));
+  side.q = q(static_cast<std::size_t>(body));
+  return side;
+}
+
+void World::Impl::take_memory() {
+  levels.take(state.memory, bodies);
+  links.take(state.memory);
+  sleep.take(state.memory);
+}
+
+void World::Impl::keep_memory() {
+  sleep.keep(state.memory);
+  links.keep(state.memory);
+  levels.keep(state.memory);
+}
+
+void World::Impl::keep_apart() {
+  rules.clear_apart();
+  for (std::size_t l = 0; l < links.size(); ++l)
+    if (const auto [a, b] = links.bodies(l); !links.attachment(l).touch && b >= 0 && !links.broken(l))
+      rules.keep_apart(a, b);
+}
+
+int World::attach(const Attachment& attachment) {
+  Impl& w = *impl_;
+  const int a = w.find(attachment.body), b = attachment.to.empty() ? -1 : w.find(attachment.to);
+  w.start();
+  w.update_bodies();
+  const int number = w.links.add(attachment, w.parts, w.side_of(a), b < 0 ? Links::Side{} : w.side_of(b),
+                                 w.options.ramp_voxels, w.state.time);
+  if (w.links.needs_space() && !w.has_space) w.show_space();
+  w.keep_apart();
+  for (const int body : {a, b})
+    if (body >= 0) wake(body);
+  return number;
+}
+
+int World::attachment_count() const { return static_cast<int>(impl_->links.size()); }
+const Attachment& World::attachment(int i) const { return impl_->links.attachment(static_cast<std::size_t>(i)); }
+bool World::detached(int i) const { return impl_->links.broken(static_cast<std::size_t>(i)); }
+
+void World::detach(int i) {
+  Impl& w = *impl_;
+  w.take_memory();
+  w.links.set_broken(static_cast<std::size_t>(i), true);
+  w.keep_memory();
+  const auto [a, b] = w.links.bodies(static_cast<std::size_t>(i));
+  for (const int body : {a, b})
+    if (body >= 0) wake(body);
+}
+
+void World::set_drive(int i, double position, double velocity) {
+  impl_->links.set_drive(static_cast<std::size_t>(i), position, velocity);
+  wake(impl_->links.bodies(static_cast<std::size_t>(i)).first);
+}
+
+void World::set_touch(const TouchRule& rule) {
+  Impl& w = *impl_;
+  w.rules.add(rule);
+  w.options.touch_rules.push_back(rule);
+  for (WorldPart& p : w.parts) p.sides = w.rules.sides(p.body->name());
+  for (std::size_t b = 0; b < w.count(); ++b) wake(static_cast<int>(b));
+}
+
+int World::apply(const AppliedForce& force) {
+  Impl& w = *impl_;
+  w.start();
+  w.update_bodies();
+  const int number = w.actions.add(force, w.bodies, w.parts, w.state.q, w.first_q, w.options.ramp_voxels);
+  for (std::size_t b = 0; b < w.count(); ++b) wake(static_cast<int>(b));
+  return number;
+}
+
+void World::set_gravity(const Vec3& gravity) {
+  if (!gravity.allFinite()) throw InputError("world: gravity is not finite");
+  impl_->options.environment.gravity = gravity;
+  for (std::size_t b = 0; b < impl_->count(); ++b) wake(static_cast<int>(b));
+}
+
+int World::body_count() const { return static_cast<int>(impl_->count()); }
 const Body& World::body(int b) const { return *impl_->bodies.at(b); }
-int World::part_count() const { return static_cast<int>(impl_->parts.size()); }
+int World::part_count() const { return static_cast<int>(impl_->parts.size() - impl_->has_space); }
 PartRef World::part(int p) const { return {impl_->parts.at(p).body_index, impl_->parts.at(p).index}; }
 std::span<const double> World::q(int b) const { return impl_->q(b); }
 std::span<const double> World::v(int b) const { return impl_->v(b); }
@@ -136,15 +271,14 @@ void World::set_state(State state) {
                                  state.q.size(), state.v.size(), w.state.q.size(), w.state.v.size()));
   w.start();  // what is chosen from the initial state stays as it was chosen there
   w.state = std::move(state);
-  w.levels.take(w.state.memory, w.bodies);
+  w.take_memory();
   w.levels.mark(w.parts);
   w.stage.average(w.levels.average());
-  w.sleep.take(w.state.memory);
+  w.keep_apart();
   w.stage.rigid().restore(w.state.memory);
   for (std::size_t b = 0; b < w.bodies.size(); ++b)
     if (std::any_of(w.v(b).begin(), w.v(b).end(), [](double x) { return x != 0.0; })) w.sleep.wake(b);
-  w.sleep.keep(w.state.memory);
-  w.levels.keep(w.state.memory);
+  w.keep_memory();
   w.update_bodies();
 }
 
@@ -152,11 +286,10 @@ bool World::asleep(int b) const { return impl_->sleep.asleep(static_cast<std::si
 
 void World::wake(int b) {
   Impl& w = *impl_;
-  w.levels.take(w.state.memory, w.bodies);
-  w.sleep.take(w.state.memory);
+  if (!w.sleep.on()) return;
+  w.take_memory();
   w.sleep.wake(static_cast<std::size_t>(b));
-  w.sleep.keep(w.state.memory);
-  w.levels.keep(w.state.memory);
+  w.keep_memory();
 }
 
 void World::density(int part, double h, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {
@@ -192,6 +325,7 @@ void World::Impl::start() {
     const int level = std::max(0, static_cast<int>(std::floor(std::log2(wanted / h0) + 1e-9)));
     p.h = std::ldexp(h0, level);
   }
+  for (WorldPart& p : parts) p.sides = rules.sides(p.body->name()), p.rules = &rules;
   laws.start(parts, state.v, first_v, options, h0);
   stage.rigid().start(parts, laws, options);
   if (options.sleep) sleep.start(bodies);
@@ -233,9 +367,9 @@ StepReport World::step() {
     w.start();
     report.stiffness = w.laws.stiffness();
     if (w.state.step == 0) w.laws.warn(w.parts, w.options, report);
+    w.take_memory();
     if (w.levels.on()) w.choose_levels(report);
     if (w.sleep.on()) {
-      w.sleep.take(w.state.memory);
       w.sleep.mark(w.parts, w.state.v, w.first_v);
     }
     double left = w.options.time_step;
@@ -251,7 +385,6 @@ StepReport World::step() {
 }
 
 void World::Impl::choose_levels(StepReport& report) {
-  levels.take(state.memory, bodies);
   update_bodies();
   if (!levels.choose(state.step, bodies)) return;
   const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Detect)]);
@@ -305,6 +438,8 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
   }
 
   find_contacts(dt, report);
+  if (!links.empty())
+    links.append(parts, state.q, first_q, static_cast<int>(parts.size()) - 1, state.time, dt, stage.contacts());
   const ContactSet& contacts = stage.contacts();
   velocity_a.resize(contacts.size()), velocity_b.resize(contacts.size());
   {
@@ -312,6 +447,7 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
     maps.build(parts, contacts, first_v);
     maps.velocities(state.v, velocity_a, velocity_b);
     laws.choose(parts, state.v, first_v, options, contacts.pairs);
+    laws.leave_to_links(contacts.first_link_pair());
     const double g = options.environment.gravity.norm();
     PenaltyOptions p;
     p.dt = dt;
@@ -322,6 +458,7 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
     p.slack = g * dt * dt;
     response.begin(contacts, laws.penalties(), p, velocity_a, velocity_b);
     fill.begin(bodies, first_v, state.v, velocity_a, velocity_b, dt, response);
+    if (contacts.link_pairs > 0) links.begin(contacts, velocity_a, velocity_b, response);
   }
 
   {
@@ -338,20 +475,26 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
 
   ImplicitStep::Settings settings;
   settings.dt = dt;
-  settings.tolerance = options.cg_tolerance;
+  settings.tolerance = (contacts.link_pairs > 0 ? kLinked : 1.0) * options.cg_tolerance;
   settings.max_iterations = options.cg_max_iterations;
   settings.passes = options.max_passes;
   std::vector<std::uint8_t> asleep(sleep.on() ? bodies.size() : 0);
   for (std::size_t b = 0; b < asleep.size(); ++b) asleep[b] = sleep.asleep(b);
   settings.asleep = asleep;
   delta.resize(state.v.size());
+  std::span<const double> impulse = constraints.impulse();
+  if (!actions.empty()) {
+    settings.gravity_scale = actions.gravity_scale();
+    impulse = actions.impulse(bodies, parts, state.q, first_q, state.v, first_v, options.environment, state.time, dt,
+                              impulse);
+  }
   ImplicitStep::Correct rows;
   if (!constraints.empty())
     rows = [&](const ImplicitStep::Respond& solve, std::span<double> change) {
       return constraints.correct(solve, change, report);
     };
   return implicit.solve(bodies, first_v, parts, options.environment, maps, response, contacts, state.v, settings, delta,
-                        report, fill, constraints.impulse(), rows);
+                        report, fill, impulse, rows);
 }
 
 double World::Impl::substep(double left, StepReport& report) {
@@ -382,7 +525,7 @@ double World::Impl::substep(double left, StepReport& report) {
   ++report.substeps;
   const bool last = left - dt <= 1e-9 * options.time_step;
   const ContactSet& contacts = stage.contacts();
-  report.contacts = static_cast<std::int64_t>(contacts.size()) + stage.rigid().contacts();
+  report.contacts = static_cast<std::int64_t>(contacts.first_link()) + stage.rigid().contacts();
   if (!finite) {
     state.q = before_q;
     state.v = before_v;
@@ -405,6 +548,10 @@ double World::Impl::substep(double left, StepReport& report) {
     if (last) {
       for (std::size_t c = 0; c < contacts.size(); ++c) normal_force[c] += friction_force[c];
       check_momentum(bodies, first_v, parts, contacts, maps, normal_force, report);
+    }
+    if (!links.empty()) {
+      links.finish(contacts, normal_force, state.time, report);
+      keep_apart();
     }
     constraints.finish(report, samples, last, state.memory);
     report.contact_energy = response.energy();
@@ -431,13 +578,18 @@ void World::Impl::measure(StepReport& report) {
   stage.rigid().keep(state.memory);
   if (sleep.on()) {
     if (report.ok) sleep.settle(parts, report.pairs, report.dt, state.v, first_v);
-    sleep.keep(state.memory);
+    // What is linked does not sleep: its links would have to be followed.
+    for (std::size_t l = 0; l < links.size(); ++l)
+      if (const auto [a, b] = links.bodies(l); !links.broken(l)) {
+        sleep.wake(static_cast<std::size_t>(a));
+        if (b >= 0) sleep.wake(static_cast<std::size_t>(b));
+      }
     report.asleep = sleep.count();
   }
-  levels.keep(state.memory);
+  keep_memory();
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     report.kinetic_energy += bodies[b]->kinetic_energy(v(b));
-    report.potential_energy += bodies[b]->potential_energy(options.environment);
+    report.potential_energy += bodies[b]->potential_energy(actions.environment(b, options.environment));
   }
   for (const WorldPart& p : parts)
     if (!p.body->immobile())

@@ -11,8 +11,12 @@
 
 #include "brim/body/body.h"
 #include "brim/world/step_report.h"
+#include "brim/world/touch_rules.h"
 
 namespace brim {
+
+struct AppliedForce;  // brim/world/applied_force.h
+struct Attachment;    // brim/world/attachment.h
 
 /// What a pair of materials has instead of what follows from the two.
 struct PairMaterial {
@@ -44,6 +48,7 @@ struct WorldOptions {
   bool sleep = false;         ///< leaves islands of bodies at rest out of the step until they are touched (Sleep)
   double memory_limit = 8e9;  ///< [bytes] of samples, contacts, rows and pairs, each; more is refused
   std::map<std::pair<std::string, std::string>, PairMaterial> pair_materials;  ///< by material names, sorted
+  std::vector<TouchRule> touch_rules;  ///< which bodies touch; the last rule about a pair decides
 };
 
 /// The mutable truth of a world: flat arrays in body order.
@@ -68,7 +73,8 @@ class World {
   ~World();
   World(World&&) noexcept;
 
-  /// Takes a body in; its name must be unique. @return its number @throws InputError
+  /// Takes a body in; its name must be unique. @return its number
+  /// @throws InputError, and what the body throws; the world is then as it was
   int add(std::unique_ptr<Body> body);
   int body_count() const;
   const Body& body(int b) const;
@@ -77,6 +83,24 @@ class World {
   /// Slices of the state that belong to body b.
   std::span<const double> q(int b) const;
   std::span<const double> v(int b) const;
+
+  /// Holds a body to another one or to space, as they are now (docs/links.md). May be called between steps; a run that
+  /// is resumed must have the same attachments in the same order. @return its number  @throws InputError
+  int attach(const Attachment& attachment);
+  int attachment_count() const;
+  const Attachment& attachment(int i) const;
+  /// True once it broke or was taken off; part of the state.
+  bool detached(int i) const;
+  void detach(int i);
+  /// What the drive of a joint aims at from the next step on, [rad, m] and [rad/s, m/s]; no part of the state.
+  /// @throws InputError where it has none
+  void set_drive(int i, double position, double velocity);
+  /// Says whether bodies touch, from the next step on, over all that was said before. @throws InputError
+  void set_touch(const TouchRule& rule);
+  /// Adds what acts on bodies from outside, as they are now. @throws InputError  @return its number
+  int apply(const AppliedForce& force);
+  /// From the next step on. It is no part of the state. @throws InputError
+  void set_gravity(const Vec3& gravity);
 
   const WorldOptions& options() const;
   const State& state() const;

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "brim/body/body.h"
+#include "brim/world/touch_rules.h"
 
 namespace brim {
 
@@ -17,12 +18,19 @@ struct WorldPart {
   PartInfo info;
   int level = 0;       ///< at which contact sees its body (Levels)
   bool still = false;  ///< as Sleep marks it: asleep, or fixed and not moving; nothing is, where bodies do not sleep
+  TouchRules::Sides sides{};          ///< of the body's name
+  const TouchRules* rules = nullptr;  ///< nothing: all may touch
 };
 
-/// False for pairs that are not looked at: nothing moves, or their body says that they do not touch.
+/// False for pairs that the scene or a link keeps from touching.
+inline bool rules_allow(const WorldPart& a, const WorldPart& b) {
+  return a.rules == nullptr || a.rules->touch(a.sides, a.body_index, b.sides, b.body_index);
+}
+
+/// False for pairs that are not looked at: nothing moves, or their body or the rules say that they do not touch.
 inline bool may_touch(const WorldPart& a, const WorldPart& b) {
   if (a.body == b.body && !a.body->parts_collide(a.index, b.index)) return false;
-  return !(a.still && b.still) && !(a.body->immobile() && b.body->immobile());
+  return !(a.still && b.still) && !(a.body->immobile() && b.body->immobile()) && rules_allow(a, b);
 }
 
 /// By how many levels two parts meet coarser than their own steps: the coarser of the two says, but neither becomes

@@ -224,6 +224,18 @@ void OwnBody::make_map(int, std::span<const Vec3> points, std::span<const std::i
   jacobian_all(q_, X, dense);
 }
 
+Vec3 OwnBody::material_at(int, const Vec3& x) const {
+  Vec3 X;
+  rest_all(q_, {&x, 1}, {&X, 1});
+  return X;
+}
+
+Vec3 OwnBody::position_of(int, const Vec3& X) const {
+  Vec3 x;
+  place_all(q_, {&X, 1}, {&x, 1});
+  return x;
+}
+
 double OwnBody::potential_energy(const Environment& env) const { return energy(q_) - env.gravity.dot(first_moment_); }
 
 Vec3 OwnBody::linear_momentum(std::span<const double> v) const { return linear_ * vector(v); }

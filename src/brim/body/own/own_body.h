@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "brim/body/body.h"
+#include "brim/body/material_points.h"
 #include "brim/body/outer_forces.h"
 #include "brim/map/dense_map.h"
 
@@ -30,7 +31,7 @@ struct OwnModel {
 /// Momentum of contact is exact in so far as place() can move as a rigid body can: translations of all matter give
 /// exact linear momentum, rotations exact angular momentum.
 /// Tests: tests/body/own_body_test.cpp
-class OwnBody : public Body, public OuterForces {
+class OwnBody : public Body, public OuterForces, public MaterialPoints {
  public:
   using Coordinates = std::span<const double>;
   using Jacobian = DenseMap::Jacobian;
@@ -76,6 +77,8 @@ class OwnBody : public Body, public OuterForces {
   void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
   void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
                 std::unique_ptr<Map>& map) const override;
+  Vec3 material_at(int, const Vec3& x) const override;
+  Vec3 position_of(int, const Vec3& X) const override;
   double mass() const override { return mass_; }
   double potential_energy(const Environment& env) const override;
   Vec3 linear_momentum(std::span<const double> v) const override;

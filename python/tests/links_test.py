@@ -1,0 +1,96 @@
+"""Attachments, joints, forces and filters from Python."""
+
+import json
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import brim
+from world_test import ball_world, sheet_arrays
+
+
+class Links(unittest.TestCase):
+    def test_a_spring_carries_the_weight_and_says_so(self):
+        world, ball = ball_world(height=5.0)
+        k = 1e4
+        spring = world.attach(ball, point=(0, 0, 5), stiffness=k, damping=2 * np.sqrt(k * ball.mass))
+        self.assertTrue(np.isnan(spring.force).all())
+        world.run(frames=240).all()
+        weight = 9.81 * ball.mass
+        np.testing.assert_allclose(spring.force, (0, 0, weight), atol=1e-3 * weight)
+        self.assertAlmostEqual(spring.error, weight / k, places=5)
+        self.assertAlmostEqual(ball.q[2], 5 - weight / k, places=5)
+        spring.detach()
+        self.assertTrue(spring.broken)
+        before = ball.v[2]
+        world.step()
+        self.assertAlmostEqual(ball.v[2] - before, -9.81 / 60, places=6)
+
+    def test_a_sheet_hangs_on_a_region_of_it(self):
+        world = brim.World()
+        vertices, triangles = sheet_arrays()
+        sheet = world.add("cloth", vertices=vertices, triangles=triangles, thickness=0.02)
+        most = vertices[:, 0].max()
+        world.attach(sheet, region={"kind": "plane", "point": (most - 1e-6, 0, 0), "normal": (-1, 0, 0)})
+        world.run(frames=30).all()
+        edge = vertices[:, 0] > most - 1e-6
+        self.assertLess(np.abs(sheet.positions[edge] - vertices[edge]).max(), 1e-3)
+        self.assertLess(sheet.positions[:, 2].min(), vertices[:, 2].min() - 0.1)
+
+    def test_a_motor_turns_and_is_aimed_anew(self):
+        world, ball = ball_world(height=5.0, gravity=(0, 0, 0))
+        axle = world.joint(ball, kind="revolute", position=(0, 0, 5), drive={"damping": 100, "target_velocity": 2})
+        world.run(frames=60).all()
+        self.assertAlmostEqual(ball.v[5], 2, places=3)
+        axle.set_drive(velocity=-1)
+        world.run(frames=60).all()
+        self.assertAlmostEqual(ball.v[5], -1, places=3)
+        self.assertEqual([a.name for a in world.attachments], [axle.name])
+
+    def test_filters_forces_and_gravity(self):
+        world, ball = ball_world(height=0.2)
+        floor = world.bodies[0] if world.bodies[0].number != ball.number else world.bodies[1]
+        world.set_touch(ball, floor)
+        world.step()
+        self.assertEqual(len(world.contacts), 0)
+        world.set_touch(ball, floor, True)
+        world.set_gravity((0, 0, 0))
+        ball.v[:] = 0
+        world.apply_force(ball, force=(6, 0, 0))
+        world.step()
+        self.assertAlmostEqual(ball.linear_momentum[0], 6 / 60, delta=0.03)
+
+    def test_what_a_scene_file_could_not_say_is_refused_in_its_words(self):
+        world, ball = ball_world(height=5.0)
+        for call, words in (
+            (lambda: world.attach(ball), "\"point\" or \"region\""),
+            (lambda: world.attach("bull", point=(0, 0, 0)), "bull"),
+            (lambda: world.attach(ball, point=(0, 0, 0), stiffness=-1), "stiffness"),
+            (lambda: world.joint(ball, kind="hinge", position=(0, 0, 0)), "revolute"),
+            (lambda: world.apply_force(ball, mass=3), "mass"),
+        ):
+            with self.assertRaises(brim.InputError) as caught:
+                call()
+            self.assertIn(words, str(caught.exception))
+            self.assertNotIn("<added>", str(caught.exception))
+        self.assertEqual(world.attachments, [])
+
+    def test_a_saved_scene_steps_with_the_same_bits(self):
+        world, ball = ball_world(height=5.0)
+        world.attach(ball, point=(0.1, 0, 5), stiffness=200)
+        world.apply_force(ball, gravity_scale=0.5, torque=(0, 0, 1))
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "scene.json"
+            world.save_scene(path, frames=10)
+            self.assertEqual(len(json.loads(path.read_text())["attachments"]), 1)
+            again = brim.load(path)
+        for _ in range(20):
+            world.step()
+            again.step()
+        self.assertEqual(world.hash, again.hash)
+
+
+if __name__ == "__main__":
+    unittest.main()

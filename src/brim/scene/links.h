@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "brim/scene/node.h"
+#include "brim/world/applied_force.h"
+#include "brim/world/attachment.h"
+#include "brim/world/touch_rules.h"
+
+namespace brim {
+
+class World;
+
+/// What a scene says beside its bodies: "filters", "attachments", "joints" and "forces" (docs/links.md). Names of
+/// bodies are checked where they are applied.
+/// @throws InputError
+
+/// Rules of one entry of "filters". @param groups  "groups" of the scene, or nothing
+std::vector<TouchRule> read_filter(const Node& filter, const Json* groups);
+Attachment read_attachment(const Node& attachment);
+/// An entry of "joints".
+Attachment read_joint(const Node& joint);
+AppliedForce read_force(const Node& force);
+
+/// Checks these lists of a scene: what can be known without its bodies.
+void check_wiring(const Node& root);
+/// All rules of a scene.
+std::vector<TouchRule> read_filters(const Node& root);
+/// Attaches and applies what a scene says to its bodies. @throws InputError likewise
+void wire_up(const Node& root, World& world);
+
+}  // namespace brim

@@ -1,0 +1,144 @@
+#include "brim/world/matter_points.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "brim/body/distance_bound.h"
+#include "brim/body/material_points.h"
+#include "brim/body/posed_shape.h"
+#include "brim/core/error.h"
+
+namespace brim {
+
+namespace {
+
+/// Density from which a node counts as matter's.
+constexpr double kMatter = 0.05;
+/// Rounds until a point lies on the middle of a sheet or rod: each leaves two thirds of its offset at most.
+constexpr int kRounds = 120;
+/// Offset over the step at which it does.
+constexpr double kOnMiddle = 1e-10;
+
+const PosedShape* solid_of(const WorldPart& part) {
+  const auto* bound = dynamic_cast<const DistanceBound*>(part.body);
+  return bound != nullptr ? bound->solid(part.index) : nullptr;
+}
+
+/// The sources of the nodes nearest to points, −1 where no matter is near.
+std::vector<std::int32_t> nearest_sources(const WorldPart& part, double w, std::span<const Vec3> x) {
+  const double h = part.h;
+  const auto tile_of = [](int node) { return node >= 0 ? node / kTileSize : -((kTileSize - 1 - node) / kTileSize); };
+  std::map<TileKey, std::size_t> place;
+  const auto for_nodes = [&](const Vec3& p, const auto& f) {
+    const Vec3i lo = (p / h).array().floor().cast<int>() - 1;
+    for (int k = 0; k < 4; ++k)
+      for (int j = 0; j < 4; ++j)
+        for (int i = 0; i < 4; ++i) {
+          const Vec3i node = lo + Vec3i(i, j, k);
+          f(node, TileKey{tile_of(node[0]), tile_of(node[1]), tile_of(node[2])});
+        }
+  };
+  for (const Vec3& p : x) for_nodes(p, [&](const Vec3i&, const TileKey& t) { place.emplace(t, 0); });
+  std::vector<TileKey> tiles;
+  for (auto& [t, i] : place) i = tiles.size(), tiles.push_back(t);
+  std::vector<DensityBlock> blocks(tiles.size());
+  part.body->rasterize(part.index, h, w, tiles, blocks);
+  std::vector<std::int32_t> source;
+  for (const Vec3& p : x) {
+    double least = std::numeric_limits<double>::infinity();
+    std::int32_t best = -1;
+    for_nodes(p, [&](const Vec3i& node, const TileKey& t) {
+      const DensityBlock& block = blocks[place.at(t)];
+      const int at = block_index(node[0] - t.x * kTileSize + kHalo, node[1] - t.y * kTileSize + kHalo,
+                                 node[2] - t.z * kTileSize + kHalo);
+      const double d = (h * node.cast<double>() - p).squaredNorm();
+      if (!(block.rho[at] > kMatter) || block.source[at] < 0 || !(d < least)) return;
+      least = d, best = block.source[at];
+    });
+    source.push_back(best);
+  }
+  return source;
+}
+
+Vec3 nearest_vertex(const Body& body, const Vec3& x) {
+  std::vector<Vec3f> vertex(body.display().vertices);
+  body.display_positions(vertex);
+  Vec3 best = x;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vec3f& v : vertex)
+    if (const double d = (v.cast<double>() - x).squaredNorm(); d < least) least = d, best = v.cast<double>();
+  return best;
+}
+
+}  // namespace
+
+MatterPoints MatterPoints::of_space(std::vector<Vec3> x) {
+  MatterPoints m;
+  m.x_ = std::move(x);
+  m.source_.assign(m.x_.size(), 0);
+  return m;
+}
+
+MatterPoints MatterPoints::of_part(const WorldPart& part, double w, std::span<const double> q, std::vector<Vec3> x) {
+  MatterPoints m;
+  m.x_ = std::move(x);
+  m.source_.assign(m.x_.size(), 0);
+  if (const PosedShape* solid = solid_of(part)) {
+    m.means_ = Means::Solid;
+    for (const Vec3& p : m.x_) m.local_.push_back(solid->pose().to_local(p));
+    return m;
+  }
+  if (const auto* matter = dynamic_cast<const MaterialPoints*>(part.body)) {
+    m.means_ = Means::Material;
+    for (const Vec3& p : m.x_) m.local_.push_back(matter->material_at(part.index, p));
+    return m;
+  }
+  m.means_ = Means::Nodes;
+  const auto refuse = [&] {
+    return InputError(
+        fmt::format("'{}' ({}) has no points that a link can hold", part.body->name(), part.body->kind()));
+  };
+  if (part.info.shapeless || q.size() != part.body->v_size()) throw refuse();
+  m.source_ = nearest_sources(part, w, m.x_);
+  if (std::count(m.source_.begin(), m.source_.end(), -1) > 0) {
+    for (std::size_t i = 0; i < m.x_.size(); ++i)
+      if (m.source_[i] < 0) m.x_[i] = nearest_vertex(*part.body, m.x_[i]);
+    m.source_ = nearest_sources(part, w, m.x_);
+    if (std::count(m.source_.begin(), m.source_.end(), -1) > 0) throw refuse();
+  }
+  // A map with an offset gives J q beside the point; on the middle it gives the point itself.
+  std::vector<Vec3> there(m.x_.size());
+  std::unique_ptr<Map> map;
+  double off = 0.0;
+  for (int round = 0; round < kRounds; ++round) {
+    part.body->make_map(part.index, m.x_, m.source_, map);
+    map->velocity(q, there);
+    off = 0.0;
+    for (std::size_t i = 0; i < there.size(); ++i) {
+      off = std::max(off, (there[i] - m.x_[i]).norm());
+      if (!there[i].allFinite()) throw refuse();
+    }
+    if (off <= kOnMiddle * part.h) break;
+    for (std::size_t i = 0; i < there.size(); ++i) m.x_[i] += (there[i] - m.x_[i]) / 3.0;
+  }
+  if (!(off <= kOnMiddle * part.h)) throw refuse();
+  m.x_ = there;
+  m.map_ = std::move(map);
+  return m;
+}
+
+void MatterPoints::follow(const WorldPart& part, std::span<const double> q) {
+  if (means_ == Means::Solid) {
+    const Pose& pose = solid_of(part)->pose();
+    for (std::size_t i = 0; i < x_.size(); ++i) x_[i] = pose.translation + pose.rotation * local_[i];
+  } else if (means_ == Means::Material) {
+    const auto* matter = dynamic_cast<const MaterialPoints*>(part.body);
+    for (std::size_t i = 0; i < x_.size(); ++i) x_[i] = matter->position_of(part.index, local_[i]);
+  } else if (means_ == Means::Nodes) {
+    map_->velocity(q, x_);
+  }
+}
+
+}  // namespace brim

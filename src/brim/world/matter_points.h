@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "brim/body/body.h"
+#include "brim/world/world_part.h"
+
+namespace brim {
+
+/// Points of matter of one part, or of space, and where they are as the body moves: what links hold to. They follow
+///   a solid's pose            rigid bodies, obstacles, links of trees
+///   MaterialPoints            bodies of one's own
+///   J q, J the map at start   bodies of nodes, whose map is linear in their positions
+/// exactly, so that nothing needs to be kept from step to step.  Tests: tests/world/links_test.cpp
+class MatterPoints {
+ public:
+  /// Points of space. @param x  [m]
+  static MatterPoints of_space(std::vector<Vec3> x);
+  /// Takes the points of a part where it is now. Solids and bodies of one's own carry any point; other bodies must have
+  /// matter within two voxels of it: else the nearest vertex of their display is taken, and a sheet's, a rod's or a
+  /// grain's point lies on its middle. @param part  its h must be known  @param w  [m] ramp  @param q  of the body
+  /// @throws InputError for fluids and bodies that have no points to hold
+  static MatterPoints of_part(const WorldPart& part, double w, std::span<const double> q, std::vector<Vec3> x);
+
+  std::size_t size() const { return x_.size(); }
+  /// Takes the body's last updated state. @param q  of the body
+  void follow(const WorldPart& part, std::span<const double> q);
+  std::span<const Vec3> positions() const { return x_; }
+  /// What make_map takes for point i.
+  std::int32_t source(std::size_t i) const { return source_[i]; }
+  bool in_space() const { return means_ == Means::Space; }
+  /// True where points lie on nodes and what joins them, so that forces act best at the point itself.
+  bool on_nodes() const { return means_ == Means::Nodes; }
+
+ private:
+  enum class Means { Space, Solid, Material, Nodes };
+  Means means_ = Means::Space;
+  std::vector<Vec3> x_;               ///< [m] now
+  std::vector<Vec3> local_;           ///< of solids and bodies of one's own
+  std::vector<std::int32_t> source_;  ///< of bodies of nodes
+  std::shared_ptr<const Map> map_;    ///< likewise
+};
+
+}  // namespace brim

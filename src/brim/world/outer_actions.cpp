@@ -1,0 +1,261 @@
+#include "brim/world/outer_actions.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "brim/body/distance_bound.h"
+#include "brim/body/material_points.h"
+#include "brim/core/error.h"
+
+namespace brim {
+
+namespace {
+
+double at_time(const std::vector<NumberKey>& keys, double time) {
+  if (keys.empty()) return 1.0;
+  if (time <= keys.front().time) return keys.front().value;
+  if (time >= keys.back().time) return keys.back().value;
+  const auto next =
+      std::upper_bound(keys.begin(), keys.end(), time, [](double t, const NumberKey& k) { return t < k.time; });
+  const NumberKey &a = *(next - 1), &b = *next;
+  const double s = (time - a.time) / (b.time - a.time);
+  return (1.0 - s) * a.value + s * b.value;
+}
+
+/// True when q are positions of nodes and v their velocities.
+bool has_nodes(const Body& body) {
+  const auto* bound = dynamic_cast<const DistanceBound*>(&body);
+  const bool solid = bound != nullptr && body.part_count() > 0 && bound->solid(0) != nullptr;
+  return !solid && dynamic_cast<const MaterialPoints*>(&body) == nullptr && body.q_size() == body.v_size() &&
+         body.v_size() % 3 == 0;
+}
+
+bool moves_rigidly(const Body& body) {
+  std::vector<double> v(body.v_size());
+  return body.rigid_motion(Vec3::UnitX(), Vec3::Zero(), v);
+}
+
+Vec3 pull_at(const AppliedForce::Attractor& a, const Vec3& x) {
+  const Vec3 way = a.center - x;
+  const double r = way.norm();
+  if (!(r > 0.0) || r > a.range) return Vec3::Zero();
+  return a.strength * std::pow(r / a.range, a.power) * (way / r);
+}
+
+/// The force of air on one side of a triangle (AppliedForce::Wind). @param facing  A n, towards where the air goes
+Vec3 air_force(const AppliedForce::Wind& wind, const Vec3& air, const Vec3& facing, double& slope) {
+  const double speed = air.norm(), area = facing.norm();
+  if (!(speed > 0.0) || !(area > 0.0)) return Vec3::Zero();
+  const Vec3 c = air / speed, n = facing / area;
+  const double cosine = c.dot(n);
+  slope = wind.density * area * std::max(wind.drag, wind.lift) * speed;
+  return 0.5 * wind.density * area * speed * speed * cosine * (wind.drag * cosine * c + wind.lift * (n - cosine * c));
+}
+
+}  // namespace
+
+int OuterActions::add(const AppliedForce& given, std::span<const std::unique_ptr<Body>> bodies,
+                      std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q,
+                      double ramp_voxels) {
+  const auto refuse = [&](const std::string& what) {
+    return InputError(fmt::format("force '{}': {}", given.name, what));
+  };
+  for (const Entry& e : entries_)
+    if (e.given.name == given.name) throw refuse("there is another one of that name");
+  const bool at_points = given.point || given.region;
+  if (given.point && given.region) throw refuse("a point or a region says where it acts, not both");
+  if (at_points && given.force == Vec3::Zero()) throw refuse("a point or a region needs a force");
+  if (!(given.damping >= 0.0)) throw refuse("damping must be a number from 0");
+  if (given.attractor && (!(given.attractor->range > 0.0) || !(given.attractor->power >= 0.0)))
+    throw refuse("the range of an attractor must be above 0 and its power at least 0");
+  for (std::size_t k = 1; k < given.scale.size(); ++k)
+    if (!(given.scale[k].time > given.scale[k - 1].time)) throw refuse("times of keys must increase");
+  Entry entry;
+  entry.given = given;
+  const bool whole = (!at_points && given.force != Vec3::Zero()) || given.torque != Vec3::Zero() ||
+                     given.acceleration != Vec3::Zero() || given.attractor;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const Body& body = *bodies[b];
+    const bool named = std::any_of(given.bodies.begin(), given.bodies.end(),
+                                   [&](const std::string& w) { return name_matches(w, body.name()); });
+    if (!(named || given.bodies.empty()) || body.immobile() || body.v_size() == 0) continue;
+    if (whole && !moves_rigidly(body) && !(has_nodes(body) && given.torque == Vec3::Zero())) {
+      if (!named) continue;
+      throw refuse(
+          fmt::format("'{}' ({}) cannot move as a whole; forces act at its points only", body.name(), body.kind()));
+    }
+    Action action;
+    action.body = static_cast<int>(b);
+    std::vector<Vec3f> shown;
+    std::vector<Vec3> x;
+    if (given.region || given.wind) {
+      shown.resize(body.display().vertices);
+      body.display_positions(shown);
+    }
+    if (given.point) x = {*given.point};
+    if (given.region)
+      for (const Vec3f& s : shown)
+        if (given.region(s.cast<double>())) x.push_back(s.cast<double>());
+    if (given.region && x.empty()) throw refuse(fmt::format("no point of '{}' lies in the region", body.name()));
+    if (given.wind)
+      for (const Triangle& t : body.display().triangles)
+        x.push_back(((shown[t[0]] + shown[t[1]] + shown[t[2]]) / 3.0f).cast<double>());
+    if (given.wind && x.empty()) {
+      if (!named) continue;
+      throw refuse(fmt::format("'{}' ({}) has no surface of triangles for wind to blow on", body.name(), body.kind()));
+    }
+    if (given.wind && at_points) throw refuse("wind and forces at points need entries of their own");
+    const auto first = std::find_if(parts.begin(), parts.end(),
+                                    [&](const WorldPart& p) { return p.body_index == static_cast<int>(b); });
+    if (!x.empty() && body.part_count() != 1)
+      throw refuse(fmt::format("'{}' has {} parts; only bodies of one part have points to act on", body.name(),
+                               body.part_count()));
+    if (!x.empty()) {
+      action.part = static_cast<int>(first - parts.begin());
+      try {
+        action.points = MatterPoints::of_part(*first, ramp_voxels * first->h,
+                                              q.subspan(first_q[b], first_q[b + 1] - first_q[b]), std::move(x));
+      } catch (const InputError& e) {
+        throw refuse(e.what());
+      }
+    }
+    entry.actions.push_back(std::move(action));
+  }
+  if (entry.actions.empty()) throw refuse("no body that can move is named");
+  if (given.gravity_scale) {
+    gravity_scale_.resize(bodies.size(), 1.0);
+    for (const Action& a : entry.actions) gravity_scale_[static_cast<std::size_t>(a.body)] = *given.gravity_scale;
+  }
+  entries_.push_back(std::move(entry));
+  return static_cast<int>(entries_.size()) - 1;
+}
+
+void OuterActions::add_wind(const AppliedForce& given, double scale, Action& action, const WorldPart& part,
+                            std::span<const double> v, double dt, std::span<double> Q) const {
+  const Body& body = *part.body;
+  const auto x = action.points.positions();
+  std::vector<std::int32_t> source(x.size());
+  for (std::size_t i = 0; i < source.size(); ++i) source[i] = action.points.source(i);
+  std::unique_ptr<Map> map;
+  body.make_map(part.index, x, source, map);
+  std::vector<Vec3> u(x.size());
+  map->velocity(v, u);
+  std::vector<Vec3f> shown(body.display().vertices);
+  body.display_positions(shown);
+  const Display& display = body.display();
+  AppliedForce::Wind wind = *given.wind;
+  wind.velocity *= scale;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Triangle& t = display.triangles[i];
+    const Vec3 a = shown[t[0]].cast<double>(), b = shown[t[1]].cast<double>(), c = shown[t[2]].cast<double>();
+    Vec3 facing = 0.5 * (b - a).cross(c - a);
+    const Vec3 air = wind.velocity - u[i];
+    // Air pushes what faces it: both sides of a sheet, of a closed surface its windward side.
+    const double into = facing.dot(air);
+    if (display.two_sided)
+      facing = into < 0.0 ? Vec3(-facing) : facing;
+    else
+      facing = into < 0.0 ? Vec3(-facing) : Vec3(Vec3::Zero());
+    double slope = 0.0;
+    const Vec3 f = air_force(wind, air, facing, slope);
+    // No more than what brings light matter to the air's speed.
+    const double mass = part.info.areal_mass * facing.norm();
+    u[i] = mass > 0.0 ? Vec3(f / (1.0 + dt * slope / mass)) : f;
+  }
+  map->add_force(u, Q);
+}
+
+std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Body>> bodies,
+                                              std::span<const WorldPart> parts, std::span<const double> q,
+                                              std::span<const std::size_t> first_q, std::span<const double> v,
+                                              std::span<const std::size_t> first_v, const Environment& env, double time,
+                                              double dt, std::span<const double> base) {
+  (void)env;
+  gravity_scale_.resize(gravity_scale_.empty() ? 0 : bodies.size(), 1.0);
+  impulse_.assign(base.begin(), base.end());
+  impulse_.resize(first_v.back(), 0.0);
+  std::vector<double> motion, image;
+  for (Entry& e : entries_) {
+    const AppliedForce& given = e.given;
+    const double scale = at_time(given.scale, time);
+    for (Action& action : e.actions) {
+      const auto b = static_cast<std::size_t>(action.body);
+      const Body& body = *bodies[b];
+      const std::size_t n = first_v[b + 1] - first_v[b];
+      const auto vb = v.subspan(first_v[b], n), qb = q.subspan(first_q[b], first_q[b + 1] - first_q[b]);
+      const auto out = std::span(impulse_).subspan(first_v[b], n);
+      const auto add = [&](double factor) {
+        for (std::size_t i = 0; i < n; ++i) out[i] += factor * image[i];
+      };
+      if (given.damping > 0.0) {
+        image.assign(n, 0.0);
+        body.apply_mass(vb, image);
+        add(-(1.0 - std::exp(-given.damping * dt)));
+      }
+      if (action.points.size() > 0) {
+        const WorldPart& part = parts[static_cast<std::size_t>(action.part)];
+        action.points.follow(part, qb);
+        image.assign(n, 0.0);
+        if (given.wind) {
+          add_wind(given, scale, action, part, vb, dt, image);
+          add(dt);
+        } else {
+          const auto x = action.points.positions();
+          std::vector<std::int32_t> source(x.size());
+          for (std::size_t i = 0; i < source.size(); ++i) source[i] = action.points.source(i);
+          std::unique_ptr<Map> map;
+          body.make_map(part.index, x, source, map);
+          const std::vector<Vec3> f(x.size(), given.force / static_cast<double>(x.size()));
+          map->add_force(f, image);
+          add(scale * dt);
+        }
+      }
+      Vec3 uniform = given.acceleration;
+      if (action.points.size() == 0 || given.wind) uniform += given.force / body.mass();
+      if (given.attractor && has_nodes(body)) {
+        motion.assign(n, 0.0);
+        for (std::size_t i = 0; i < n; i += 3)
+          Eigen::Map<Vec3>(motion.data() + i) = pull_at(*given.attractor, Eigen::Map<const Vec3>(qb.data() + i));
+        image.assign(n, 0.0);
+        body.apply_mass(motion, image);
+        add(scale * dt);
+      }
+      const bool by_middle = given.attractor && !has_nodes(body);
+      if (uniform == Vec3::Zero() && given.torque == Vec3::Zero() && !by_middle) continue;
+      motion.assign(n, 0.0), image.assign(n, 0.0);
+      // The middle of the mass: p × F of a uniform field is m c × a.
+      std::array<Vec3, 3> moment;
+      const double m = body.mass();
+      for (int a = 0; a < 3; ++a) {
+        if (!body.rigid_motion(Vec3::Unit(a), Vec3::Zero(), motion)) break;
+        moment[a] = body.angular_momentum(motion);
+      }
+      const Vec3 center(moment[1].z() / m, moment[2].x() / m, moment[0].y() / m);
+      if (by_middle) uniform += pull_at(*given.attractor, center);
+      if (uniform != Vec3::Zero()) {
+        if (!body.rigid_motion(uniform, Vec3::Zero(), motion))
+          for (std::size_t i = 0; i < n; ++i) motion[i] = uniform[static_cast<int>(i % 3)];
+        body.apply_mass(motion, image);
+        add(scale * dt);
+      }
+      if (given.torque == Vec3::Zero()) continue;
+      // I α = T with I from the momenta of the three rotations about the middle.
+      Mat3 inertia;
+      for (int a = 0; a < 3; ++a) {
+        const Vec3 w = Vec3::Unit(a);
+        body.rigid_motion(-w.cross(center), w, motion);
+        inertia.col(a) = body.angular_momentum(motion) - center.cross(body.linear_momentum(motion));
+      }
+      const Vec3 alpha = inertia.ldlt().solve(given.torque);
+      body.rigid_motion(-alpha.cross(center), alpha, motion);
+      image.assign(n, 0.0);
+      body.apply_mass(motion, image);
+      add(scale * dt);
+    }
+  }
+  return impulse_;
+}
+
+}  // namespace brim

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "brim/body/body.h"
+
+namespace brim {
+
+/// What links to space hold to: a body without coordinates, matter or a surface, which never moves. A world that has
+/// such links keeps one behind all its bodies, where nobody sees it.
+class Space : public Body {
+ public:
+  Space() { set_name("(space)"); }
+  std::string_view kind() const override { return "space"; }
+  std::size_t q_size() const override { return 0; }
+  std::size_t v_size() const override { return 0; }
+  void initial_state(std::span<double>, std::span<double>) const override {}
+  void update(double, std::span<const double>, std::span<const double>) override {}
+  void advance(double, std::span<double>, std::span<const double>) const override {}
+  void add_forces(const Environment&, std::span<double>) const override {}
+  void apply_mass(std::span<const double>, std::span<double>) const override {}
+  void apply_system(std::span<const double>, std::span<double>) const override {}
+  std::vector<int> block_sizes() const override { return {}; }
+  void add_system_diagonal(std::size_t, BlockDiagonal&) const override {}
+  PartInfo part(int) const override { return {}; }
+  bool immobile() const override { return true; }
+  Aabb bounds(int) const override { return {}; }
+  Vec3 carrier_velocity(int, std::span<const double>) const override { return Vec3::Zero(); }
+  double relative_speed_bound(int, std::span<const double>) const override { return 0.0; }
+  void presence(int, double, double, const Aabb&, std::vector<TileKey>&) const override {}
+  void rasterize(int, double, double, std::span<const TileKey>, std::span<DensityBlock>) const override {}
+  void make_map(int, std::span<const Vec3> points, std::span<const std::int32_t>,
+                std::unique_ptr<Map>& map) const override;
+  void precondition(std::size_t, const BlockDiagonal&, std::span<const double>, std::span<double>) const override {}
+  double mass() const override { return std::numeric_limits<double>::infinity(); }
+  double kinetic_energy(std::span<const double>) const override { return 0.0; }
+  double potential_energy(const Environment&) const override { return 0.0; }
+  Vec3 linear_momentum(std::span<const double>) const override { return Vec3::Zero(); }
+  Vec3 angular_momentum(std::span<const double>) const override { return Vec3::Zero(); }
+  const Display& display() const override { return display_; }
+  void display_positions(std::span<Vec3f>) const override {}
+
+ private:
+  Display display_;
+};
+
+}  // namespace brim

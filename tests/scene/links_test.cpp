@@ -1,0 +1,184 @@
+#include "brim/scene/links.h"
+
+#include <gtest/gtest.h>
+
+#include "brim/core/error.h"
+#include "brim/scene/pairs/pair_table.h"
+#include "brim/scene/scene.h"
+#include "brim/world/world.h"
+
+/// Attachments and forces on bodies of every kind, and what scenes say of them.
+namespace brim {
+namespace {
+
+bool fluid(const PairKind& k) { return k.name.find("fluid") != std::string::npos; }
+/// The table's contacts are softer than its bodies, which it says; nothing else may be wrong.
+void expect_no_warnings(const StepReport& r, const std::string& what) {
+  for (const Warning& w : r.warnings)
+    if (w.code != "soft_contact") ADD_FAILURE() << what << ": " << w.message;
+}
+
+bool fixed(const PairKind& k) { return k.name == "plane" || k.name == "mesh"; }
+
+std::string message(const std::string& text) {
+  try {
+    build_world(parse_scene(text));
+    return "";
+  } catch (const InputError& e) {
+    return e.what();
+  }
+}
+
+TEST(LinkScenes, EveryKindHoldsToEveryOtherKindWithoutLosingMomentum) {
+  PairTable table = standard_pairs();
+  table.drop.speed = 0.5;
+  for (const PairKind& lower : table.kinds)
+    for (const PairKind& upper : table.kinds) {
+      if (fluid(lower) || fluid(upper) || fixed(upper)) continue;
+      Json scene = Json::parse(pair_scene_text(table, lower, upper));
+      const double touch = lower.highest + 0.5 * table.drop.gap;
+      const double at = upper.name == "rod" || upper.name == "points" ? 0.03 : 0.0;
+      scene["attachments"] = {{{"name", "link"},
+                               {"body", "upper"},
+                               {"to", "lower"},
+                               {"point", {0.013 + at, 0.021, touch}},
+                               {"stiffness", 300},
+                               {"touch", false}}};
+      const std::string what = upper.name + " on " + lower.name;
+      try {
+        World w = build_world(parse_scene(scene.dump()));
+        const Vec3 before = w.body(0).linear_momentum(w.v(0)) + w.body(1).linear_momentum(w.v(1));
+        double scale = before.norm();
+        for (int s = 0; s < 12; ++s) {
+          const StepReport r = w.step();
+          ASSERT_TRUE(r.ok) << what;
+          ASSERT_EQ(r.links.size(), 1u) << what;
+          // What the maps of each kind can do, as contact has it.
+          EXPECT_LT(r.momentum_error, std::max({1e-12, upper.linear, lower.linear})) << what;
+          EXPECT_LT(r.angular_error, upper.lever + lower.lever > 0.0 || upper.name == "soft_image" ? 1.0 : 1e-9)
+              << what;
+          EXPECT_TRUE(std::isfinite(r.links[0].error)) << what;
+          EXPECT_LT(r.links[0].error, 0.1) << what;
+          expect_no_warnings(r, what);
+        }
+        EXPECT_GT(w.step().links[0].force.norm(), 0.0) << what;
+        if (fixed(lower)) continue;
+        const Vec3 after = w.body(0).linear_momentum(w.v(0)) + w.body(1).linear_momentum(w.v(1));
+        EXPECT_LT((after - before).norm(), 1e-9 * scale) << what;
+      } catch (const InputError& e) {
+        ADD_FAILURE() << what << ": " << e.what();
+      }
+    }
+}
+
+TEST(LinkScenes, EveryKindHangsRigidlyFromSpace) {
+  PairTable table = standard_pairs();
+  for (const PairKind& upper : table.kinds) {
+    if (fluid(upper) || fixed(upper)) continue;
+    Json scene = Json::parse(pair_scene_text(table, table.find("plane"), upper));
+    scene["world"]["gravity"] = {0, 0, -9.81};
+    scene["bodies"][1].erase("velocity");
+    scene["bodies"][0]["transform"] = {{"position", {0, 0, -5}}};
+    scene["attachments"] = {{{"name", "pin"}, {"body", "upper"}, {"point", {0.013, 0.021, 0.03 - upper.lowest}}}};
+    World w = build_world(parse_scene(scene.dump()));
+    Vec3 force = Vec3::Zero();
+    double worst = 0.0;
+    for (int s = 0; s < 60; ++s) {
+      const StepReport r = w.step();
+      ASSERT_TRUE(r.ok) << upper.name;
+      expect_no_warnings(r, upper.name);
+      worst = std::max(worst, r.links[0].error);
+      force = r.links[0].force;
+    }
+    // The links of the chain swing: what a turn leaves in a step is of second order.
+    EXPECT_LT(worst, upper.name == "articulated" ? 3e-4 : 1e-5) << upper.name;
+    EXPECT_GT(force.z(), 0.0) << upper.name;
+  }
+}
+
+TEST(LinkScenes, FluidsAreRefused) {
+  PairTable table = standard_pairs();
+  for (const char* kind : {"particle_fluid", "grid_fluid"}) {
+    Json scene = Json::parse(pair_scene_text(table, table.find("plane"), table.find(kind)));
+    scene["attachments"] = {{{"name", "pin"}, {"body", "upper"}, {"point", {0, 0, 0.1}}}};
+    EXPECT_NE(message(scene.dump()).find("no points that a link can hold"), std::string::npos) << message(scene.dump());
+  }
+}
+
+TEST(LinkScenes, GravityScalesForEveryKind) {
+  PairTable table = standard_pairs();
+  for (const PairKind& upper : table.kinds) {
+    if (fixed(upper)) continue;
+    Json scene = Json::parse(pair_scene_text(table, table.find("plane"), upper));
+    scene["world"]["gravity"] = {0, 0, -9.81};
+    scene["bodies"][0]["transform"] = {{"position", {0, 0, -5}}};
+    scene["bodies"][1].erase("velocity");
+    scene["forces"] = {{{"name", "float"}, {"bodies", {"up*"}}, {"gravity_scale", 0.5}}};
+    World w = build_world(parse_scene(scene.dump()));
+    for (int s = 0; s < 10; ++s) ASSERT_TRUE(w.step().ok) << upper.name;
+    const double v = w.body(1).linear_momentum(w.v(1)).z() / w.body(1).mass();
+    EXPECT_NEAR(v, -0.5 * 9.81 * w.state().time, 0.02 * 9.81 * w.state().time) << upper.name;
+  }
+}
+
+TEST(LinkScenes, ForcesAndTorquesOfABodyAreWhatItsMomentaGain) {
+  PairTable table = standard_pairs();
+  for (const PairKind& upper : table.kinds) {
+    if (fixed(upper) || upper.name == "grid_fluid") continue;
+    Json scene = Json::parse(pair_scene_text(table, table.find("plane"), upper));
+    scene["bodies"][0]["transform"] = {{"position", {0, 0, -5}}};
+    scene["bodies"][1].erase("velocity");
+    scene["forces"] = {{{"name", "push"}, {"bodies", {"upper"}}, {"force", {1, 2, 3}}, {"torque", {0, 0, 0.05}}}};
+    World w = build_world(parse_scene(scene.dump()));
+    ASSERT_TRUE(w.step().ok) << upper.name;
+    const double t = w.state().time;
+    const Vec3 p = w.body(1).linear_momentum(w.v(1));
+    EXPECT_LT((p - t * Vec3(1, 2, 3)).norm(), 1e-6 * t) << upper.name;
+    const double m = w.body(1).mass();
+    std::vector<double> motion(w.body(1).v_size());
+    if (!w.body(1).rigid_motion(Vec3::UnitX(), Vec3::Zero(), motion)) continue;
+    const double z = w.body(1).angular_momentum(motion).y() / m;
+    w.body(1).rigid_motion(Vec3::UnitY(), Vec3::Zero(), motion);
+    const double x = w.body(1).angular_momentum(motion).z() / m;
+    w.body(1).rigid_motion(Vec3::UnitZ(), Vec3::Zero(), motion);
+    const double y = w.body(1).angular_momentum(motion).x() / m;
+    const Vec3 spin = w.body(1).angular_momentum(w.v(1)) - Vec3(x, y, z).cross(p);
+    EXPECT_NEAR(spin.z(), 0.05 * t, 0.02 * 0.05 * t) << upper.name;
+  }
+}
+
+const char* kTwo = R"("brim": 1, "name": "two", "duration": 1, "bodies": [
+  {"kind": "rigid", "name": "a.b", "shape": {"kind": "sphere", "radius": 0.2}},
+  {"kind": "rigid", "name": "c", "shape": {"kind": "sphere", "radius": 0.2}, "transform": {"position": [0.3, 0, 0]}}])";
+
+TEST(LinkScenes, GroupsStandForTheirNamesInFilters) {
+  const std::string head = std::string("{") + kTwo + R"(, "world": {"gravity": [0, 0, 0]}, )";
+  EXPECT_GT(build_world(parse_scene(head + R"("filters": []})")).step().contacts, 0);
+  EXPECT_EQ(build_world(parse_scene(head + R"("groups": {"g": ["a*", "x"]}, "filters": [{"between": ["g", "c"]}]})"))
+                .step()
+                .contacts,
+            0);
+}
+
+TEST(LinkScenes, BadOnesAreRefusedWithTheirPlace) {
+  const std::string head = std::string("{") + kTwo + ", ";
+  const auto expect = [&](const std::string& keys, const std::vector<std::string>& words) {
+    const std::string text = message(head + keys + "}");
+    for (const std::string& word : words)
+      EXPECT_NE(text.find(word), std::string::npos) << keys << ": \"" << text << "\" lacks \"" << word << "\"";
+  };
+  expect(R"("attachments": [{"name": "x", "body": "d", "point": [0, 0, 0]}])",
+         {"/attachments/0", "\"d\" is not a body"});
+  expect(R"("attachments": [{"name": "x", "body": "c"}])", {"/attachments/0", "\"point\" or \"region\""});
+  expect(
+      R"("attachments": [{"name": "x", "body": "c", "point": [0, 0, 0], "to": "a.b", "keyframes": [{"time": 0}, {"time": 1}]}])",
+      {"/attachments/0/keyframes"});
+  expect(R"("attachments": [{"name": "x", "body": "c", "point": [0, 0, 0], "stiffness": -1}])", {"/stiffness"});
+  expect(R"("forces": [{"name": "x", "bodies": ["d"]}])", {"/forces/0", "no body"});
+  expect(R"("forces": [{"name": "x", "scale": [{"time": 1, "value": 1}, {"time": 1, "value": 2}]}])",
+         {"/scale/1/time"});
+  expect(R"("filters": [{"between": ["c"]}])", {"/filters/0/between"});
+}
+
+}  // namespace
+}  // namespace brim

@@ -1,0 +1,188 @@
+#include <gtest/gtest.h>
+
+#include "brim/core/error.h"
+#include "brim/world/attachment.h"
+#include "brim/world/links.h"
+#include "support/soft_worlds.h"
+
+/// Laws of joints between bodies (LinkJoint).
+namespace brim {
+namespace {
+
+using testing::box;
+using testing::options_at;
+using testing::position;
+using testing::run;
+using testing::spin;
+using testing::velocity;
+
+constexpr double kGravity = 9.81;
+
+WorldOptions floating(double time_step = 1.0 / 120.0) {
+  WorldOptions o = options_at(0.125);
+  o.environment.gravity = Vec3::Zero();
+  o.time_step = time_step;
+  return o;
+}
+
+Attachment joint(JointKind kind, std::string body, std::string to, const Vec3& x, const Vec3& axis = Vec3(0, 0, 1)) {
+  Attachment a;
+  a.name = "joint", a.body = std::move(body), a.to = std::move(to);
+  a.touch = false;
+  a.joint.emplace();
+  a.joint->kind = kind, a.joint->position = x, a.joint->axis = axis;
+  return a;
+}
+
+Quat rotation(const World& w, int b) { return Quat(w.q(b)[3], w.q(b)[4], w.q(b)[5], w.q(b)[6]); }
+
+TEST(LinkJoints, ADoorOnItsHingeSwingsWithThePeriodOfACompoundPendulum) {
+  WorldOptions o = options_at(0.125);
+  o.time_step = 1.0 / 240.0;
+  World w(o);
+  const double angle = 0.1, l = 1.0;
+  w.add(box("door", {l * Vec3(std::sin(angle), 0, -std::cos(angle)), rotation_from_vector(Vec3(0, -angle, 0))}));
+  w.attach(joint(JointKind::Revolute, "door", "", Vec3::Zero(), Vec3(0, 1, 0)));
+  const double period = 2.0 * std::numbers::pi * std::sqrt((l * l + 1.0 / 6.0) / (kGravity * l));
+  std::vector<double> crossings;
+  double swing = 0.0;
+  while (w.state().time < 1.2 * period) {
+    const double before = position(w, 0).x(), t = w.state().time;
+    const StepReport r = w.step();
+    swing = std::max(swing, std::abs(r.links[0].coordinate));
+    EXPECT_LT(r.links[0].error, 1e-4);
+    const double now = position(w, 0).x();
+    if ((before < 0.0) != (now < 0.0)) crossings.push_back(t + o.time_step * before / (before - now));
+  }
+  ASSERT_GE(crossings.size(), 2u);
+  EXPECT_NEAR(2.0 * (crossings[1] - crossings[0]), period, 0.01 * period);
+  EXPECT_NEAR(swing, 2.0 * angle, 0.02);
+  EXPECT_LT(std::abs(position(w, 0).y()), 1e-6);
+}
+
+TEST(LinkJoints, TwoBoxesThatAreFixedMoveAsOneAndKeepTheirMomentum) {
+  World w(floating());
+  w.add(box("a", {Vec3(0, 0, 0), Quat::Identity(), Vec3(1, 0, 0), Vec3(0, 0, 1)}));
+  w.add(box("b", {Vec3(1.2, 0, 0), Quat::Identity(), Vec3(0, 0.4, 0.2)}));
+  w.attach(joint(JointKind::Fixed, "a", "b", Vec3(0.6, 0, 0)));
+  const auto momentum = [&](auto f) { return Vec3(f(0) + f(1)); };
+  const auto linear = [&](int b) { return w.body(b).linear_momentum(w.v(b)); };
+  const auto angular = [&](int b) { return w.body(b).angular_momentum(w.v(b)); };
+  const Vec3 p = momentum(linear), L = momentum(angular);
+  for (int s = 0; s < 120; ++s) {
+    const StepReport r = w.step();
+    EXPECT_LT(r.momentum_error, 1e-12);
+    EXPECT_LT(r.angular_error, 1e-12);
+  }
+  EXPECT_LT((momentum(linear) - p).norm(), 1e-9 * p.norm());   // what the solve leaves
+  EXPECT_LT((momentum(angular) - L).norm(), 2e-3 * L.norm());  // positions move after velocities
+  const Vec3 between = rotation(w, 0).conjugate() * (position(w, 1) - position(w, 0));
+  EXPECT_LT((between - Vec3(1.2, 0, 0)).norm(), 1e-3);
+  EXPECT_LT(rotation(w, 0).angularDistance(rotation(w, 1)), 1e-3);
+}
+
+TEST(LinkJoints, ASlideLetsGoAlongItsAxisAndHoldsAcrossIt) {
+  World w(options_at(0.125));
+  w.add(box("box", {Vec3(0, 0, 0)}));
+  const Vec3 axis = Vec3(1, 0, -1).normalized();
+  w.attach(joint(JointKind::Prismatic, "box", "", Vec3(0.2, 0.1, 0), axis));
+  run(w, 1.0);
+  // Positions move by the velocities at the end of each of the 60 steps.
+  const double way = 0.5 * kGravity * std::sqrt(0.5) * (1.0 + 1.0 / 60.0);
+  EXPECT_NEAR(position(w, 0).dot(axis), way, 1e-3 * way);
+  EXPECT_LT((position(w, 0) - axis * axis.dot(position(w, 0))).norm(), 1e-4);
+  EXPECT_LT(rotation(w, 0).angularDistance(Quat::Identity()), 1e-4);
+  EXPECT_NEAR(w.step().links[0].coordinate, position(w, 0).dot(axis), 0.15);
+}
+
+TEST(LinkJoints, AMotorReachesItsVelocityAndItsReactionActsOnTheOther) {
+  World w(floating());
+  w.add(box("rotor", {Vec3(0, 0, 0)}));
+  w.add(box("stator", {Vec3(0, 0, 1.2)}));
+  Attachment a = joint(JointKind::Revolute, "rotor", "stator", Vec3(0, 0, 0.6));
+  a.joint->drive.damping = 1e4, a.joint->drive.target_velocity = 3.0;
+  w.attach(a);
+  run(w, 0.5);
+  EXPECT_NEAR(spin(w, 0).z() - spin(w, 1).z(), 3.0, 1e-3);
+  EXPECT_NEAR(spin(w, 0).z() + spin(w, 1).z(), 0.0, 1e-9);
+  w.set_drive(0, 0.0, -1.0);
+  run(w, 0.5);
+  EXPECT_NEAR(spin(w, 0).z() - spin(w, 1).z(), -1.0, 1e-3);
+}
+
+TEST(LinkJoints, APositionDriveGoesWhereItIsToldWithNoMoreThanItsForce) {
+  World w(floating());
+  w.add(box("arm", {Vec3(0, 0, 0)}));
+  Attachment a = joint(JointKind::Revolute, "arm", "", Vec3(0, 0, 0));
+  a.joint->drive.stiffness = 5e3, a.joint->drive.damping = 1500.0, a.joint->drive.target = 1.0;
+  a.joint->drive.force_limit = 200.0;
+  w.attach(a);
+  double most = 0.0;
+  StepReport r;
+  for (int s = 0; s < 600; ++s) {
+    r = w.step();
+    most = std::max(most, std::abs(r.links[0].effort));
+  }
+  EXPECT_LT(most, 250.0);  // the limit holds for the start of a step, as in articulated bodies
+  EXPECT_GT(most, 150.0);
+  EXPECT_NEAR(r.links[0].coordinate, 1.0, 1e-3);
+  EXPECT_NEAR(2.0 * std::atan2(rotation(w, 0).z(), rotation(w, 0).w()), 1.0, 1e-3);
+}
+
+TEST(LinkJoints, ALimitStopsATurnAndASlide) {
+  {
+    World w(options_at(0.125));
+    w.add(box("door", {Vec3(1, 0, 0)}));
+    Attachment a = joint(JointKind::Revolute, "door", "", Vec3::Zero(), Vec3(0, 1, 0));
+    a.joint->upper = 0.4, a.joint->lower = -0.2, a.joint->damping = 2000.0;
+    w.attach(a);
+    run(w, 4.0);
+    const StepReport r = w.step();
+    EXPECT_NEAR(r.links[0].coordinate, 0.4, 1e-3);
+    EXPECT_NEAR(r.links[0].effort, -1000.0 * kGravity * std::cos(0.4), 50.0);
+  }
+  World w(options_at(0.125));
+  w.add(box("box", {Vec3(0, 0, 0)}));
+  Attachment a = joint(JointKind::Prismatic, "box", "", Vec3::Zero());
+  a.joint->lower = -0.5;
+  w.attach(a);
+  run(w, 1.0);
+  EXPECT_NEAR(position(w, 0).z(), -0.5, 1e-3);
+}
+
+TEST(LinkJoints, ASoftBodyHangsOnAHingeOfARigidOne) {
+  WorldOptions o = options_at(0.1);
+  World w(o);
+  w.add(testing::jelly("jelly", 0.6, Vec3(0, 0, 1)));
+  w.add(testing::obstacle("wall", make_box(Vec3(0.2, 2, 2)), 0.5, Vec3(-0.2, 0.3, 1.3)));
+  Attachment a = joint(JointKind::Revolute, "jelly", "wall", Vec3(0.05, 0.3, 1.5), Vec3(0, 1, 0));
+  a.joint->span = 0.2;
+  w.attach(a);
+  StepReport r;
+  for (int s = 0; s < 120; ++s) {
+    r = w.step();
+    ASSERT_TRUE(r.ok);
+    EXPECT_LT(r.links[0].error, 1e-3);
+    EXPECT_LT(r.momentum_error, 1e-9);
+  }
+  EXPECT_GT(r.links[0].coordinate, 0.3);  // it swings down
+}
+
+TEST(LinkJoints, WhatCannotBeIsRefused) {
+  World w(floating());
+  w.add(box("box", {Vec3(0, 0, 0)}));
+  Attachment a = joint(JointKind::Ball, "box", "", Vec3::Zero());
+  a.joint->upper = 1.0;
+  EXPECT_THROW(w.attach(a), InputError);
+  a = joint(JointKind::Revolute, "box", "", Vec3::Zero(), Vec3::Zero());
+  EXPECT_THROW(w.attach(a), InputError);
+  a = joint(JointKind::Revolute, "box", "", Vec3::Zero());
+  a.point = Vec3::Zero();
+  EXPECT_THROW(w.attach(a), InputError);
+  a.point.reset();
+  w.attach(a);
+  EXPECT_THROW(w.set_drive(0, 1.0, 0.0), InputError);
+}
+
+}  // namespace
+}  // namespace brim
