@@ -86,7 +86,7 @@ struct ContactSet {
 
   std::size_t size() const { return node.size(); }
   /// The first link, and the first pair of links.
-  std::size_t first_link() const { return size() - link_point_b.size(); }
+  std::size_t first_link() const { return point.size() - link_point_b.size(); }
   std::size_t first_link_pair() const { return pairs.size() - link_pairs; }
   /// Where the force acts on side b, [m].
   const Vec3& point_b(std::size_t c) const { return c < first_link() ? point[c] : link_point_b[c - first_link()]; }

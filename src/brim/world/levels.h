@@ -44,7 +44,7 @@ class Levels {
  public:
   bool on() const { return !level_.empty(); }
   bool average() const { return options_.average; }
-  int level(std::size_t body) const { return on() ? level_[body] : 0; }
+  int level(std::size_t body) const { return body < level_.size() ? level_[body] : 0; }
 
   /// Takes what memory holds of it, and removes it there; without any, all levels are 0. @param bodies  of the world
   void take(std::vector<double>& memory, std::span<const std::unique_ptr<Body>> bodies);

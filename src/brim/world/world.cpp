@@ -174,7 +174,7 @@ Links::Side World::Impl::side_of(int body) {
 }
 
 void World::Impl::take_memory() {
-  levels.take(state.memory, bodies);
+  levels.take(state.memory, std::span(bodies).first(count()));
   links.take(state.memory);
   sleep.take(state.memory);
 }
