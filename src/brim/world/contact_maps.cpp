@@ -44,6 +44,7 @@ void ContactMaps::build(std::span<const WorldPart> parts, const ContactSet& cont
     s.begin = count[p];
     s.end = count[p + 1];
     s.movable = !parts[p].body->immobile();
+    if (s.of != parts[p].body) s.map.reset(), s.of = parts[p].body;
     s.body = parts[p].body_index;
     s.first_v = first_v[s.body];
     s.v_size = first_v[s.body + 1] - s.first_v;

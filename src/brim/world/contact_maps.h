@@ -85,6 +85,7 @@ class ContactMaps {
     std::size_t first_v = 0, v_size = 0;
     std::int32_t body = 0;
     std::unique_ptr<Map> map;
+    const Body* of = nullptr;  ///< whose map it is: a part that is added may take the place of another
   };
   /// Calls f(side) for every movable side with contacts; sides of one body in order on one thread, as they share Q.
   template <class F>
