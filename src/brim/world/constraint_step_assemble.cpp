@@ -191,6 +191,7 @@ void ConstraintStep::assemble() {
   for (std::size_t b = 0; b < bodies_.size(); ++b)
     first_mode_.push_back(first_mode_.back() + static_cast<std::size_t>(inverses_.modes(b)));
   sweep_.clear();
+  if (map_.size() != parts_.size()) map_.clear();  // a part that is added may take the place of another
   map_.resize(parts_.size());
   direct_.begin(bodies_.size(), first_mode_.back());
   const ContactSet& points = rows_.points();
