@@ -55,7 +55,7 @@ def draw(data, out):
                label="a quarter of the step")
     above.set_ylabel("time of a frame [s]")
     above.set_title(f"{data['scene']}: detection and modelling {detection:.0%} of the time in steps, with the response and "
-                    f"its part of the solve {contact:.0%}", fontsize=8)
+                    f"its part of the solve {contact:.0%}", fontsize=8, loc="left")
     handles, labels = above.get_legend_handles_labels()
     above.legend(handles[::-1], labels[::-1], loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
