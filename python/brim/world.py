@@ -141,11 +141,7 @@ class World:
 
         @raises InputError for what a scene file could not say either; nothing is added then
         """
-        entry = {"name": keys.pop("name", None) or f"attachment_{len(self._core.attachment_names()) + 1}",
-                 "body": _name(body), **keys}
-        if to is not None:
-            entry["to"] = _name(to)
-        return Attachment(self, self._core.wire("attachments", entry))
+        return self._wire("attachments", "attachment", body, to, keys)
 
     def joint(self, body: Body | str, to: Body | str | None = None, **keys: Any) -> Attachment:
         """Joins a body to another body, or to space where `to` is None, as they are now.
@@ -155,11 +151,14 @@ class World:
 
         @raises InputError for what a scene file could not say either; nothing is added then
         """
-        entry = {"name": keys.pop("name", None) or f"joint_{len(self._core.attachment_names()) + 1}",
+        return self._wire("joints", "joint", body, to, keys)
+
+    def _wire(self, section: str, stem: str, body: Body | str, to: Body | str | None, keys: dict[str, Any]) -> Attachment:
+        entry = {"name": keys.pop("name", None) or f"{stem}_{len(self._core.attachment_names()) + 1}",
                  "body": _name(body), **keys}
         if to is not None:
             entry["to"] = _name(to)
-        return Attachment(self, self._core.wire("joints", entry))
+        return Attachment(self, self._core.wire(section, entry))
 
     @property
     def attachments(self) -> list[Attachment]:

@@ -2,6 +2,7 @@
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "brim/map/picked_rows.h"
 #include "brim/map/reuse_map.h"
 
 namespace brim {
@@ -38,10 +39,7 @@ const RowShares<LeverWeightsMap::Share>& LeverWeightsMap::by_particle() const {
 bool LeverWeightsMap::select(std::span<const std::uint32_t> rows, std::unique_ptr<Map>& out) const {
   auto& map = reuse_map<LeverWeightsMap>(out);
   map.particles_ = particles_;
-  map.row_start_.resize(rows.size() + 1);
-  map.row_start_[0] = 0;
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    map.row_start_[i + 1] = map.row_start_[i] + row_start_[rows[i] + 1] - row_start_[rows[i]];
+  pick_row_starts(row_start_, rows, map.row_start_);
   const auto entries = static_cast<std::size_t>(map.row_start_.back());
   map.particle_.resize(entries), map.weight_.resize(entries), map.lever_.resize(entries);
   map.direction_.resize(rows.size());

@@ -2,6 +2,7 @@
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "brim/map/picked_rows.h"
 #include "brim/map/reuse_map.h"
 
 namespace brim {
@@ -74,10 +75,7 @@ void PointWeightsMap::add_force(std::span<const Vec3> f, std::span<double> Q) co
 bool PointWeightsMap::select(std::span<const std::uint32_t> rows, std::unique_ptr<Map>& out) const {
   auto& map = reuse_map<PointWeightsMap>(out);
   map.particles_ = particles_;
-  map.row_start_.resize(rows.size() + 1);
-  map.row_start_[0] = 0;
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    map.row_start_[i + 1] = map.row_start_[i] + row_start_[rows[i] + 1] - row_start_[rows[i]];
+  pick_row_starts(row_start_, rows, map.row_start_);
   map.particle_.resize(static_cast<std::size_t>(map.row_start_.back())), map.weight_.resize(map.particle_.size());
   parallel_blocks(rows.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {

@@ -47,13 +47,21 @@ std::vector<TouchRule> read_filter(const Node& filter, const Json* groups) {
   return rules;
 }
 
-Attachment read_attachment(const Node& n) {
+/// What attachments and joints have in common.
+Attachment read_sides(const Node& n) {
   Attachment a;
   a.name = n.string("name");
   a.body = n.string("body");
   if (n.has("to")) a.to = n.string("to");
   if (n.has("part")) a.part = static_cast<int>(n.integer("part"));
   if (n.has("to_part")) a.to_part = static_cast<int>(n.integer("to_part"));
+  if (n.has("break_force")) a.break_force = n.number("break_force");
+  a.touch = n.boolean("touch");
+  return a;
+}
+
+Attachment read_attachment(const Node& n) {
+  Attachment a = read_sides(n);
   if (n.has("point") == n.has("region")) throw n.error("give either \"point\" or \"region\": what of the body is held");
   if (n.has("point")) a.point = n.vec3("point");
   if (n.has("region")) a.region = read_region(n.at("region"));
@@ -69,20 +77,11 @@ Attachment read_attachment(const Node& n) {
   a.damping = n.number("damping");
   if (n.has("length")) a.length = n.number("length");
   a.pulls_only = n.boolean("pulls_only");
-  if (n.has("break_force")) a.break_force = n.number("break_force");
-  a.touch = n.boolean("touch");
   return a;
 }
 
 Attachment read_joint(const Node& n) {
-  Attachment a;
-  a.name = n.string("name");
-  a.body = n.string("body");
-  if (n.has("to")) a.to = n.string("to");
-  if (n.has("part")) a.part = static_cast<int>(n.integer("part"));
-  if (n.has("to_part")) a.to_part = static_cast<int>(n.integer("to_part"));
-  if (n.has("break_force")) a.break_force = n.number("break_force");
-  a.touch = n.boolean("touch");
+  Attachment a = read_sides(n);
   LinkJoint j;
   const std::string kind = n.string("kind");
   j.kind = kind == "fixed"      ? JointKind::Fixed
