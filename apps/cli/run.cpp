@@ -8,6 +8,7 @@
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
+#include "brim/record/run_folder.h"
 #include "brim/record/runner.h"
 #include "brim/scene/scene.h"
 #include "commands.h"

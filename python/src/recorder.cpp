@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "brim/core/parallel.h"
+#include "brim/record/run_folder.h"
 
 namespace brim::python {
 

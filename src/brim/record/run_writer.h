@@ -19,13 +19,6 @@ struct RunInfo {
   std::string scene_path{};  ///< absolute, of the file it was read from; paths in a scene start from its folder
 };
 
-/// Looks whether `folder` may become a run folder: it must not exist, be empty, or (with force) hold an old run.
-/// Touches nothing. @throws InputError
-void check_run_folder(const std::string& folder, bool force);
-
-/// Takes the files of a run out of a folder; others stay.
-void remove_run_files(const std::string& folder);
-
 /// Records a run into a folder: run.h5, run.xdmf and scene.json (docs/formats.md). The file can be read while it grows,
 /// and after the process was killed holds every frame up to the last flush, at most a second old.
 /// Tests: tests/record/run_test.cpp
@@ -52,8 +45,5 @@ class RunWriter {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-/// Writes a file so that it appears whole or not at all. @throws InputError
-void write_whole(const std::string& path, const std::string& text);
 
 }  // namespace brim

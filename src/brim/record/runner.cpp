@@ -10,6 +10,7 @@
 #include "brim/core/parallel.h"
 #include "brim/record/folder_lock.h"
 #include "brim/record/h5.h"
+#include "brim/record/run_folder.h"
 #include "brim/record/run_layout.h"
 #include "brim/record/scene_change.h"
 #include "brim/record/upgrade_run.h"

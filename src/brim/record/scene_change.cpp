@@ -7,7 +7,7 @@
 
 #include "brim/core/error.h"
 #include "brim/io/regular_file.h"
-#include "brim/record/run_writer.h"
+#include "brim/record/run_folder.h"
 
 namespace brim {
 

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <vector>
+
+#include "brim/record/ragged_list.h"
+#include "brim/record/run_tables.h"
+#include "brim/record/xdmf.h"
+#include "brim/world/world.h"
+
+namespace brim {
+
+/// What a run shows of its bodies, frame by frame: poses of rigid pieces, positions of vertices, surfaces that are
+/// another one in every frame, and which bodies have never moved (docs/formats.md).
+/// Tests: tests/record/run_test.cpp
+class FrameDisplay {
+ public:
+  FrameDisplay() = default;
+  /// @param tables  must outlive this
+  FrameDisplay(h5::File& file, const RunTables& tables, bool create);
+
+  void add(const World& world);
+  /// Drops all frames from `frames` on.
+  void cut(std::uint64_t frames);
+  void flush();
+  /// What run.xdmf says of the bodies, up to the last frame.
+  const XdmfModel& xdmf() const { return xdmf_; }
+
+ private:
+  /// The surface of a body that is another one in every frame.
+  struct Surface {
+    std::size_t body = 0;
+    std::size_t item = 0;  ///< of xdmf_.bodies
+    RaggedList vertices, triangles;
+  };
+  /// Where every rigid piece and vertex is in a frame.
+  struct Row {
+    std::vector<double> rotation, translation;
+    std::vector<Vec3f> positions;
+  };
+
+  void describe_xdmf();
+  void place(const World& world);
+  void add_surfaces(const World& world);
+  void watch_still();
+
+  const RunTables* tables_ = nullptr;
+  Column rotation_, translation_, positions_;
+  std::vector<Surface> surfaces_;
+  h5::Dataset still_set_;
+  std::vector<std::int64_t> still_;  ///< of each body: 1 until its display differs from the first
+  bool still_changed_ = false;
+  bool empty_ = true;
+  Row row_, first_;
+  std::vector<Vec3f> vertices_;
+  std::vector<Triangle> corners_;
+  XdmfModel xdmf_;
+};
+
+}  // namespace brim
