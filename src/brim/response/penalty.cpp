@@ -18,6 +18,9 @@ constexpr double kTellingFriction = 0.02;
 /// Slip, over the speed at the start of a step, below which it counts as none: less would only spoil the solve's
 /// condition.
 constexpr double kStick = 1e-4;
+/// Mean slip of a patch, over the one below which friction is viscous, that a deforming part is taken to stick at first
+/// in spite of: between two steps nodes of the grid change, and with them what they see.
+constexpr double kNearlyStuck = 40.0;
 /// [m/s] no speed at all.
 constexpr double kNone = 1e-300;
 /// Least share of a pair's mass that friction can feel, as its inverse: 3.5 of a ball that slides.
@@ -69,19 +72,29 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
   // Friction starts from the loads at the start of the step; a node before overlap acts when it will overlap.
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
-    const double slack = 1.5 * options.slack / pair.w;
     // Where nothing has weight, what sticks does so to a share of the speed at which it came.
     Vec3 speed = Vec3::Zero();
-    for (std::size_t c = pair.begin; c < pair.end; ++c) speed += relative_[c];
+    bool touching = false;
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      speed += relative_[c];
+      touching = touching || contacts.overlap[c] > 0.0;
+    }
     const auto count = static_cast<double>(std::max<std::size_t>(1, pair.end - pair.begin));
     slip_[p] = {};
     slip_[p].stick = std::max(options.friction_speed, kStick * speed.norm() / count);
+    // A patch that overlaps already is held by it: the gap before it closes only as far as the rate says.
+    const bool deforms = !pairs[p].rigid;
+    const double slack = touching && deforms ? 0.0 : 1.5 * options.slack / pair.w;
+    double load = 0.0, slip = 0.0;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const double after = contacts.overlap[c] - lead_[c] * rate_[c];
       active_[c] = pairs[p].filled || (scale_[c] > 0.0 && (contacts.overlap[c] > 0.0 || after + slack > 0.0));
       load_[c] = scale_[c] * after;
-      set_friction(c, load_[c], slip_after(c, {}), slip_[p].stick);
+      load += std::max(0.0, load_[c]), slip += std::max(0.0, load_[c]) * slip_after(c, {}).norm();
     }
+    const bool stuck = deforms && slip < kNearlyStuck * slip_[p].stick * load;
+    for (std::size_t c = pair.begin; c < pair.end; ++c)
+      set_friction(c, load_[c], stuck ? Vec3::Zero() : slip_after(c, {}), slip_[p].stick);
     inverse_mass_[p] = pairs[p].inverse_mass, rigid_[p] = pairs[p].rigid;
     fixed_[p] = pairs[p].fixed;
     filled_[p] = pairs[p].filled;
@@ -273,9 +286,9 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
   std::vector<double> change(contacts.pairs.size(), 0.0), total(contacts.pairs.size(), 0.0);
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
-    // Nodes that pull are let go; until the next solve they still carry part of the net load, so friction is scaled
-    // to the net.
-    double net = 0.0, push = 0.0;
+    // Nodes that pull are let go; until the next solve they still carry part of the net load, and those that come will
+    // share it, so friction is scaled to the net.
+    double net = 0.0, push = 0.0, come = 0.0;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const Vec3& n = normal_[c];
       const bool was_active = active_[c];
@@ -291,9 +304,10 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
       else if (load_[c] < 0.0 && separation > options_.release_speed)
         active_[c] = 0;
       if (was_active != static_cast<bool>(active_[c])) change[p] += std::abs(load_[c]);
+      if (!was_active && active_[c]) come += load_[c];
     }
     total[p] = push;
-    const double share = push > 0.0 ? std::max(0.0, net) / push : 1.0;
+    const double share = push > 0.0 ? std::max(0.0, net) / (push + come) : 1.0;
     const SlipForecast next = expected_slip(pair, p, delta, share);
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const Vec3 slip = slip_after(c, delta);

@@ -205,7 +205,6 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   bool settled = contacts > 0 && response.settled(), near = false;
   double scale = 0.0;  // of the first pass, for all
   for (int pass = 0; pass < passes; ++pass) {
-    diagonal_ = bodies_diagonal_;
     rhs_ = internal_;
     if (contacts > 0) {
       const ScopedSeconds contact_timer(contact_seconds);
@@ -215,17 +214,24 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
       fill.add_right_hand_side(contact_force_);
       for (Vec3& f : contact_force_) f *= dt;
       acting_.add_forces(contact_force_, rhs_);
-      acting_.add_block_diagonal([&](std::size_t c) { return response.block(c); }, first_block_, diagonal_);
     }
-    parallel_for(bodies.size(), [&](std::size_t b) {
-      if (!asleep(b)) bodies[b]->prepare_preconditioner(first_block_[b], diagonal_);
-    });
-    diagonal_.factor();
-    if (contacts > 0) {
-      const ScopedSeconds contact_timer(contact_seconds);
-      factor_contacts(response, pass == 0);
-      const ProfileScope scope("coarse modes, factored");
-      coarse = !whole && modes_.factor(contact_set, response);
+    // Loads that have settled leave the preconditioner as good as it was; the inverse of a rigid system must be exact.
+    if (pass == 0 || !settled || whole) {
+      diagonal_ = bodies_diagonal_;
+      if (contacts > 0) {
+        const ScopedSeconds contact_timer(contact_seconds);
+        acting_.add_block_diagonal([&](std::size_t c) { return response.block(c); }, first_block_, diagonal_);
+      }
+      parallel_for(bodies.size(), [&](std::size_t b) {
+        if (!asleep(b)) bodies[b]->prepare_preconditioner(first_block_[b], diagonal_);
+      });
+      diagonal_.factor();
+      if (contacts > 0) {
+        const ScopedSeconds contact_timer(contact_seconds);
+        factor_contacts(response, pass == 0);
+        const ProfileScope scope("coarse modes, factored");
+        coarse = !whole && modes_.factor(contact_set, response);
+      }
     }
     // What only tells which contacts let go and how friction is loaded is solved less sharply than what is kept.
     const bool kept = settled || pass + 1 == passes;
