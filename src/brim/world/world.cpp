@@ -21,6 +21,7 @@ World::World(WorldOptions options) : impl_(std::make_unique<Impl>()) {
        options.max_motion_voxels > 0.0 && options.max_motion_voxels <= 2.0);
   need("max_substeps", options.max_substeps, options.max_substeps >= 1);
   need("cg_tolerance", options.cg_tolerance, options.cg_tolerance > 0.0 && options.cg_tolerance < 1.0);
+  impl_->given = options;
   impl_->options = std::move(options);
   for (const TouchRule& rule : impl_->options.touch_rules) impl_->rules.add(rule);
 }
@@ -44,6 +45,7 @@ int World::add(std::unique_ptr<Body> body) {
   w.append(std::move(body), q0, v0);
   if (space) w.show_space();
   w.started = false;
+  w.show_whole();
   return static_cast<int>(w.count()) - 1;
 }
 
@@ -59,6 +61,7 @@ void World::Impl::append(std::unique_ptr<Body> body, std::span<const double> q0,
 
 void World::Impl::take_memory() {
   levels.take(state.memory, std::span(bodies).first(count()));
+  edits.take(state.memory, static_cast<int>(count()));
   links.take(state.memory);
   sleep.take(state.memory);
 }
@@ -66,37 +69,53 @@ void World::Impl::take_memory() {
 void World::Impl::keep_memory() {
   sleep.keep(state.memory);
   links.keep(state.memory);
+  edits.keep(state.memory);
   levels.keep(state.memory);
+  show_whole();
 }
 
 int World::body_count() const { return static_cast<int>(impl_->count()); }
-const Body& World::body(int b) const { return *impl_->bodies.at(b); }
+const Body& World::body(int b) const { return impl_->own(static_cast<std::size_t>(b)); }
 int World::part_count() const { return static_cast<int>(impl_->parts.size() - impl_->has_space); }
 PartRef World::part(int p) const { return {impl_->parts.at(p).body_index, impl_->parts.at(p).index}; }
-std::span<const double> World::q(int b) const { return impl_->q(b); }
-std::span<const double> World::v(int b) const { return impl_->v(b); }
+std::span<const double> World::q(int b) const {
+  const auto i = static_cast<std::size_t>(b);
+  return impl_->out(i) ? impl_->absences.at(i).q : impl_->q(i);
+}
+std::span<const double> World::v(int b) const {
+  const auto i = static_cast<std::size_t>(b);
+  return impl_->out(i) ? impl_->absences.at(i).v : impl_->v(i);
+}
 const WorldOptions& World::options() const { return impl_->options; }
-const State& World::state() const { return impl_->state; }
+const State& World::state() const { return impl_->edits.removed.empty() ? impl_->state : impl_->whole; }
 std::span<const ContactSample> World::contacts() const { return impl_->samples; }
 std::span<const std::pair<TileKey, double>> World::active_tiles() const { return impl_->stage.active_tiles(); }
 
 double World::stiffness() const {
   if (!impl_->started) impl_->start();
-  return impl_->laws.stiffness();
+  return impl_->stiffness();
 }
 
 void World::set_state(State state) {
   Impl& w = *impl_;
-  if (state.q.size() != w.state.q.size() || state.v.size() != w.state.v.size())
+  const State& now = this->state();
+  if (state.q.size() != now.q.size() || state.v.size() != now.v.size())
     throw InputError(fmt::format("state: {} coordinates and {} velocities, but this world has {} and {}",
-                                 state.q.size(), state.v.size(), w.state.q.size(), w.state.v.size()));
+                                 state.q.size(), state.v.size(), now.q.size(), now.v.size()));
   w.start();  // what is chosen from the initial state stays as it was chosen there
+  std::vector<double> before, after;
+  w.edits.keep(before);
+  w.bring_back();
   w.state = std::move(state);
   w.take_memory();
+  w.leave_out();
+  w.edits.keep(after);
+  if (before != after) w.follow_edits();
   w.levels.mark(w.parts);
   w.stage.average(w.levels.average());
   w.keep_apart();
   w.stage.rigid().restore(w.state.memory);
+  for (const int b : w.edits.frozen) std::ranges::fill(w.v(static_cast<std::size_t>(b)), 0.0);
   for (std::size_t b = 0; b < w.bodies.size(); ++b)
     if (std::any_of(w.v(b).begin(), w.v(b).end(), [](double x) { return x != 0.0; })) w.sleep.wake(b);
   w.keep_memory();
@@ -115,6 +134,8 @@ void World::wake(int b) {
 
 void World::density(int part, double h, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {
   const WorldPart& p = impl_->parts.at(part);
+  if (impl_->out(static_cast<std::size_t>(p.body_index)))
+    for (DensityBlock& block : out) std::ranges::fill(block.rho, 0.0), std::ranges::fill(block.source, 0);
   p.body->rasterize(p.index, h, impl_->options.ramp_voxels * h, tiles, out);
 }
 
@@ -124,7 +145,7 @@ std::uint64_t World::hash() const {
     const auto* c = static_cast<const unsigned char*>(data);
     for (std::size_t i = 0; i < bytes; ++i) hash = (hash ^ c[i]) * 0x100000001b3ull;
   };
-  const State& s = impl_->state;
+  const State& s = state();
   mix(&s.time, sizeof s.time);
   mix(s.q.data(), s.q.size() * sizeof(double));
   mix(s.v.data(), s.v.size() * sizeof(double));

@@ -18,14 +18,16 @@ void World::Impl::start() {
       if (p.info.voxel_size > 0.0 && (h0 == 0.0 || p.info.voxel_size < h0)) h0 = p.info.voxel_size;
     if (h0 == 0.0) h0 = 0.05;
   }
+  part_h.clear();
   for (WorldPart& p : parts) {
-    const double wanted = p.info.voxel_size > 0.0 ? p.info.voxel_size : h0;
+    const double own_size = own(static_cast<std::size_t>(p.body_index)).part(p.index).voxel_size;
+    const double wanted = own_size > 0.0 ? own_size : h0;
     const int level = std::max(0, static_cast<int>(std::floor(std::log2(wanted / h0) + 1e-9)));
-    p.h = std::ldexp(h0, level);
+    part_h.push_back(std::ldexp(h0, level));
+    p.h = part_h.back();
   }
-  for (WorldPart& p : parts) p.sides = rules.sides(p.body->name()), p.rules = &rules;
-  laws.start(parts, state.v, first_v, options, h0);
-  stage.rigid().start(parts, laws, options);
+  laws.start(parts, state.v, first_v, given, h0);
+  follow_edits();
   if (options.sleep) sleep.start(bodies);
   stage.rigid().restore(state.memory);
 }
@@ -62,8 +64,9 @@ StepReport World::step() {
   report.time = w.state.time;
   {
     const ScopedSeconds timer(report.wall);
+    w.run_scheduled(*this, report);
     w.start();
-    report.stiffness = w.laws.stiffness();
+    report.stiffness = w.stiffness();
     if (w.state.step == 0) w.laws.warn(w.parts, w.options, report);
     w.take_memory();
     if (w.levels.on()) w.choose_levels(report);
@@ -115,7 +118,7 @@ void World::Impl::measure(StepReport& report) {
     report.potential_energy += bodies[b]->potential_energy(actions.environment(b, options.environment));
   }
   for (const WorldPart& p : parts)
-    if (!p.body->immobile())
+    if (!is_fixed(p))
       report.max_speed = std::max(report.max_speed, p.body->carrier_velocity(p.index, v(p.body_index)).norm() +
                                                         p.body->relative_speed_bound(p.index, v(p.body_index)));
 }

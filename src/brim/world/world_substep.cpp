@@ -24,6 +24,7 @@ constexpr double kLinked = 1e-2;
 
 void World::Impl::prescribe(double dt) {
   for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (is_frozen(b)) continue;
     bodies[b]->prescribe(state.time, dt, q(b), v(b));
     if (sleep.asleep(b) && std::any_of(v(b).begin(), v(b).end(), [](double x) { return x != 0.0; })) sleep.wake(b);
   }
@@ -103,8 +104,8 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
   settings.tolerance = (contacts.link_pairs > 0 ? kLinked : 1.0) * options.cg_tolerance;
   settings.max_iterations = options.cg_max_iterations;
   settings.passes = options.max_passes;
-  std::vector<std::uint8_t> asleep(sleep.on() ? bodies.size() : 0);
-  for (std::size_t b = 0; b < asleep.size(); ++b) asleep[b] = sleep.asleep(b);
+  std::vector<std::uint8_t> asleep(sleep.on() || !edits.frozen.empty() ? bodies.size() : 0);
+  for (std::size_t b = 0; b < asleep.size(); ++b) asleep[b] = sleep.asleep(b) || is_frozen(b);
   settings.asleep = asleep;
   delta.resize(state.v.size());
   std::span<const double> impulse = constraints.impulse();
@@ -186,7 +187,7 @@ double World::Impl::substep(double left, StepReport& report) {
   travel = state.v;
   for (std::size_t i = 0; i < constraints.travel().size(); ++i) travel[i] += constraints.travel()[i];
   parallel_for(bodies.size(), [&](std::size_t b) {
-    if (sleep.asleep(b)) return;
+    if (sleep.asleep(b) || is_frozen(b)) return;
     const ProfileScope scope("advance", *bodies[b]);
     bodies[b]->advance(dt, q(b), std::span<const double>(travel).subspan(first_v[b], first_v[b + 1] - first_v[b]));
     bodies[b]->finish_step(state.time, dt, q(b), v(b));

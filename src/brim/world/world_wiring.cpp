@@ -19,7 +19,10 @@ void World::Impl::hide_space() {
 
 int World::Impl::find(const std::string& name) const {
   for (std::size_t b = 0; b < count(); ++b)
-    if (bodies[b]->name() == name) return static_cast<int>(b);
+    if (own(b).name() == name) {
+      if (out(b)) throw InputError(fmt::format("\"{}\" was removed", name));
+      return static_cast<int>(b);
+    }
   throw InputError(fmt::format("\"{}\" is not a body", name));
 }
 
@@ -71,14 +74,6 @@ void World::set_drive(int i, double position, double velocity) {
   wake(impl_->links.bodies(static_cast<std::size_t>(i)).first);
 }
 
-void World::set_touch(const TouchRule& rule) {
-  Impl& w = *impl_;
-  w.rules.add(rule);
-  w.options.touch_rules.push_back(rule);
-  for (WorldPart& p : w.parts) p.sides = w.rules.sides(p.body->name());
-  for (std::size_t b = 0; b < w.count(); ++b) wake(static_cast<int>(b));
-}
-
 int World::apply(const AppliedForce& force) {
   Impl& w = *impl_;
   w.start();
@@ -86,12 +81,6 @@ int World::apply(const AppliedForce& force) {
   const int number = w.actions.add(force, w.bodies, w.parts, w.state.q, w.first_q, w.options.ramp_voxels);
   for (std::size_t b = 0; b < w.count(); ++b) wake(static_cast<int>(b));
   return number;
-}
-
-void World::set_gravity(const Vec3& gravity) {
-  if (!gravity.allFinite()) throw InputError("world: gravity is not finite");
-  impl_->options.environment.gravity = gravity;
-  for (std::size_t b = 0; b < impl_->count(); ++b) wake(static_cast<int>(b));
 }
 
 }  // namespace brim
