@@ -14,6 +14,18 @@ Array = NDArray[np.float64]
 Force = Callable[[float, Array, Array], Any]
 
 
+def _matrix(rotation: Any) -> Array:
+    r = np.asarray(rotation, dtype=np.float64)
+    if r.shape == (3, 3):
+        return r
+    if r.shape != (4,) or not np.linalg.norm(r) > 0:
+        raise ValueError(f"rotation: shape {r.shape} is not allowed; must be a quaternion (w, x, y, z) or a matrix (3, 3)")
+    w, x, y, z = r / np.linalg.norm(r)
+    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                     [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
+
+
 class Body:
     """A body of a world; made by World.add and World.__getitem__."""
 
@@ -101,6 +113,71 @@ class Body:
     def asleep(self) -> bool:
         """True while the body is left out of steps because it rests (World(sleep=True)). Forces and writing wake it."""
         return self._core.asleep(self._number)
+
+    # ---- editing -----------------------------------------------------------------------------------------------------
+
+    @property
+    def center(self) -> Array:
+        """Centre of mass [m], shape (3,); of obstacles the mean of the vertices shown."""
+        return self._core.middle(self._number)
+
+    def remove(self) -> None:
+        """Takes the body out of the world: World.remove."""
+        self._core.remove(self._number)
+
+    @property
+    def removed(self) -> bool:
+        return self._core.removed(self._number)
+
+    def freeze(self) -> None:
+        """Makes the body stay where it is, as an obstacle would, until thaw. @raises InputError where keyframes move it"""
+        self._core.freeze(self._number, True)
+
+    def thaw(self) -> None:
+        """Lets a frozen body go again, at rest."""
+        self._core.freeze(self._number, False)
+
+    @property
+    def frozen(self) -> bool:
+        return self._core.frozen(self._number)
+
+    def move(self, by: Any = (0.0, 0.0, 0.0), *, to: Any = None, rotation: Any = None, about: Any = None) -> None:
+        """Sets the body elsewhere, with its shape and its motion, which turns along.
+
+        by: [m], shape (3,). to: where its centre shall be [m], in place of by. rotation: a quaternion (w, x, y, z) or a matrix
+        (3, 3), about the point `about` [m]; its centre unless given.
+
+        @raises InputError for bodies that cannot be elsewhere, are attached, or are moved by keyframes
+        """
+        turn = np.eye(3) if rotation is None else _matrix(rotation)
+        center = self.center
+        pivot = center if about is None else np.asarray(about, dtype=np.float64)
+        turned = turn @ (center - pivot) + pivot
+        shift = np.asarray(by, dtype=np.float64) if to is None else np.asarray(to, dtype=np.float64) - turned
+        translation = shift if rotation is None else pivot - turn @ pivot + shift
+        self._core.move(self._number, turn.ravel().tolist(), translation.tolist())
+
+    def set_velocity(self, velocity: Any = (0.0, 0.0, 0.0), angular_velocity: Any = (0.0, 0.0, 0.0)) -> None:
+        """Gives the body the motion of a rigid one: of its centre of mass [m/s], and about it [rad/s], both of shape (3,).
+        @raises InputError for bodies that are fixed, frozen, or cannot move as a whole"""
+        self._core.set_velocity(self._number, velocity, angular_velocity)
+
+    @property
+    def material(self) -> dict[str, Any]:
+        """Of its first part: name, friction, restitution, response. Set it to such a dict, or to the name of one of the
+        world's materials, and all parts have it; the response then stays the body's own."""
+        return self._core.material(self._number)
+
+    @material.setter
+    def material(self, value: str | dict[str, Any]) -> None:
+        keys = dict(self._core.named_material(value) if isinstance(value, str) else value)
+        if isinstance(value, str):
+            del keys["response"]
+        self._core.set_material(self._number, keys)
+
+    def set_material(self, **keys: Any) -> None:
+        """Changes some of name, friction, restitution and response ("penalty", "constraint", "inherit"). @raises InputError"""
+        self._core.set_material(self._number, keys)
 
     # ---- measures ----------------------------------------------------------------------------------------------------
 

@@ -105,7 +105,7 @@ class World:
         return Body(self, number)
 
     def _free_name(self, kind: str) -> str:
-        names = {body.name for body in self.bodies}
+        names = {self._core.name(number) for number in range(self._core.body_count)}
         number = 1
         while f"{kind}_{number}" in names:
             number += 1
@@ -113,7 +113,8 @@ class World:
 
     @property
     def bodies(self) -> list[Body]:
-        return [Body(self, number) for number in range(self._core.body_count)]
+        """Handles of all bodies that are there; of those that were removed none."""
+        return [Body(self, number) for number in range(self._core.body_count) if not self._core.removed(number)]
 
     def __getitem__(self, name: str) -> Body:
         """The body of that name. @raises KeyError"""
@@ -123,7 +124,7 @@ class World:
         raise KeyError(name)
 
     def __len__(self) -> int:
-        return self._core.body_count
+        return len(self.bodies)
 
     def __iter__(self) -> Iterator[Body]:
         return iter(self.bodies)
@@ -183,8 +184,36 @@ class World:
         self._core.wire("filters", {"between": [_name(a), _name(b)], "touch": touch})
 
     def set_gravity(self, gravity: Any) -> None:
-        """From the next step on [m/s^2], shape (3,). It is no part of a saved state, nor of a saved scene."""
+        """From the next step on [m/s^2], shape (3,). It is part of a saved state, but not of a saved scene."""
         self._core.set_gravity([float(g) for g in gravity])
+
+    # ---- editing -----------------------------------------------------------------------------------------------------
+
+    def remove(self, body: Body | str) -> None:
+        """Takes a body out of the world. Its handle stays: ``removed`` is true, q and v are as they were last. The handles
+        of others stay as they are, and its name is not given again. What holds to it is detached.
+
+        Restoring an earlier state brings it back. @raises InputError when it was removed already
+        """
+        self._core.remove((self[body] if isinstance(body, str) else body).number)
+
+    def set_material(self, name: str, **keys: Any) -> None:
+        """Changes a material for all bodies that have it: friction, restitution, response ("penalty", "constraint",
+        "inherit"), and name. @raises InputError; KeyError when no body has it"""
+        having = [body for body in self.bodies if body.material["name"] == name]
+        if not having:
+            raise KeyError(name)
+        for body in having:
+            body.set_material(**keys)
+
+    def set_pair(self, a: str, b: str, **keys: Any) -> None:
+        """Replaces what a pair of materials has: friction, stiffness [Pa], restitution, response; what is left out follows
+        from the two. As an entry of "pairs" in a scene file. @raises InputError"""
+        self._core.set_pair_material(a, b, keys)
+
+    def set_stiffness(self, stiffness: float) -> None:
+        """Contact stiffness of all pairs without one of their own [Pa]. @raises InputError"""
+        self._core.set_stiffness(float(stiffness))
 
     # ---- stepping ----------------------------------------------------------------------------------------------------
 

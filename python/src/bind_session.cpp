@@ -9,6 +9,7 @@
 #include "brim/io/surface_reader.h"
 #include "brim/io/tet_reader.h"
 #include "brim/world/attachment.h"
+#include "brim/world/body_motion.h"
 #include "json_of.h"
 #include "recorder.h"
 #include "samples.h"
@@ -171,6 +172,18 @@ void bind_session(py::module_& m) {
            })
       .def("links", [](Session& s) { return links_array(s.report().links); })
       .def("set_gravity", &Session::set_gravity)
+      .def("remove", &Session::remove)
+      .def("removed", [](Session& s, int b) { return s.world().removed(b); })
+      .def("freeze", &Session::freeze)
+      .def("frozen", [](Session& s, int b) { return s.world().frozen(b); })
+      .def("move", &Session::move)
+      .def("middle", [](Session& s, int b) { return array_of(middle_of(s.world().body(b))); })
+      .def("set_velocity", &Session::set_velocity)
+      .def("material", &Session::material)
+      .def("named_material", &Session::named_material)
+      .def("set_material", &Session::set_material)
+      .def("set_pair_material", &Session::set_pair_material)
+      .def("set_stiffness", &Session::set_stiffness)
       .def("step", &Session::step)
       .def("takes_forces", &Session::takes_forces)
       .def("asleep", [](Session& s, int b) { return s.world().asleep(b); })

@@ -37,6 +37,10 @@ Recorder::~Recorder() = default;
 void Recorder::add(Session& session, int steps) {
   if (!writer_) throw InputError(folder_ + ": the recording has ended");
   World& world = session.world();
+  if (static_cast<std::size_t>(world.body_count()) != measures_->samples().size())
+    throw InputError(
+        fmt::format("{}: records {} bodies, and the world has {} now; add bodies before a recording begins", folder_,
+                    measures_->samples().size(), world.body_count()));
   measures_->add(world, session.report(), steps);
   totals_.add(session.report(), steps);
   writer_->add(world, session.report(), steps, measures_->samples());

@@ -11,6 +11,7 @@
 #include "brim/scene/links.h"
 #include "brim/scene/node.h"
 #include "brim/scene/solid.h"
+#include "brim/scene/timeline.h"
 #include "brim/world/applied_force.h"
 #include "brim/world/attachment.h"
 #include "brim/world/report_fields.h"
@@ -85,6 +86,7 @@ std::unique_ptr<Session> Session::load(const std::string& path) {
     s->world_ = std::make_unique<World>(scene.world);
     s->take(build_bodies(scene));
     wire_up(Node(*scene.document, scene.document->root, ""), *s->world_);
+    schedule_timeline(scene, *s->world_);
   }
   for (const Json& entry : s->entries_) s->names_.insert(entry.at("name").get<std::string>());
   return s;
@@ -108,6 +110,8 @@ Scene Session::checked(const Json& entry, const std::string& kind) const {
     return scene;
   });
 }
+
+std::map<std::string, Material> Session::materials() const { return checked(floor_entry()).materials; }
 
 void Session::take(std::vector<std::unique_ptr<Body>> bodies) {
   for (std::unique_ptr<Body>& body : bodies) {
@@ -242,9 +246,11 @@ void Session::set_drive(int attachment, double position, double velocity) {
   world_->set_drive(attachment, position, velocity);
 }
 
-void Session::set_gravity(const std::array<double, 3>& g) {
+void Session::edit(const std::function<void()>& change) {
   const Busy busy(*this);
-  world_->set_gravity(Vec3(g[0], g[1], g[2]));
+  read_mirrors();
+  unlocked(change);
+  fill_mirrors();
 }
 
 void Session::unlocked(const std::function<void()>& f) {
@@ -307,6 +313,11 @@ void Session::read_mirrors() {
   unlocked([&] { world_->set_state(std::move(state)); });
   if (world_->options().sleep)
     for (const int b : written) world_->wake(b);
+  // What is frozen or removed takes no velocity.
+  for (const int b : written) {
+    const auto v = world_->v(b);
+    std::copy(v.begin(), v.end(), mirrors_[static_cast<std::size_t>(b)]->v.begin());
+  }
 }
 
 /// Forces on bodies, for as long as it lives.

@@ -48,6 +48,20 @@ class Session {
   void detach(int attachment);
   void set_drive(int attachment, double position, double velocity);
   void set_gravity(const std::array<double, 3>& gravity);
+  // Edits of bodies, by number (World has the same).
+  void remove(int body);
+  void freeze(int body, bool frozen);
+  /// x → R x + t. @param rotation  R row by row
+  void move(int body, const std::array<double, 9>& rotation, const std::array<double, 3>& translation);
+  void set_velocity(int body, const std::array<double, 3>& velocity, const std::array<double, 3>& angular_velocity);
+  /// @param material  "name", "friction", "restitution", "response", as material() gives them
+  void set_material(int body, const py::dict& material);
+  py::dict material(int body);
+  /// A material of the scene by its name. @throws InputError
+  py::dict named_material(const std::string& name);
+  /// @param pair  "friction", "stiffness", "restitution", "response", each absent or a value
+  void set_pair_material(const std::string& a, const std::string& b, const py::dict& pair);
+  void set_stiffness(double stiffness);
 
   /// One step. @param joined  the report speaks of this step and of those before it
   /// @param forces  that act on bodies over this step, generalised, by number: arrays of shape (nv)
@@ -85,11 +99,14 @@ class Session {
   struct Busy;
   struct Acting;
   Session() = default;
+  std::map<std::string, Material> materials() const;
   Scene checked(const Json& entry, const std::string& kind = {}) const;
   Mirror& mirror(int body);
   void read_mirrors();
   void fill_mirrors();
   void take(std::vector<std::unique_ptr<Body>> bodies);
+  /// Changes the world with what Python wrote taken in, and shows Python the outcome.
+  void edit(const std::function<void()>& change);
   void include(std::vector<std::unique_ptr<Body>> bodies, const Json& entry);
 
   Json head_, entries_ = Json::array();

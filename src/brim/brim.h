@@ -7,6 +7,7 @@
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 #include "brim/math/types.h"
+#include "brim/raster/shape.h"
 #include "brim/record/run_reader.h"
 #include "brim/record/runner.h"
 #include "brim/scene/own_kind.h"

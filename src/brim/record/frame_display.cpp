@@ -4,6 +4,7 @@
 
 #include "brim/body/changing_surface.h"
 #include "brim/body/posed_display.h"
+#include "brim/world/body_motion.h"
 
 namespace brim {
 
@@ -80,6 +81,10 @@ void FrameDisplay::place(const World& world) {
   for (std::size_t b = 0; b < tables_->bodies.size(); ++b) {
     const RunTables::Place& place = tables_->places[b];
     const Body& body = world.body(static_cast<int>(b));
+    if (world.removed(static_cast<int>(b))) {
+      shrink(place, body);
+      continue;
+    }
     if (place.pieces > 0) {
       const PosedDisplay* posed = posed_display(body);
       for (std::size_t i = 0; i < place.pieces; ++i) {
@@ -96,9 +101,24 @@ void FrameDisplay::place(const World& world) {
   }
 }
 
+/// Of a body that was removed all vertices lie at one point, so that no reader has anything to show.
+void FrameDisplay::shrink(const RunTables::Place& place, const Body& body) {
+  const Vec3 at = middle_of(body);
+  for (std::size_t i = place.first_piece; i < place.first_piece + place.pieces; ++i) {
+    std::fill_n(row_.rotation.begin() + static_cast<std::ptrdiff_t>(9 * i), 9, 0.0);
+    std::copy_n(at.data(), 3, row_.translation.begin() + static_cast<std::ptrdiff_t>(3 * i));
+  }
+  if (place.first_position >= 0)
+    std::fill_n(row_.positions.begin() + static_cast<std::ptrdiff_t>(place.first_position), body.display().vertices,
+                Vec3f(at.cast<float>()));
+}
+
 void FrameDisplay::add_surfaces(const World& world) {
   for (Surface& s : surfaces_) {
-    changing_surface(world.body(static_cast<int>(s.body)))->display_surface(vertices_, corners_);
+    if (world.removed(static_cast<int>(s.body)))
+      vertices_.clear(), corners_.clear();
+    else
+      changing_surface(world.body(static_cast<int>(s.body)))->display_surface(vertices_, corners_);
     s.vertices.append_rows(0, vertices_.data(), vertices_.size());
     s.vertices.close_frame(vertices_.size());
     s.triangles.append_rows(0, corners_.data(), corners_.size());

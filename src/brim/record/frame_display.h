@@ -40,6 +40,7 @@ class FrameDisplay {
 
   void describe_xdmf();
   void place(const World& world);
+  void shrink(const RunTables::Place& place, const Body& body);
   void add_surfaces(const World& world);
   void watch_still();
 

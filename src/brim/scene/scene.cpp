@@ -13,6 +13,7 @@
 #include "brim/scene/parameters.h"
 #include "brim/scene/presets.h"
 #include "brim/scene/repeat.h"
+#include "brim/scene/timeline.h"
 #include "brim/scene/validate.h"
 #include "brim/world/levels.h"
 #include "brim/world/shown_metric.h"
@@ -273,6 +274,7 @@ class SceneReader {
       const bool all = !errors_.touches("/bodies");
       if (all) part("/filters", [&] { scene.world.touch_rules = read_filters(root_); });
       if (all) part("/attachments", [&] { check_wiring(root_); });
+      if (all) part("/timeline", [&] { check_timeline(root_, scene); });
       if (all && !errors_.touches("/world") && root_.at("world").has("levels"))
         part("/world/levels", [&] { check_levels(root_.at("world").at("levels"), bodies.names()); });
       const double end = timed && !errors_.touches("/frames") ? static_cast<double>(scene.frames) * scene.frame_time()
@@ -368,6 +370,7 @@ World build_world(const Scene& scene) {
   World world(scene.world);
   for (std::unique_ptr<Body>& body : build_bodies(scene)) world.add(std::move(body));
   wire_up(Node(*scene.document, scene.document->root, ""), world);
+  schedule_timeline(scene, world);
   const Node n(*scene.document, scene.document->root.at("world"), "/world");
   if (n.has("levels")) set_levels(world, read_levels(n.at("levels"), scene.steps_per_frame));
   return world;

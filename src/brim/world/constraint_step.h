@@ -35,6 +35,8 @@ class ConstraintStep {
     double scale = 0.0;  ///< [m/s] a velocity that matters: that of a free fall over the step
   };
 
+  /// Other objects stand for the same bodies from now on.
+  void forget_bodies() { rigid_.clear(); }
   /// Gathers rows from the contacts and the impulses of the last step.
   /// @param gathered  rows of rigid pairs that are not among the contacts
   /// @param memory    rows of the last step (World::State)

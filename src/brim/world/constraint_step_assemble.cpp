@@ -26,14 +26,14 @@ void ConstraintStep::mark_bodies(const ContactSet& contacts, std::span<const Con
     const bool general = pairs[p].constrained && !rigid(pair);
     mapped_ = mapped_ || general;
     for (const std::int32_t part : {pair.part_a, pair.part_b}) {
-      if (parts_[part].body->immobile()) continue;
+      if (is_fixed(parts_[part])) continue;
       (pairs[p].constrained ? held_ : mixed_)[parts_[part].body_index] = 1;
       if (general) touched_[parts_[part].body_index] = 1;
     }
   }
   for (const PairRows& pair : gathered.pairs)
     for (const std::int32_t part : {pair.part_a, pair.part_b})
-      if (!parts_[part].body->immobile()) held_[parts_[part].body_index] = 1;
+      if (!is_fixed(parts_[part])) held_[parts_[part].body_index] = 1;
 }
 
 template <class F>
@@ -93,7 +93,7 @@ void ConstraintStep::add_forces(std::span<const Vec3> force, std::span<double> Q
     // Of friction alone: across the normal no way has a torque about it but the normal's own.
     const Vec3 turn = rows_.normals()[c] * rows_.normals()[c].dot(torque);
     const auto add = [&](std::int32_t part, double sign) {
-      if (parts_[part].body->immobile()) return;
+      if (is_fixed(parts_[part])) return;
       Eigen::Map<Vec3>(Q.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)] + 3) += sign * turn;
     };
     add(pair.part_a, 1.0);
@@ -104,7 +104,7 @@ void ConstraintStep::add_forces(std::span<const Vec3> force, std::span<double> Q
   for (const ContactPair& pair : points.pairs) {
     if (pair.begin == pair.end) continue;
     const auto add = [&](std::int32_t part, double sign) {
-      if (parts_[part].body->immobile()) return;
+      if (is_fixed(parts_[part])) return;
       const Vec3 center = frame_of(part)->rigid_frame().center;
       Eigen::Map<Eigen::Matrix<double, 6, 1>> q(Q.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)]);
       for (std::size_t c = pair.begin; c < pair.end; ++c) {
@@ -134,7 +134,8 @@ RigidPairRows::Side ConstraintStep::side_of(std::int32_t part) const {
   const WorldPart& p = parts_[part];
   const RigidFrame::Frame f = frame_of(part)->rigid_frame();
   const auto body = static_cast<std::size_t>(p.body_index);
-  return {p.body->immobile() ? RigidPairRows::kFixed : first_v_[body], f.center, f.inverse_mass, f.inverse_inertia};
+  if (is_fixed(p)) return {RigidPairRows::kFixed, f.center, 0.0, Mat3::Zero()};
+  return {first_v_[body], f.center, f.inverse_mass, f.inverse_inertia};
 }
 
 void ConstraintStep::choose_inverses() {

@@ -43,7 +43,7 @@ void ContactMaps::build(std::span<const WorldPart> parts, const ContactSet& cont
     Side& s = side_[p];
     s.begin = count[p];
     s.end = count[p + 1];
-    s.movable = !parts[p].body->immobile();
+    s.movable = !is_fixed(parts[p]);
     if (s.of != parts[p].body) s.map.reset(), s.of = parts[p].body;
     s.body = parts[p].body_index;
     s.first_v = first_v[s.body];

@@ -143,7 +143,7 @@ void ContactStage::access(std::span<const WorldPart> parts) {
     a.posed = solid;
     if (a.is_solid()) a.solid.pose = solid->pose();
     a.solid.by_distances = a.is_solid() && a.solid.solid->by_rows();
-    a.immobile = parts[p].body->immobile();
+    a.immobile = is_fixed(parts[p]);
   }
 }
 

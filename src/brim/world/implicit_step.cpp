@@ -36,10 +36,11 @@ bool ImplicitStep::solve_frames(std::span<const std::unique_ptr<Body>> bodies, s
                                 std::span<double> delta) {
   const double dt = settings.dt;
   for (const auto& body : bodies)
-    if (dynamic_cast<const RigidFrame*>(body.get()) == nullptr) return false;
+    if (body->v_size() > 0 && dynamic_cast<const RigidFrame*>(body.get()) == nullptr) return false;
   parallel_for(
       bodies.size(),
       [&](std::size_t b) {
+        if (first_v[b + 1] == first_v[b]) return;  // space
         const ProfileScope scope("elements", *bodies[b]);
         using Six = Eigen::Matrix<double, 6, 1>;
         Eigen::Map<Six> change(delta.data() + first_v[b]);

@@ -31,7 +31,7 @@ class ImplicitStep {
     int max_iterations = 2000;
     int passes = 3;  ///< solves at most: after each, nodes that pull let go and friction takes its new loads
     double load_tolerance = 0.01;  ///< passes end when the contact forces would change by less than this share
-    /// Nonzero for bodies that are left as they are, without contacts; shape (bodies) or empty.
+    /// Nonzero for bodies that are left as they are, asleep or frozen: no contact moves them; shape (bodies) or empty.
     std::span<const std::uint8_t> asleep{};
     /// How much gravity counts for each body; shape (bodies) or empty: 1.
     std::span<const double> gravity_scale{};

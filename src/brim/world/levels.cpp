@@ -37,7 +37,7 @@ constexpr std::size_t kNumbers = 14;
 std::size_t Levels::read(std::span<const double> memory) {
   fixed_.clear(), level_.clear(), changed_.clear();
   shift_ = {};
-  if (memory.size() < kNumbers || memory[0] != kLevelsMark) return 0;
+  if (memory.size() < kNumbers || memory[0] != kLevelsMark || memory[1] < kNumbers - 2) return 0;
   const auto size = static_cast<std::size_t>(std::clamp(memory[1], 0.0, static_cast<double>(memory.size() - 2))) + 2;
   const auto whole = [&](std::size_t i, double most) { return static_cast<int>(std::clamp(memory[i], -1.0, most)); };
   const auto n = static_cast<std::size_t>(std::clamp(memory[2], 0.0, static_cast<double>(size)));

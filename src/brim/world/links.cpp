@@ -15,8 +15,10 @@ namespace brim {
 
 namespace {
 
-/// First number of what memory holds of links: what others keep starts otherwise (Sleep, ReferencePoses).
-constexpr double kLinksMark = -0.25;
+/// First number of what memory holds of links: what others keep starts otherwise (Levels, Edits, Sleep,
+/// ReferencePoses).
+constexpr double kLinksMark = -0.125;
+constexpr double kOlderMark = -0.25;  ///< of runs from before Levels had it; theirs is longer (Levels::read)
 /// Distance of the two ends, over the step of the grid, up to which they are at the same place.
 constexpr double kSamePlace = 1e-3;
 
@@ -441,7 +443,7 @@ void Links::finish(const ContactSet& set, std::span<const Vec3> force, double ti
 
 void Links::take(std::vector<double>& memory) {
   for (Link& l : links_) l.broken = false;
-  if (memory.size() < 2 || memory[0] != kLinksMark) return;
+  if (memory.size() < 2 || (memory[0] != kLinksMark && memory[0] != kOlderMark)) return;
   const auto n = static_cast<std::size_t>(std::clamp(memory[1], 0.0, static_cast<double>(memory.size() - 2)));
   for (std::size_t i = 0; i < n; ++i)
     if (const double l = memory[2 + i]; l >= 0.0 && l < static_cast<double>(links_.size()))

@@ -63,7 +63,7 @@ class Links {
   void finish(const ContactSet& set, std::span<const Vec3> force, double time, StepReport& report);
 
   /// Takes what memory holds of it, and removes it there; puts it before all else. Only what is broken is kept:
-  ///   memory: [−0.25, n, numbers of broken links ...]
+  ///   memory: [−0.125, n, numbers of broken links ...]
   void take(std::vector<double>& memory);
   void keep(std::vector<double>& memory) const;
 

@@ -12,7 +12,7 @@ namespace {
 double drop_height(std::span<const WorldPart> parts, const Vec3& down, const Aabb& box) {
   double lowest = -std::numeric_limits<double>::infinity();
   for (const WorldPart& p : parts)
-    if (p.body->immobile()) {
+    if (is_fixed(p)) {
       const Aabb b = p.body->bounds(p.index);
       double far = 0.0;  // farthest point of the obstacle's top along gravity
       for (int a = 0; a < 3; ++a)
@@ -40,7 +40,7 @@ Loads estimate_loads(std::span<const WorldPart> parts, std::span<const double> p
 
   Aabb all;
   for (const WorldPart& p : parts)
-    if (!p.body->immobile()) all.extend(p.body->bounds(p.index));
+    if (!is_fixed(p)) all.extend(p.body->bounds(p.index));
   if (all.empty() || !all.lo.allFinite() || !all.hi.allFinite()) return loads;
 
   constexpr int kColumns = 48;
@@ -51,7 +51,7 @@ Loads estimate_loads(std::span<const WorldPart> parts, std::span<const double> p
   };
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const WorldPart& p = parts[i];
-    if (p.body->immobile()) continue;
+    if (is_fixed(p)) continue;
     const Aabb b = p.body->bounds(p.index);
     double areal = p.info.areal_mass;
     if (!(areal > 0.0)) {

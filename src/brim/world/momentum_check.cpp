@@ -30,9 +30,9 @@ void check_momentum(std::span<const std::unique_ptr<Body>> bodies, std::span<con
                     std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const double> mapped,
                     std::span<const Vec3> force_on_a, StepReport& report) {
   std::vector<Resultant> sum(bodies.size());
-  // Points without a force say nothing of how far forces reach.
+  // Points without a force say nothing of how far forces reach; nobody asks what holds the fixed ones.
   const auto add = [&](std::int32_t part, const Vec3& x, const Vec3& f, double h) {
-    if (f == Vec3::Zero()) return;
+    if (f == Vec3::Zero() || is_fixed(parts[part])) return;
     Resultant& r = sum[parts[part].body_index];
     if (!r.touched) r.center = x;
     r.touched = true;
@@ -50,7 +50,7 @@ void check_momentum(std::span<const std::unique_ptr<Body>> bodies, std::span<con
   std::vector<double> linear(bodies.size(), 0.0), angular(bodies.size(), 0.0);
   parallel_for(bodies.size(), [&](std::size_t b) {
     const Resultant& r = sum[b];
-    if (bodies[b]->immobile() || !(r.magnitude > 0.0)) return;
+    if (!(r.magnitude > 0.0)) return;
     const std::size_t n = first_v[b + 1] - first_v[b];
     const auto v = std::span(motion).subspan(first_v[b], n);
     const auto q = mapped.subspan(first_v[b], n);

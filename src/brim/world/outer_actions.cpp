@@ -184,6 +184,7 @@ std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Bo
       const auto b = static_cast<std::size_t>(action.body);
       const Body& body = *bodies[b];
       const std::size_t n = first_v[b + 1] - first_v[b];
+      if (n == 0) continue;  // removed
       const auto vb = v.subspan(first_v[b], n), qb = q.subspan(first_q[b], first_q[b + 1] - first_q[b]);
       const auto out = std::span(impulse_).subspan(first_v[b], n);
       const auto add = [&](double factor) {

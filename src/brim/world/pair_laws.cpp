@@ -39,6 +39,9 @@ bool is_told(const PartInfo& a, const PartInfo& b, const WorldOptions& options) 
   return options.stiffness > 0.0 || (it != options.pair_materials.end() && it->second.stiffness > 0.0);
 }
 
+/// [1/kg]
+double inverse_mass_of(const WorldPart& p) { return is_fixed(p) ? 0.0 : 1.0 / p.body->mass(); }
+
 std::span<const double> velocities_of(const WorldPart& p, std::span<const double> v,
                                       std::span<const std::size_t> first_v) {
   return v.subspan(first_v[p.body_index], first_v[p.body_index + 1] - first_v[p.body_index]);
@@ -134,12 +137,12 @@ void PairLaws::choose(std::span<const WorldPart> parts, std::span<const double> 
     const bool constrained = !shapeless && m.response == Response::Constraint;
     const bool stiff = is_rigid(a) && is_rigid(b);
     constraints_[i] = {constrained, m.friction, m.restitution, stiff,
-                       stiff                ? FixedPart::None
-                       : a.body->immobile() ? FixedPart::A
-                       : b.body->immobile() ? FixedPart::B
-                                            : FixedPart::None};
+                       stiff         ? FixedPart::None
+                       : is_fixed(a) ? FixedPart::A
+                       : is_fixed(b) ? FixedPart::B
+                                     : FixedPart::None};
     const bool rigid = std::isinf(a.info.modulus) && std::isinf(b.info.modulus);
-    const bool fixed = a.body->immobile() || b.body->immobile();
+    const bool fixed = is_fixed(a) || is_fixed(b);
     const double faces = rigid && fixed && !is_told(a.info, b.info, options) ? faces_of(pairs[i]) : 1.0;
     penalties_[i] = {constrained || filled ? 0.0 : faces * m.stiffness,
                      m.friction,
@@ -148,7 +151,7 @@ void PairLaws::choose(std::span<const WorldPart> parts, std::span<const double> 
                      {a.info.shapeless, b.info.shapeless},
                      rigid,
                      filled,
-                     1.0 / a.body->mass() + 1.0 / b.body->mass(),
+                     inverse_mass_of(a) + inverse_mass_of(b),
                      fixed};
   }
 }

@@ -297,7 +297,7 @@ void RigidContacts::append_boxes(std::vector<std::pair<NodeBox, double>>& out) c
 void RigidContacts::keep(std::vector<double>& memory) const {
   std::vector<std::int32_t> elsewhere;
   for (std::size_t p = 0; p < solid_.size(); ++p) {
-    if (references_.stamp(p) == 0) continue;
+    if (references_.stamp(p) == 0 || solid_[p] == nullptr) continue;  // of what was removed
     const Pose &now = solid_[p]->pose(), &then = references_.pose(p);
     if (now.rotation != then.rotation || now.translation != then.translation)
       elsewhere.push_back(static_cast<std::int32_t>(p));

@@ -26,6 +26,11 @@ void Sleep::start(std::span<const std::unique_ptr<Body>> bodies) {
   island_.assign(bodies.size(), -1);
 }
 
+void Sleep::follow(std::span<const std::unique_ptr<Body>> bodies) {
+  if (!on()) return;
+  for (std::size_t b = 0; b < bodies.size(); ++b) body_[b] = bodies[b].get();
+}
+
 int Sleep::count() const {
   return static_cast<int>(std::count_if(island_.begin(), island_.end(), [](std::int32_t i) { return i >= 0; }));
 }
@@ -63,23 +68,24 @@ void Sleep::mark(std::span<WorldPart> parts, std::span<const double> v, std::spa
   for (WorldPart& p : parts) {
     const auto b = static_cast<std::size_t>(p.body_index);
     const auto vb = v.subspan(first_v[b], first_v[b + 1] - first_v[b]);
-    p.still = asleep(b) || (p.body->immobile() && std::all_of(vb.begin(), vb.end(), [](double x) { return x == 0.0; }));
+    p.still = asleep(b) || (is_fixed(p) && std::all_of(vb.begin(), vb.end(), [](double x) { return x == 0.0; }));
   }
 }
 
 void Sleep::settle(std::span<const WorldPart> parts, std::span<const PairReport> pairs, double dt, std::span<double> v,
                    std::span<const std::size_t> first_v) {
   const std::size_t n = body_.size();
-  std::vector<std::uint8_t> stirs(n, 0), parted(n, 0);
+  std::vector<std::uint8_t> stirs(n, 0), parted(n, 0), fixed(n, 0);
   for (const WorldPart& p : parts) {
     const auto b = static_cast<std::size_t>(p.body_index);
     const auto vb = std::span<const double>(v).subspan(first_v[b], first_v[b + 1] - first_v[b]);
     const double speed = p.body->carrier_velocity(p.index, vb).norm() + p.body->relative_speed_bound(p.index, vb);
     if (!(speed * kRest <= kStir * p.h)) stirs[b] = 1;
     parted[b] = 1;
+    fixed[b] = is_fixed(p);
   }
   for (std::size_t b = 0; b < n; ++b)
-    if (!asleep(b)) rest_[b] = parted[b] && !stirs[b] && may_rest(*body_[b]) ? rest_[b] + dt : 0.0;
+    if (!asleep(b)) rest_[b] = parted[b] && !fixed[b] && !stirs[b] && may_rest(*body_[b]) ? rest_[b] + dt : 0.0;
 
   // Islands of bodies awake, named by their first.
   std::vector<std::int32_t> root(n);
@@ -90,7 +96,7 @@ void Sleep::settle(std::span<const WorldPart> parts, std::span<const PairReport>
   };
   for (const PairReport& p : pairs) {
     const std::int32_t a = parts[p.part_a].body_index, b = parts[p.part_b].body_index;
-    if (body_[a]->immobile() || body_[b]->immobile()) continue;
+    if (fixed[a] || fixed[b]) continue;
     const std::int32_t i = find(a), j = find(b);
     root[std::max(i, j)] = std::min(i, j);
   }
@@ -100,7 +106,7 @@ void Sleep::settle(std::span<const WorldPart> parts, std::span<const PairReport>
     if (rest_[b] < kRest - 0.5 * dt) rests[find(static_cast<std::int32_t>(b))] = 0;
   for (std::size_t b = 0; b < n; ++b) {
     const std::int32_t island = find(static_cast<std::int32_t>(b));
-    if (asleep(b) || body_[b]->immobile() || !rests[island]) continue;
+    if (asleep(b) || fixed[b] || body_[b]->immobile() || !rests[island]) continue;
     island_[b] = island;
     std::fill(v.begin() + static_cast<std::ptrdiff_t>(first_v[b]),
               v.begin() + static_cast<std::ptrdiff_t>(first_v[b + 1]), 0.0);

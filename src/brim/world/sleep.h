@@ -26,6 +26,8 @@ class Sleep {
 
   /// Lets the bodies sleep from now on; without it nothing does.
   void start(std::span<const std::unique_ptr<Body>> bodies);
+  /// Other objects stand for the same bodies from now on: removed ones, and those that came back.
+  void follow(std::span<const std::unique_ptr<Body>> bodies);
   bool on() const { return !island_.empty(); }
   bool asleep(std::size_t body) const { return on() && island_[body] >= 0; }
   int count() const;

@@ -4,11 +4,12 @@
 
 namespace brim {
 
-/// What links to space hold to: a body without coordinates, matter or a surface, which never moves. A world that has
-/// such links keeps one behind all its bodies, where nobody sees it.
+/// A body without coordinates, matter or a surface, which never moves. It is what links to space hold to: a world that
+/// has such links keeps one behind all its bodies, where nobody sees it. It also takes the place of a body that was
+/// removed, with as many parts, so that the others keep their numbers.
 class Space : public Body {
  public:
-  Space() { set_name("(space)"); }
+  explicit Space(int parts = 1) : parts_(parts) { set_name("(space)"); }
   std::string_view kind() const override { return "space"; }
   std::size_t q_size() const override { return 0; }
   std::size_t v_size() const override { return 0; }
@@ -20,6 +21,7 @@ class Space : public Body {
   void apply_system(std::span<const double>, std::span<double>) const override {}
   std::vector<int> block_sizes() const override { return {}; }
   void add_system_diagonal(std::size_t, BlockDiagonal&) const override {}
+  int part_count() const override { return parts_; }
   PartInfo part(int) const override { return {}; }
   bool immobile() const override { return true; }
   Aabb bounds(int) const override { return {}; }
@@ -39,6 +41,7 @@ class Space : public Body {
   void display_positions(std::span<Vec3f>) const override {}
 
  private:
+  int parts_;
   Display display_;
 };
 

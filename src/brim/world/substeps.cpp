@@ -28,7 +28,7 @@ double most_pieces(std::span<const WorldPart> parts, std::span<const double> v, 
     if (dynamic_cast<const MotionClusters*>(part.body) != nullptr) return std::numeric_limits<double>::infinity();
     const auto vb = v.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
     const double speed = part.body->carrier_velocity(part.index, vb).norm() +
-                         part.body->relative_speed_bound(part.index, vb) + (part.body->immobile() ? 0.0 : change);
+                         part.body->relative_speed_bound(part.index, vb) + (is_fixed(part) ? 0.0 : change);
     second = std::max(second, std::min(fastest, speed));
     fastest = std::max(fastest, speed);
     h = std::min(h, part.h);
@@ -69,7 +69,7 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
           {part.body->bounds(part.index), {mean, mean}, part.body->relative_speed_bound(part.index, vb)});
     }
     for (MotionCluster& c : clusters[p]) {
-      if (!part.body->immobile()) c.deviation += change;
+      if (!is_fixed(part)) c.deviation += change;
       const Aabb now = c.box.inflated(wide * part.h + c.deviation * time);
       Aabb box = now;
       box.extend(Aabb{now.lo + time * c.velocity.lo, now.hi + time * c.velocity.hi});

@@ -17,6 +17,7 @@ namespace brim {
 
 struct AppliedForce;  // brim/world/applied_force.h
 struct Attachment;    // brim/world/attachment.h
+struct Pose;          // brim/raster/shape.h
 
 /// What a pair of materials has instead of what follows from the two.
 struct PairMaterial {
@@ -57,7 +58,7 @@ struct State {
   std::int64_t step = 0;  ///< number of steps taken
   std::vector<double> q;  ///< generalised coordinates, shape (nq)
   std::vector<double> v;  ///< generalised velocities, shape (nv)
-  /// Impulses of constraint rows, where the next step starts from; references of solids; who sleeps.
+  /// Impulses of constraint rows, where the next step starts from; references of solids; who sleeps; what was edited.
   std::vector<double> memory;
 };
 
@@ -95,11 +96,37 @@ class World {
   /// What the drive of a joint aims at from the next step on, [rad, m] and [rad/s, m/s]; no part of the state.
   /// @throws InputError where it has none
   void set_drive(int i, double position, double velocity);
-  /// Says whether bodies touch, from the next step on, over all that was said before. @throws InputError
-  void set_touch(const TouchRule& rule);
   /// Adds what acts on bodies from outside, as they are now. @throws InputError  @return its number
   int apply(const AppliedForce& force);
-  /// From the next step on. It is no part of the state. @throws InputError
+
+  // ---- editing, between steps (docs/editing.md): part of the state, so that a run that was edited resumes right -----
+  /// Takes a body out of the world. Its number and name stay its own and those of others stay as they are; its q and v
+  /// are kept as they were last. What holds to it is detached; forces on it end. @throws InputError
+  void remove(int b);
+  bool removed(int b) const;
+  /// Makes a body stay where it is, as an obstacle would, or lets it go again, at rest.
+  /// @throws InputError  for one that keyframes move
+  void freeze(int b, bool frozen = true);
+  bool frozen(int b) const;
+  /// Sets all matter of a body from x to R x + t, and turns its velocities by R.
+  /// @throws InputError  for kinds that cannot be elsewhere, what is attached, and what keyframes move
+  void move(int b, const Pose& by);
+  /// Gives a body the motion of a rigid one: of its centre of mass [m/s], and about it [rad/s]. @throws InputError
+  void set_velocity(int b, const Vec3& velocity, const Vec3& angular_velocity);
+  /// How the surface of all parts of a body behaves from now on. @throws InputError
+  void set_material(int b, const Material& material);
+  /// Of one part, as it is now.
+  Material material(int b, int part = 0) const;
+  /// Replaces what a pair of materials has, by their names. @throws InputError
+  void set_pair_material(const std::string& a, const std::string& b, const PairMaterial& pair);
+  /// [Pa] contact stiffness of all pairs without one of their own. @throws InputError
+  void set_stiffness(double stiffness);
+  /// Calls the edit at the start of the first step that begins at `at` [s] or later; no part of the state: what goes on
+  /// from a later state has been edited by then. What the edit throws becomes the warning "edit_refused".
+  void schedule(double at, std::function<void(World&)> edit);
+  /// Says whether bodies touch, from the next step on, over all that was said before. @throws InputError
+  void set_touch(const TouchRule& rule);
+  /// From the next step on. @throws InputError
   void set_gravity(const Vec3& gravity);
 
   const WorldOptions& options() const;

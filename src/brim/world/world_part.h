@@ -16,11 +16,15 @@ struct WorldPart {
   int index = 0;   ///< within the body
   double h = 0.0;  ///< [m] its own grid step, h0 2^l
   PartInfo info;
-  int level = 0;       ///< at which contact sees its body (Levels)
-  bool still = false;  ///< as Sleep marks it: asleep, or fixed and not moving; nothing is, where bodies do not sleep
+  int level = 0;        ///< at which contact sees its body (Levels)
+  bool still = false;   ///< as Sleep marks it: asleep, or fixed and not moving; nothing is, where bodies do not sleep
+  bool frozen = false;  ///< its body was told to stay where it is (World::freeze)
   TouchRules::Sides sides{};          ///< of the body's name
   const TouchRules* rules = nullptr;  ///< nothing: all may touch
 };
+
+/// True when nothing can move the part: no contact gives it a velocity.
+inline bool is_fixed(const WorldPart& p) { return p.frozen || p.body->immobile(); }
 
 /// False for pairs that the scene or a link keeps from touching.
 inline bool rules_allow(const WorldPart& a, const WorldPart& b) {
@@ -30,7 +34,7 @@ inline bool rules_allow(const WorldPart& a, const WorldPart& b) {
 /// False for pairs that are not looked at: nothing moves, or their body or the rules say that they do not touch.
 inline bool may_touch(const WorldPart& a, const WorldPart& b) {
   if (a.body == b.body && !a.body->parts_collide(a.index, b.index)) return false;
-  return !(a.still && b.still) && !(a.body->immobile() && b.body->immobile()) && rules_allow(a, b);
+  return !(a.still && b.still) && !(is_fixed(a) && is_fixed(b)) && rules_allow(a, b);
 }
 
 /// By how many levels two parts meet coarser than their own steps: the coarser of the two says, but neither becomes

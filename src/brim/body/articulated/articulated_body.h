@@ -4,6 +4,7 @@
 #include "brim/body/articulated/tree_flow.h"
 #include "brim/body/articulated/tree_map.h"
 #include "brim/body/distance_bound.h"
+#include "brim/body/movable.h"
 #include "brim/body/outer_forces.h"
 #include "brim/body/posed_display.h"
 #include "brim/body/posed_shape.h"
@@ -21,7 +22,8 @@ class ArticulatedBody final : public Body,
                               public DistanceBound,
                               public PosedDisplay,
                               public OuterForces,
-                              public Restless {
+                              public Restless,
+                              public Movable {
  public:
   /// @throws InputError for what Tree refuses, and for a joint that moves nothing with mass
   explicit ArticulatedBody(ArticulatedModel model);
@@ -34,6 +36,9 @@ class ArticulatedBody final : public Body,
   /// Along straight joint coordinates; finish_step replaces it by the free motion.
   void advance(double dt, std::span<double> q, std::span<const double> v) const override { tree_.move(dt, v, q); }
   void finish_step(double time, double dt, std::span<double> q, std::span<double> v) override;
+  /// The free root takes all links along: its coordinates are the first, and the world's own.
+  void move(const Pose& by, std::span<double> q, std::span<double> v) const override { move_frame(by, q, v); }
+  const char* bound() const override { return tree_.floating() ? "" : "is fixed to the world by its base"; }
 
   void add_forces(const Environment& env, std::span<double> Q) const override;
   void apply_mass(std::span<const double> x, std::span<double> y) const override;

@@ -2,6 +2,7 @@
 
 #include "brim/body/body.h"
 #include "brim/body/distance_bound.h"
+#include "brim/body/movable.h"
 #include "brim/body/posed_display.h"
 #include "brim/body/posed_shape.h"
 #include "brim/body/rigid_frame.h"
@@ -25,7 +26,7 @@ struct ObstacleModel {
 
 /// Static or animated rigid solid of infinite mass. q and v are those of a rigid body (origin of the shape); every
 /// direction of v is imposed, so the solver has nothing to decide.
-class ObstacleBody final : public Body, public DistanceBound, public RigidFrame, public PosedDisplay {
+class ObstacleBody final : public Body, public DistanceBound, public RigidFrame, public PosedDisplay, public Movable {
  public:
   /// @throws InputError when keys are missing or their times do not increase
   explicit ObstacleBody(ObstacleModel model);
@@ -37,6 +38,8 @@ class ObstacleBody final : public Body, public DistanceBound, public RigidFrame,
   void prescribe(double time, double dt, std::span<const double> q, std::span<double> v) const override;
   void update(double time, std::span<const double> q, std::span<const double> v) override;
   void advance(double dt, std::span<double> q, std::span<const double> v) const override;
+  void move(const Pose& by, std::span<double> q, std::span<double> v) const override { move_frame(by, q, v); }
+  bool driven() const override { return animated(); }
 
   void add_forces(const Environment&, std::span<double>) const override {}
   void apply_mass(std::span<const double> x, std::span<double> y) const override;

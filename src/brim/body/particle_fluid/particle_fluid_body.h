@@ -5,6 +5,7 @@
 
 #include "brim/body/body.h"
 #include "brim/body/filling.h"
+#include "brim/body/movable.h"
 #include "brim/body/outer_forces.h"
 #include "brim/body/particle_fluid/cohesion.h"
 #include "brim/body/particle_fluid/fluid_contact.h"
@@ -39,7 +40,7 @@ struct ParticleFluidOptions {
 /// step of divergence-free SPH does (Bender and Koschier 2017); E takes compression back. Both are linearly implicit
 /// (energy and its treatment: Weiler, Koschier and Bender 2016), so κ does not limit the time step.
 /// Tests: tests/body/particle_fluid_test.cpp
-class ParticleFluidBody final : public Body, public Filling, public OuterForces, public Restless {
+class ParticleFluidBody final : public Body, public Filling, public OuterForces, public Restless, public Movable {
  public:
   /// @param x  particles at the start, world frame, [m]
   /// @throws InputError  when a number is out of range or there are no particles
@@ -52,6 +53,7 @@ class ParticleFluidBody final : public Body, public Filling, public OuterForces,
   void initial_state(std::span<double> q, std::span<double> v) const override;
   void update(double time, std::span<const double> q, std::span<const double> v) override;
   void advance(double dt, std::span<double> q, std::span<const double> v) const override;
+  void move(const Pose& by, std::span<double> q, std::span<double> v) const override { move_points(by, q, v); }
 
   void add_forces(const Environment& env, std::span<double> Q) const override;
   void apply_mass(std::span<const double> x, std::span<double> y) const override;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "brim/body/body.h"
+#include "brim/body/movable.h"
 #include "brim/body/octant_presence.h"
 #include "brim/body/outer_forces.h"
 #include "brim/body/particles/node_clusters.h"
@@ -42,7 +43,7 @@ struct ParticleOptions {
 ///   A = (1 + dt a) M + (dt b + dt²) K
 /// K in the damping is that of the current state; its own change with q is left out of ∂Q/∂q.
 /// Contact is left to a ParticleContact, which the kind of body gives to set_contact.
-class ParticleBody : public Body, public MotionClusters, public OctantPresence, public OuterForces {
+class ParticleBody : public Body, public MotionClusters, public OctantPresence, public OuterForces, public Movable {
  public:
   std::size_t q_size() const override { return 3 * rest_.size(); }
   std::size_t v_size() const override { return 3 * rest_.size(); }
@@ -50,6 +51,8 @@ class ParticleBody : public Body, public MotionClusters, public OctantPresence, 
   void prescribe(double time, double dt, std::span<const double> q, std::span<double> v) const override;
   void update(double time, std::span<const double> q, std::span<const double> v) override;
   void advance(double dt, std::span<double> q, std::span<const double> v) const override;
+  void move(const Pose& by, std::span<double> q, std::span<double> v) const override { move_points(by, q, v); }
+  bool driven() const override { return !options_.motions.empty(); }
 
   /// Gives back what the step took from the momentum of free motion (docs/numerics.md, Momentum of deformable bodies).
   void finish_step(double time, double dt, std::span<double> q, std::span<double> v) override;

@@ -2,6 +2,7 @@
 
 #include "brim/body/body.h"
 #include "brim/body/distance_bound.h"
+#include "brim/body/movable.h"
 #include "brim/body/outer_forces.h"
 #include "brim/body/posed_display.h"
 #include "brim/body/posed_shape.h"
@@ -28,7 +29,12 @@ struct RigidModel {
 
 /// Rigid body: q = (position of the centre of mass, quaternion w x y z), v = (o', ω), world frame.
 /// Free rotation conserves angular momentum exactly: after each step ω follows from L at the new orientation.
-class RigidBody final : public Body, public DistanceBound, public RigidFrame, public PosedDisplay, public OuterForces {
+class RigidBody final : public Body,
+                        public DistanceBound,
+                        public RigidFrame,
+                        public PosedDisplay,
+                        public OuterForces,
+                        public Movable {
  public:
   /// @throws InputError when mass or inertia is not positive
   explicit RigidBody(RigidModel model);
@@ -40,6 +46,7 @@ class RigidBody final : public Body, public DistanceBound, public RigidFrame, pu
   void update(double time, std::span<const double> q, std::span<const double> v) override;
   void advance(double dt, std::span<double> q, std::span<const double> v) const override;
   void finish_step(double time, double dt, std::span<double> q, std::span<double> v) override;
+  void move(const Pose& by, std::span<double> q, std::span<double> v) const override { move_frame(by, q, v); }
 
   void add_forces(const Environment& env, std::span<double> Q) const override;
   void apply_mass(std::span<const double> x, std::span<double> y) const override;

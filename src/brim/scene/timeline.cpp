@@ -1,0 +1,147 @@
+#include "brim/scene/timeline.h"
+
+#include <array>
+#include <functional>
+#include <string_view>
+#include <vector>
+
+#include "brim/body/movable.h"
+#include "brim/scene/motion.h"
+#include "brim/scene/scene.h"
+#include "brim/world/attachment.h"
+#include "brim/world/body_motion.h"
+#include "brim/world/touch_rules.h"
+#include "brim/world/world.h"
+
+namespace brim {
+
+namespace {
+
+/// What an entry may do; exactly one of them is its verb.
+constexpr std::array<const char*, 8> kVerbs = {"freeze", "thaw",    "remove",       "move",
+                                               "detach", "gravity", "set_velocity", "set_material"};
+/// Keys that say more about one verb.
+struct Detail {
+  const char* key;
+  std::string_view verb;
+};
+constexpr std::array<Detail, 5> kDetails = {{{"offset", "move"},
+                                             {"rotation", "move"},
+                                             {"velocity", "set_velocity"},
+                                             {"angular_velocity", "set_velocity"},
+                                             {"material", "set_material"}}};
+
+std::string verb_of(const Node& entry) {
+  std::string verb, all;
+  for (const char* v : kVerbs) {
+    all += (all.empty() ? "\"" : ", \"") + std::string(v) + "\"";
+    if (!entry.has(v)) continue;
+    if (!verb.empty())
+      throw entry.at(v).error(fmt::format("it is not allowed beside \"{}\"; an entry is one edit", verb));
+    verb = v;
+  }
+  if (verb.empty()) throw entry.error("says nothing to do; it must have one of " + all);
+  for (const Detail& d : kDetails)
+    if (entry.has(d.key) && d.verb != verb)
+      throw entry.at(d.key).error(fmt::format("it is not allowed beside \"{}\"; it is for \"{}\"", verb, d.verb));
+  return verb;
+}
+
+Vec3 vector_or_zero(const Node& entry, const char* key) {
+  return entry.has(key) ? entry.vec3(key) : Vec3(Vec3::Zero());
+}
+
+/// Numbers of what the name means.
+std::vector<int> bodies_of(const Node& name, const World& world) {
+  std::vector<int> numbers;
+  for (int b = 0; b < world.body_count(); ++b)
+    if (name_matches(name.string(), world.body(b).name())) numbers.push_back(b);
+  if (numbers.empty()) throw name.error(fmt::format("\"{}\" is not a body", name.string()));
+  return numbers;
+}
+
+void need_movable(const Node& name, const std::string& verb, const Body& body) {
+  const auto* movable = dynamic_cast<const Movable*>(&body);
+  if (movable != nullptr && movable->driven())
+    throw name.error(fmt::format("\"{}\" follows keyframes; it cannot be changed by \"{}\"", body.name(), verb));
+  if (verb != "move") return;
+  if (movable == nullptr) throw name.error(fmt::format("\"{}\" ({}) cannot be moved", body.name(), body.kind()));
+  if (const std::string why = movable->bound(); !why.empty())
+    throw name.error(fmt::format("\"{}\" {}; it cannot be moved", body.name(), why));
+}
+
+/// The edit of one body.
+std::function<void(World&, int)> edit_of(const Node& entry, const std::string& verb, const Scene& scene) {
+  if (verb == "freeze") return [](World& w, int b) { w.freeze(b); };
+  if (verb == "thaw") return [](World& w, int b) { w.freeze(b, false); };
+  if (verb == "remove") return [](World& w, int b) { w.remove(b); };
+  if (verb == "set_material") {
+    Material material = scene.materials.at(entry.string("material"));
+    return [material](World& w, int b) {
+      Material m = material;
+      m.response = w.material(b).response;
+      w.set_material(b, m);
+    };
+  }
+  if (verb == "set_velocity")
+    return [v = vector_or_zero(entry, "velocity"), s = vector_or_zero(entry, "angular_velocity")](World& w, int b) {
+      w.set_velocity(b, v, s);
+    };
+  const Vec3 offset = vector_or_zero(entry, "offset");
+  const Mat3 R = entry.has("rotation") ? read_rotation(entry.at("rotation")).toRotationMatrix() : Mat3::Identity();
+  return [offset, R](World& w, int b) {
+    const Vec3 middle = middle_of(w.body(b));
+    w.move(b, {R, R == Mat3::Identity() ? offset : Vec3(middle - R * middle + offset)});
+  };
+}
+
+/// The edit that an entry is, with the numbers of what it concerns.
+std::function<void(World&)> read_edit(const Node& entry, const Scene& scene, const World& world) {
+  const std::string verb = verb_of(entry);
+  if (verb == "gravity") return [g = entry.vec3("gravity")](World& w) { w.set_gravity(g); };
+  if (verb == "detach") {
+    const Node name = entry.at("detach");
+    std::vector<int> numbers;
+    for (int i = 0; i < world.attachment_count(); ++i)
+      if (name_matches(name.string(), world.attachment(i).name)) numbers.push_back(i);
+    if (numbers.empty()) throw name.error(fmt::format("\"{}\" is not an attachment or joint", name.string()));
+    return [numbers](World& w) {
+      for (const int i : numbers) w.detach(i);
+    };
+  }
+  const Node name = entry.at(verb.c_str());
+  const std::vector<int> numbers = bodies_of(name, world);
+  if (verb == "freeze" || verb == "move")
+    for (const int b : numbers) need_movable(name, verb, world.body(b));
+  return [numbers, word = name.string(), verb, edit = edit_of(entry, verb, scene)](World& w) {
+    bool any = false;
+    for (const int b : numbers)
+      if (!w.removed(b)) edit(w, b), any = true;
+    if (!any) throw InputError(fmt::format("{}: all that \"{}\" means was removed", verb, word));
+  };
+}
+
+}  // namespace
+
+void check_timeline(const Node& root, const Scene& scene) {
+  const Node list = root.at("timeline");
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const Node entry = list.at(i);
+    const std::string verb = verb_of(entry);
+    if (verb == "set_material") {
+      if (!entry.has("material")) throw entry.error("\"set_material\" needs \"material\", the name of one");
+      if (!scene.materials.contains(entry.string("material")))
+        throw entry.at("material")
+            .error(fmt::format("\"{}\" is not a material of the scene", entry.string("material")));
+    }
+    if (entry.has("rotation")) read_rotation(entry.at("rotation"));
+  }
+}
+
+void schedule_timeline(const Scene& scene, World& world) {
+  const Node list = Node(*scene.document, scene.document->root, "").at("timeline");
+  for (std::size_t i = 0; i < list.size(); ++i)
+    world.schedule(list.at(i).number("at"), read_edit(list.at(i), scene, world));
+}
+
+}  // namespace brim

@@ -1,0 +1,310 @@
+#include <algorithm>
+#include <cmath>
+
+#include "brim/body/movable.h"
+#include "brim/core/error.h"
+#include "brim/world/attachment.h"
+#include "brim/world/body_motion.h"
+#include "brim/world/space.h"
+#include "brim/world/world_impl.h"
+
+namespace brim {
+
+namespace {
+
+bool is_driven(const Body& body) {
+  const auto* movable = dynamic_cast<const Movable*>(&body);
+  return movable != nullptr && movable->driven();
+}
+
+void need_number(const std::string& of, const char* what, double value, double least, double most) {
+  if (!(value >= least && value <= most) || !std::isfinite(value))
+    throw InputError(
+        std::isinf(most)
+            ? fmt::format("{}: {} {} is not allowed; must be a number from {}", of, what, value, least)
+            : fmt::format("{}: {} {} is not allowed; must be from {} to {}", of, what, value, least, most));
+}
+
+}  // namespace
+
+// ---- what is out ---------------------------------------------------------------------------------------------------
+
+bool World::Impl::out(std::size_t b) const {
+  const auto it = absences.find(b);
+  return it != absences.end() && it->second.out;
+}
+
+const Body& World::Impl::own(std::size_t b) const { return out(b) ? *absences.at(b).other : *bodies.at(b); }
+
+void World::Impl::count_state() {
+  first_q.assign(1, 0), first_v.assign(1, 0);
+  for (const auto& body : bodies) {
+    first_q.push_back(first_q.back() + body->q_size());
+    first_v.push_back(first_v.back() + body->v_size());
+  }
+  for (WorldPart& p : parts) p.body = bodies[static_cast<std::size_t>(p.body_index)].get();
+  sleep.follow(bodies);
+  constraints.forget_bodies();
+  fresh.clear();
+}
+
+void World::Impl::show_whole() {
+  if (edits.removed.empty()) return;
+  whole = state;
+  whole.q.clear(), whole.v.clear();
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const std::span<const double> qb = out(b) ? absences.at(b).q : q(b), vb = out(b) ? absences.at(b).v : v(b);
+    whole.q.insert(whole.q.end(), qb.begin(), qb.end());
+    whole.v.insert(whole.v.end(), vb.begin(), vb.end());
+  }
+}
+
+void World::Impl::bring_back() {
+  for (auto& [b, absence] : absences) {
+    if (!absence.out) continue;
+    state.q.insert(state.q.begin() + static_cast<std::ptrdiff_t>(first_q[b]), absence.q.begin(), absence.q.end());
+    state.v.insert(state.v.begin() + static_cast<std::ptrdiff_t>(first_v[b]), absence.v.begin(), absence.v.end());
+    std::swap(bodies[b], absence.other);
+    absence.out = false;
+    count_state();
+  }
+}
+
+void World::Impl::leave_out() {
+  for (const int number : edits.removed) {
+    const auto b = static_cast<std::size_t>(number);
+    Absence& absence = absences[b];
+    if (absence.out) continue;
+    absence.q.assign(q(b).begin(), q(b).end());
+    absence.v.assign(v(b).size(), 0.0);
+    bodies[b]->update(state.time, absence.q, absence.v);
+    state.q.erase(state.q.begin() + static_cast<std::ptrdiff_t>(first_q[b]),
+                  state.q.begin() + static_cast<std::ptrdiff_t>(first_q[b + 1]));
+    state.v.erase(state.v.begin() + static_cast<std::ptrdiff_t>(first_v[b]),
+                  state.v.begin() + static_cast<std::ptrdiff_t>(first_v[b + 1]));
+    // Kept for ever: what was made for one object must not be taken for that of another one at its address.
+    if (!absence.other) absence.other = std::make_unique<Space>(bodies[b]->part_count());
+    std::swap(bodies[b], absence.other);
+    absence.out = true;
+    count_state();
+  }
+  show_whole();
+}
+
+// ---- what was edited -----------------------------------------------------------------------------------------------
+
+PartInfo World::Impl::info_of(const WorldPart& p) const {
+  PartInfo info = p.body->part(p.index);
+  const auto it = edits.materials.find(p.body_index);
+  if (it != edits.materials.end()) info.material = it->second;
+  if (edits.frozen.contains(p.body_index)) {
+    // What stays where it is does not give way, and keeps its shape.
+    info.areal_mass = 0.0;
+    info.modulus = std::numeric_limits<double>::infinity();
+    info.shapeless = false;
+  }
+  return info;
+}
+
+void World::Impl::follow_edits() {
+  options.environment.gravity = edits.gravity.value_or(given.environment.gravity);
+  options.stiffness = edits.stiffness.value_or(given.stiffness);
+  options.pair_materials = given.pair_materials;
+  for (const auto& [materials, pair] : edits.pairs) options.pair_materials[materials] = pair;
+  options.touch_rules = given.touch_rules;
+  options.touch_rules.insert(options.touch_rules.end(), edits.rules.begin(), edits.rules.end());
+  rules = {};
+  for (const TouchRule& rule : options.touch_rules) rules.add(rule);
+  keep_apart();
+  const auto absent = [&](const WorldPart& p) { return out(static_cast<std::size_t>(p.body_index)); };
+  double coarsest = 0.0;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (!absent(parts[i])) coarsest = std::max(coarsest, part_h[i]);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    WorldPart& p = parts[i];
+    p.info = info_of(p);
+    p.h = absent(p) ? coarsest : part_h[i];  // what is not there must not be the finest
+    p.frozen = edits.frozen.contains(p.body_index);
+    p.sides = rules.sides(p.body->name()), p.rules = &rules;
+  }
+  stage.rigid().start(parts, laws, options);
+}
+
+void World::Impl::need(int b, const char* what) const {
+  if (b < 0 || b >= static_cast<int>(count()))
+    throw InputError(fmt::format("{}: body {} is not there; there are {}", what, b, count()));
+  if (out(static_cast<std::size_t>(b)))
+    throw InputError(fmt::format("{}: '{}' was removed", what, own(static_cast<std::size_t>(b)).name()));
+}
+
+void World::Impl::edit(const std::function<void(Edits&)>& change) {
+  start();
+  bring_back();
+  take_memory();
+  change(edits);
+  leave_out();
+  follow_edits();
+  stage.rigid().restore(state.memory);
+  keep_memory();
+  update_bodies();
+}
+
+void World::Impl::wake_around(World& world, int b) {
+  const bool fixed = own(static_cast<std::size_t>(b)).immobile() || is_frozen(static_cast<std::size_t>(b));
+  for (int i = 0; i < static_cast<int>(count()); ++i)
+    if (fixed || i == b) world.wake(i);
+}
+
+void World::remove(int b) {
+  Impl& w = *impl_;
+  w.need(b, "remove");
+  w.start();
+  w.wake_around(*this, b);
+  w.edit([&](Edits& edits) {
+    edits.removed.insert(b);
+    for (std::size_t l = 0; l < w.links.size(); ++l)
+      if (const auto [i, j] = w.links.bodies(l); i == b || j == b) w.links.set_broken(l, true);
+  });
+}
+
+bool World::removed(int b) const { return impl_->out(static_cast<std::size_t>(b)); }
+
+void World::freeze(int b, bool frozen) {
+  Impl& w = *impl_;
+  w.need(b, "freeze");
+  if (w.is_frozen(static_cast<std::size_t>(b)) == frozen) return;
+  if (frozen && is_driven(body(b)))
+    throw InputError(fmt::format("freeze: '{}' follows keyframes; it cannot be frozen", body(b).name()));
+  w.start();
+  w.wake_around(*this, b);
+  std::ranges::fill(w.v(static_cast<std::size_t>(b)), 0.0);
+  w.edit([&](Edits& edits) {
+    if (frozen)
+      edits.frozen.insert(b);
+    else
+      edits.frozen.erase(b);
+  });
+}
+
+bool World::frozen(int b) const { return impl_->is_frozen(static_cast<std::size_t>(b)); }
+
+void World::move(int b, const Pose& by) {
+  Impl& w = *impl_;
+  w.need(b, "move");
+  const Body& body = this->body(b);
+  const auto refuse = [&](const std::string& why) { throw InputError(fmt::format("move: '{}' {}", body.name(), why)); };
+  if (!by.translation.allFinite() || !by.rotation.allFinite() ||
+      !(by.rotation * by.rotation.transpose()).isApprox(Mat3::Identity(), 1e-6) || by.rotation.determinant() < 0.0)
+    refuse("must be moved by finite numbers and a rotation");
+  const auto* movable = dynamic_cast<const Movable*>(&body);
+  if (movable == nullptr)
+    refuse(fmt::format("({}) has no place of its own; bodies whose author chose the coordinates are moved by their q",
+                       body.kind()));
+  if (movable->driven()) refuse("follows keyframes; it cannot be moved");
+  if (const std::string why = movable->bound(); !why.empty()) refuse(why + "; it cannot be moved");
+  w.start();
+  for (std::size_t l = 0; l < w.links.size(); ++l)
+    if (const auto [i, j] = w.links.bodies(l); !w.links.broken(l) && (i == b || j == b))
+      refuse(fmt::format("is held by '{}'; detach it first", w.links.attachment(l).name));
+  w.wake_around(*this, b);
+  movable->move(by, w.q(static_cast<std::size_t>(b)), w.v(static_cast<std::size_t>(b)));
+  w.show_whole();
+  w.update_bodies();
+}
+
+void World::set_velocity(int b, const Vec3& velocity, const Vec3& angular_velocity) {
+  Impl& w = *impl_;
+  w.need(b, "set_velocity");
+  const Body& body = this->body(b);
+  const auto refuse = [&](const char* why) {
+    throw InputError(fmt::format("set_velocity: '{}' {}", body.name(), why));
+  };
+  if (!velocity.allFinite() || !angular_velocity.allFinite()) refuse("needs finite numbers");
+  if (frozen(b)) refuse("is frozen; let it go first");
+  if (body.immobile()) refuse("is fixed");
+  w.start();
+  w.update_bodies();
+  std::vector<double> v(body.v_size());
+  if (!body.rigid_motion(velocity, Vec3::Zero(), v)) refuse("cannot move as a whole; set its v");
+  const std::optional<Vec3> center = center_of_mass(body);
+  if (!center) refuse("has no centre of mass");
+  body.rigid_motion(velocity - angular_velocity.cross(*center), angular_velocity, v);
+  body.filter(v);
+  w.wake_around(*this, b);
+  std::ranges::copy(v, w.v(static_cast<std::size_t>(b)).begin());
+  w.show_whole();
+  w.update_bodies();
+}
+
+void World::set_material(int b, const Material& material) {
+  impl_->need(b, "set_material");
+  const std::string of = fmt::format("material '{}' of '{}'", material.name, body(b).name());
+  need_number(of, "friction", material.friction, 0.0, std::numeric_limits<double>::infinity());
+  need_number(of, "restitution", material.restitution, 0.0, 1.0);
+  impl_->start();
+  impl_->wake_around(*this, b);
+  impl_->edit([&](Edits& edits) { edits.materials[b] = material; });
+}
+
+Material World::material(int b, int part) const {
+  for (const WorldPart& p : impl_->parts)
+    if (p.body_index == b && p.index == part) {
+      const auto it = impl_->edits.materials.find(b);
+      return it != impl_->edits.materials.end() ? it->second : body(b).part(part).material;
+    }
+  throw InputError(fmt::format("material: body {} has no part {}", b, part));
+}
+
+void World::set_pair_material(const std::string& a, const std::string& b, const PairMaterial& pair) {
+  const std::string of = fmt::format("materials '{}' and '{}'", a, b);
+  if (!(pair.friction < 0.0)) need_number(of, "friction", pair.friction, 0.0, std::numeric_limits<double>::infinity());
+  if (!(pair.restitution < 0.0)) need_number(of, "restitution", pair.restitution, 0.0, 1.0);
+  need_number(of, "stiffness", pair.stiffness, 0.0, std::numeric_limits<double>::infinity());
+  impl_->edit([&](Edits& edits) { edits.pairs[std::minmax(a, b)] = pair; });
+  for (int i = 0; i < body_count(); ++i) wake(i);
+}
+
+void World::set_stiffness(double stiffness) {
+  if (!(stiffness > 0.0) || !std::isfinite(stiffness))
+    throw InputError(fmt::format("world: stiffness {} is not allowed; must be a number above 0 [Pa]", stiffness));
+  impl_->edit([&](Edits& edits) { edits.stiffness = stiffness; });
+  for (int i = 0; i < body_count(); ++i) wake(i);
+}
+
+void World::set_gravity(const Vec3& gravity) {
+  if (!gravity.allFinite()) throw InputError("world: gravity is not finite");
+  impl_->edit([&](Edits& edits) { edits.gravity = gravity; });
+  for (int i = 0; i < body_count(); ++i) wake(i);
+}
+
+void World::set_touch(const TouchRule& rule) {
+  TouchRules more = impl_->rules;
+  more.add(rule);  // throws where there are too many
+  impl_->edit([&](Edits& edits) { edits.rules.push_back(rule); });
+  for (int i = 0; i < body_count(); ++i) wake(i);
+}
+
+// ---- at a time -----------------------------------------------------------------------------------------------------
+
+void World::schedule(double at, std::function<void(World&)> edit) {
+  if (!std::isfinite(at)) throw InputError(fmt::format("an edit cannot be at time {}", at));
+  auto& all = impl_->scheduled;
+  const auto after = std::ranges::upper_bound(all, at, {}, &Impl::Scheduled::at);
+  all.insert(after, {at, std::move(edit)});
+}
+
+void World::Impl::run_scheduled(World& world, StepReport& report) {
+  const double dt = options.time_step, slack = 1e-9 * dt;
+  for (std::size_t i = 0; i < scheduled.size(); ++i) {
+    const double at = scheduled[i].at;
+    if (at > state.time + slack || (state.step > 0 && at <= state.time - dt + slack)) continue;
+    try {
+      const auto edit = scheduled[i].edit;  // it may schedule others
+      edit(world);
+    } catch (const InputError& e) {
+      report.warnings.push_back({state.time, "edit_refused", e.what()});
+    }
+  }
+}
+
+}  // namespace brim

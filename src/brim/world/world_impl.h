@@ -1,0 +1,128 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <unordered_set>
+#include <vector>
+
+#include "brim/response/penalty.h"
+#include "brim/world/constraint_step.h"
+#include "brim/world/contact_maps.h"
+#include "brim/world/contact_stage.h"
+#include "brim/world/edits.h"
+#include "brim/world/fill_stage.h"
+#include "brim/world/implicit_step.h"
+#include "brim/world/levels.h"
+#include "brim/world/links.h"
+#include "brim/world/outer_actions.h"
+#include "brim/world/pair_laws.h"
+#include "brim/world/sleep.h"
+#include "brim/world/touch_rules.h"
+#include "brim/world/world.h"
+#include "brim/world/world_part.h"
+
+namespace brim {
+
+/// What a world is made of. Its functions lie where their idea does: world.cpp holds bodies and state, world_wiring.cpp
+/// how they are wired up, world_editing.cpp what is changed between steps, world_step.cpp a step, world_substep.cpp a
+/// sub-step.
+struct World::Impl {
+  WorldOptions options;  ///< as edited
+  WorldOptions given;    ///< as the world was made
+  std::vector<std::unique_ptr<Body>> bodies;
+  std::unordered_set<std::string> names;
+  std::vector<WorldPart> parts;
+  std::vector<double> part_h;  ///< [m] grid steps of the parts, chosen at the start
+  std::vector<std::size_t> first_q{0}, first_v{0};
+  State state;
+  bool started = false;
+  PairLaws laws;
+  Sleep sleep;
+  TouchRules rules;
+  Links links;
+  OuterActions actions;
+  bool has_space = false;  ///< the last body and part stand for space
+  Levels levels;
+  Edits edits;
+  /// A body that was removed, or that came back: what stands in its place, and its own coordinates meanwhile.
+  struct Absence {
+    std::unique_ptr<Body> other;
+    std::vector<double> q, v;
+    bool out = false;
+  };
+  std::map<std::size_t, Absence> absences;
+  State whole;  ///< with what was removed, where something was
+  struct Scheduled {
+    double at = 0.0;
+    std::function<void(World&)> edit;
+  };
+  std::vector<Scheduled> scheduled;
+
+  ContactStage stage;
+  FillStage fill;
+  ContactMaps maps;
+  Penalty response;
+  ImplicitStep implicit;
+  ConstraintStep constraints;
+  std::vector<Vec3> velocity_a, velocity_b, normal_force, friction_force;
+  std::vector<double> delta, before_q, before_v, travel;
+  // The state that bodies were last updated to, and which have not been advanced since.
+  std::vector<double> updated_q, updated_v;
+  double updated_time = 0.0;
+  std::vector<std::uint8_t> fresh;
+  std::vector<ContactSample> samples;
+
+  std::span<double> q(std::size_t b) { return std::span(state.q).subspan(first_q[b], first_q[b + 1] - first_q[b]); }
+  std::span<double> v(std::size_t b) { return std::span(state.v).subspan(first_v[b], first_v[b + 1] - first_v[b]); }
+
+  void start();
+  /// [Pa] told, or chosen from the loads.
+  double stiffness() const { return options.stiffness > 0.0 ? options.stiffness : laws.stiffness(); }
+  /// Appends a body that is whole: what it throws has been thrown.
+  void append(std::unique_ptr<Body> body, std::span<const double> q0, std::span<const double> v0);
+  void show_space();
+  void hide_space();
+  std::size_t count() const { return bodies.size() - has_space; }  ///< of bodies that others see
+  int find(const std::string& name) const;
+  Links::Side side_of(int body);
+  /// State of links and sleep comes out of memory, and goes back before all else in it.
+  void take_memory();
+  void keep_memory();
+  /// The body that was added, even where another object stands for it now.
+  const Body& own(std::size_t b) const;
+  bool out(std::size_t b) const;
+  bool is_frozen(std::size_t b) const { return !edits.frozen.empty() && edits.frozen.contains(static_cast<int>(b)); }
+  /// @throws InputError  for a number of no body, or of one that was removed
+  void need(int b, const char* what) const;
+  /// Changes the edits, and all that follows from them.
+  void edit(const std::function<void(Edits&)>& change);
+  /// Brings all removed bodies back for a moment, so that the state is that of all; leave_out takes them out again.
+  void bring_back();
+  void leave_out();
+  /// Takes the edits over into options, rules and parts.
+  void follow_edits();
+  /// Joins the state with what was removed, for others to see.
+  void show_whole();
+  void count_state();
+  PartInfo info_of(const WorldPart& p) const;
+  /// Wakes what a change of a body concerns: those that sleep with it; all, where it is fixed.
+  void wake_around(World& world, int b);
+  void run_scheduled(World& world, StepReport& report);
+  void keep_apart();
+  void update_bodies();
+  /// Those that sleep are as they were; all others must be updated.
+  void stir();
+  void prescribe(double dt);
+  /// Chooses the levels of a step, and eases over what changes with them.
+  void choose_levels(StepReport& report);
+  void find_contacts(double dt, StepReport& report);
+  /// Wakes what something awake has contacts with. @return true where there was something
+  bool wake_touched();
+  double substep(double left, StepReport& report);
+  bool solve_substep(double dt, StepReport& report);
+  void measure(StepReport& report);
+};
+
+}  // namespace brim

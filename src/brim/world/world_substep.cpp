@@ -1,0 +1,201 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "brim/core/parallel.h"
+#include "brim/core/profile.h"
+#include "brim/core/stopwatch.h"
+#include "brim/world/momentum_check.h"
+#include "brim/world/pair_reports.h"
+#include "brim/world/substeps.h"
+#include "brim/world/world_impl.h"
+
+namespace brim {
+
+namespace {
+
+/// Motion of a sub-step, over what is allowed, above which it is solved again in pieces.
+constexpr double kOutrun = 1.25;
+/// Tolerance of the solve where there are links, over the usual one: rigid ones rule the residual, and what it leaves
+/// of softer motions would shake them.
+constexpr double kLinked = 1e-2;
+
+}  // namespace
+
+void World::Impl::prescribe(double dt) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (is_frozen(b)) continue;
+    bodies[b]->prescribe(state.time, dt, q(b), v(b));
+    if (sleep.asleep(b) && std::any_of(v(b).begin(), v(b).end(), [](double x) { return x != 0.0; })) sleep.wake(b);
+  }
+  if (sleep.on()) sleep.mark(parts, state.v, first_v);
+}
+
+bool World::Impl::wake_touched() {
+  bool woke = false;
+  const auto touch = [&](std::int32_t a, std::int32_t b) {
+    const auto i = static_cast<std::size_t>(parts[a].body_index), j = static_cast<std::size_t>(parts[b].body_index);
+    woke = sleep.wake(i) || woke;
+    woke = sleep.wake(j) || woke;
+  };
+  // No two that sleep are looked at, nor one and something fixed that does not move.
+  for (const ContactPair& p : stage.contacts().pairs)
+    if (p.begin < p.end) touch(p.part_a, p.part_b);
+  stage.rigid().for_pairs(touch);
+  if (woke) sleep.mark(parts, state.v, first_v);
+  return woke;
+}
+
+void World::Impl::find_contacts(double dt, StepReport& report) {
+  do {
+    stage.find(parts, state.v, first_v, dt, options, report);
+    levels.shift().apply(stage.contacts());
+    const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Detect)]);
+    fill.find(bodies, parts, options, stage.contacts());
+  } while (sleep.on() && wake_touched());
+}
+
+bool World::Impl::solve_substep(double dt, StepReport& report) {
+  const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
+  prescribe(dt);
+  {
+    const ScopedSeconds timer(seconds(Phase::Advance));
+    update_bodies();
+  }
+
+  find_contacts(dt, report);
+  if (!links.empty())
+    links.append(parts, state.q, first_q, static_cast<int>(parts.size()) - 1, state.time, dt, stage.contacts());
+  const ContactSet& contacts = stage.contacts();
+  velocity_a.resize(contacts.size()), velocity_b.resize(contacts.size());
+  {
+    const ScopedSeconds timer(seconds(Phase::Respond));
+    maps.build(parts, contacts, first_v);
+    maps.velocities(state.v, velocity_a, velocity_b);
+    laws.choose(parts, state.v, first_v, options, contacts.pairs);
+    laws.leave_to_links(contacts.first_link_pair());
+    const double g = options.environment.gravity.norm();
+    PenaltyOptions p;
+    p.dt = dt;
+    p.damping = options.damping_steps * options.time_step;
+    p.friction_speed =
+        options.friction_speed > 0.0 ? options.friction_speed : std::max(1e-3 * g * options.time_step, 1e-9);
+    p.release_speed = 0.2 * g * dt;
+    p.slack = g * dt * dt;
+    response.begin(contacts, laws.penalties(), p, velocity_a, velocity_b);
+    fill.begin(bodies, first_v, state.v, velocity_a, velocity_b, dt, response);
+    if (contacts.link_pairs > 0) links.begin(contacts, velocity_a, velocity_b, response);
+  }
+
+  {
+    const ScopedSeconds timer(seconds(Phase::Respond));
+    const double g = options.environment.gravity.norm();
+    ConstraintStep::Settings s;
+    s.rows = {dt, 2.0 * g * dt, options.constraint_every_node};
+    s.tolerance = options.constraint_tolerance;
+    s.max_sweeps = options.constraint_sweeps;
+    s.scale = std::max(g * dt, 1e-6);
+    constraints.begin(bodies, first_v, parts, contacts, response.normals(), laws.constraints(), stage.rigid().gather(),
+                      state.v, s, ReferencePoses::rows_of(state.memory));
+  }
+
+  ImplicitStep::Settings settings;
+  settings.dt = dt;
+  settings.tolerance = (contacts.link_pairs > 0 ? kLinked : 1.0) * options.cg_tolerance;
+  settings.max_iterations = options.cg_max_iterations;
+  settings.passes = options.max_passes;
+  std::vector<std::uint8_t> asleep(sleep.on() || !edits.frozen.empty() ? bodies.size() : 0);
+  for (std::size_t b = 0; b < asleep.size(); ++b) asleep[b] = sleep.asleep(b) || is_frozen(b);
+  settings.asleep = asleep;
+  delta.resize(state.v.size());
+  std::span<const double> impulse = constraints.impulse();
+  if (!actions.empty()) {
+    settings.gravity_scale = actions.gravity_scale();
+    impulse = actions.impulse(bodies, parts, state.q, first_q, state.v, first_v, options.environment, state.time, dt,
+                              impulse);
+  }
+  ImplicitStep::Correct rows;
+  if (!constraints.empty())
+    rows = [&](const ImplicitStep::Respond& solve, std::span<double> change) {
+      return constraints.correct(solve, change, report);
+    };
+  return implicit.solve(bodies, first_v, parts, options.environment, maps, response, contacts, state.v, settings, delta,
+                        report, fill, impulse, rows);
+}
+
+double World::Impl::substep(double left, StepReport& report) {
+  const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
+  auto presence = std::make_optional<ScopedSeconds>(seconds(Phase::Presence));
+  double dt = choose_substep(parts, state.v, first_v, options, left, report);
+  presence.reset();
+  before_q = state.q;
+  before_v = state.v;
+  const std::size_t warnings = report.warnings.size();
+  bool finite = solve_substep(dt, report);
+  // What contact throws may outrun the choice, which knows the speeds before only: cut again, once.
+  if (finite && report.substeps + 1 < options.max_substeps) {
+    travel = state.v;
+    for (std::size_t i = 0; i < travel.size(); ++i) travel[i] += delta[i];
+    presence.emplace(seconds(Phase::Presence));
+    const double pieces = motion_pieces(parts, travel, first_v, options, dt, 0.0);
+    presence.reset();
+    if (pieces > kOutrun) {
+      state.q = before_q;
+      state.v = before_v;
+      fresh.clear();
+      report.warnings.erase(report.warnings.begin() + static_cast<std::ptrdiff_t>(warnings), report.warnings.end());
+      dt /= std::ceil(pieces);
+      finite = solve_substep(dt, report);
+    }
+  }
+  ++report.substeps;
+  const bool last = left - dt <= 1e-9 * options.time_step;
+  const ContactSet& contacts = stage.contacts();
+  report.contacts = static_cast<std::int64_t>(contacts.first_link()) + stage.rigid().contacts();
+  if (!finite) {
+    state.q = before_q;
+    state.v = before_v;
+    fresh.clear();
+    report.ok = false;
+    report.warnings.push_back(
+        {state.time, "not_finite", "the solve gave values that are not finite; the state before it is kept"});
+    return left;
+  }
+
+  {
+    const ScopedSeconds timer(seconds(Phase::Respond));
+    normal_force.resize(contacts.size()), friction_force.resize(contacts.size());
+    response.forces(implicit.contact_delta(), normal_force, friction_force);
+    fill.add_forces(normal_force);
+    report_pairs(parts, contacts, normal_force, friction_force, state.time, report, samples);
+    stage.rigid().report(parts, state.time, report);
+    // Before stiff contact has pushed apart what lies within each other.
+    if (state.step == 0 && report.substeps == 1) warn_of_start(parts, state.time, report);
+    if (last) {
+      for (std::size_t c = 0; c < contacts.size(); ++c) normal_force[c] += friction_force[c];
+      check_momentum(bodies, first_v, parts, contacts, maps, normal_force, report);
+    }
+    if (!links.empty()) {
+      links.finish(contacts, normal_force, state.time, report);
+      keep_apart();
+    }
+    constraints.finish(report, samples, last, state.memory);
+    report.contact_energy = response.energy();
+  }
+  const ScopedSeconds timer(seconds(Phase::Advance));
+  for (std::size_t i = 0; i < state.v.size(); ++i) state.v[i] += delta[i];
+  travel = state.v;
+  for (std::size_t i = 0; i < constraints.travel().size(); ++i) travel[i] += constraints.travel()[i];
+  parallel_for(bodies.size(), [&](std::size_t b) {
+    if (sleep.asleep(b) || is_frozen(b)) return;
+    const ProfileScope scope("advance", *bodies[b]);
+    bodies[b]->advance(dt, q(b), std::span<const double>(travel).subspan(first_v[b], first_v[b + 1] - first_v[b]));
+    bodies[b]->finish_step(state.time, dt, q(b), v(b));
+  });
+  stir();
+  levels.shift().pass(dt);
+  state.time += dt;
+  return dt;
+}
+
+}  // namespace brim

@@ -1,0 +1,139 @@
+#include "brim/scene/timeline.h"
+
+#include <gtest/gtest.h>
+
+#include "brim/core/error.h"
+#include "brim/raster/shape.h"
+#include "brim/scene/pairs/pair_table.h"
+#include "brim/scene/scene.h"
+#include "brim/world/body_motion.h"
+#include "brim/world/world.h"
+
+/// Edits at given times, and edits of bodies of every kind.
+namespace brim {
+namespace {
+
+std::string scene_with(const std::string& timeline) {
+  return R"({"brim": 1, "name": "s", "duration": 1, "world": {"voxel_size": 0.05}, "materials": {"ice": {"friction": 0}},
+    "bodies": [
+      {"kind": "obstacle", "name": "floor", "shape": {"kind": "plane"}},
+      {"kind": "obstacle", "name": "belt", "shape": {"kind": "sphere", "radius": 0.2},
+       "keyframes": [{"time": 0}, {"time": 1, "offset": [1, 0, 0]}], "transform": {"position": [5, 0, 1]}},
+      {"kind": "rigid", "name": "ball", "shape": {"kind": "sphere", "radius": 0.2}, "transform": {"position": [0, 0, 2]},
+       "repeat": {"count": [2, 1, 1], "spacing": [1, 1, 1]}}],
+    "attachments": [{"name": "pin", "body": "ball.0", "point": [0, 0, 2]}],
+    "timeline": [)" +
+         timeline + "]}";
+}
+
+std::string message(const std::string& timeline) {
+  try {
+    build_world(parse_scene(scene_with(timeline), "s.json"));
+    return "";
+  } catch (const InputError& e) {
+    const std::string text = e.what();
+    return text.substr(text.find("/timeline"));
+  }
+}
+
+TEST(Timeline, SaysWhatIsWrongBeforeTheRunBegins) {
+  EXPECT_EQ(message(R"({"at": 1, "freeze": "bell"})"), "/timeline/0/freeze: \"bell\" is not a body");
+  EXPECT_EQ(message(R"({"at": 1, "detach": "nail"})"), "/timeline/0/detach: \"nail\" is not an attachment or joint");
+  EXPECT_EQ(message(R"({"at": 1})"),
+            "/timeline/0: says nothing to do; it must have one of \"freeze\", \"thaw\", \"remove\", \"move\", "
+            "\"detach\", \"gravity\", \"set_velocity\", \"set_material\"");
+  EXPECT_EQ(message(R"({"at": 1, "freeze": "ball", "remove": "ball"})"),
+            "/timeline/0/remove: it is not allowed beside \"freeze\"; an entry is one edit");
+  EXPECT_EQ(message(R"({"at": 1, "freeze": "ball", "offset": [0, 0, 1]})"),
+            "/timeline/0/offset: it is not allowed beside \"freeze\"; it is for \"move\"");
+  EXPECT_EQ(message(R"({"at": 1, "set_material": "ball"})"),
+            "/timeline/0: \"set_material\" needs \"material\", the name of one");
+  EXPECT_EQ(message(R"({"at": 1, "set_material": "ball", "material": "snow"})"),
+            "/timeline/0/material: \"snow\" is not a material of the scene");
+  EXPECT_EQ(message(R"({"at": 1, "move": "belt", "offset": [0, 0, 1]})"),
+            "/timeline/0/move: \"belt\" follows keyframes; it cannot be changed by \"move\"");
+  EXPECT_EQ(message(R"({"at": 1, "freeze": "b*"})"),
+            "/timeline/0/freeze: \"belt\" follows keyframes; it cannot be changed by \"freeze\"");
+  EXPECT_NE(message(R"({"at": -1, "remove": "ball"})").find("must be a number from 0"), std::string::npos);
+}
+
+TEST(Timeline, EditsAllThatANameMeansAtItsTime) {
+  World w = build_world(parse_scene(scene_with(R"(
+    {"at": 0.2, "remove": "ball.1"}, {"at": 0.4, "freeze": "ball.1"}, {"at": 0.1, "set_velocity": "ball", "velocity": [0, 0, 3]},
+    {"at": 0.05, "detach": "p*"}, {"at": 0.05, "gravity": [0, 0, 0]}, {"at": 0.3, "set_material": "ball", "material": "ice"},
+    {"at": 0.3, "move": "ball.0", "offset": [0, 2, 0], "rotation": {"axis": [0, 0, 1], "degrees": 90}})")));
+  const int a = 2, b = 3;
+  int refused = 0;
+  while (w.state().time < 0.5)
+    for (const Warning& warning : w.step().warnings) refused += warning.code == "edit_refused";
+  EXPECT_TRUE(w.detached(0));
+  EXPECT_TRUE(w.removed(b));
+  EXPECT_EQ(refused, 1) << "what was removed cannot be frozen; the other ball still gets its material";
+  EXPECT_NEAR(w.v(a)[2], 3.0, 1e-9);
+  EXPECT_NEAR(w.q(a)[1], 2.0, 1e-9);
+  EXPECT_NEAR(w.q(a)[3], std::sqrt(0.5), 0.01) << "a quarter turn, and what the pin turned it before";
+  EXPECT_EQ(w.material(a).name, "ice");
+}
+
+/// Some kinds of the table fill boxes, or hang on the world.
+bool movable(const PairKind& k) { return k.name.find("grid") == std::string::npos; }
+
+TEST(EveryKind, IsFrozenMovedRemovedAndResumed) {
+  PairTable table = standard_pairs();
+  table.drop.speed = 0.5;
+  const PairKind* ground = nullptr;
+  for (const PairKind& k : table.kinds)
+    if (k.name == "plane") ground = &k;
+  ASSERT_NE(ground, nullptr);
+  for (const PairKind& kind : table.kinds) {
+    if (&kind == ground || kind.name == "mesh") continue;
+    SCOPED_TRACE(kind.name);
+    const std::string text = pair_scene_text(table, *ground, kind);
+    World w = build_world(parse_scene(text)), resumed = build_world(parse_scene(text));
+    const auto upper = [&] { return std::vector<double>(w.q(1).begin(), w.q(1).end()); };
+    for (int s = 0; s < 3; ++s) ASSERT_TRUE(w.step().ok);
+    w.freeze(1);
+    const auto held = upper();
+    for (int s = 0; s < 4; ++s) {
+      const StepReport r = w.step();
+      ASSERT_TRUE(r.ok);
+      ASSERT_EQ(r.max_speed, 0.0);
+    }
+    EXPECT_EQ(upper(), held);
+    resumed.set_state(w.state());
+    EXPECT_TRUE(resumed.frozen(1));
+    for (World* world : {&w, &resumed}) world->freeze(1, false), world->set_gravity(Vec3(0, 0, -9.81));
+    try {
+      const Vec3 before = middle_of(w.body(1));
+      for (World* world : {&w, &resumed}) world->move(1, {Mat3::Identity(), Vec3(0.01, 0.02, 0.3)});
+      EXPECT_LT((middle_of(w.body(1)) - before - Vec3(0.01, 0.02, 0.3)).norm(), 1e-6);
+      EXPECT_TRUE(movable(kind));
+    } catch (const InputError& e) {
+      EXPECT_FALSE(movable(kind)) << e.what();
+    }
+    const double before_fall = w.body(1).potential_energy(w.options().environment);
+    for (int s = 0; s < 4; ++s) {
+      ASSERT_TRUE(w.step().ok);
+      resumed.step();
+      ASSERT_EQ(w.hash(), resumed.hash());
+    }
+    if (movable(kind)) {
+      EXPECT_LT(w.body(1).potential_energy(w.options().environment), before_fall) << "it falls";
+    }
+    const auto last = upper();
+    w.remove(1);
+    resumed.set_state(w.state());
+    EXPECT_TRUE(resumed.removed(1));
+    for (int s = 0; s < 3; ++s) {
+      const StepReport r = w.step();
+      ASSERT_TRUE(r.ok);
+      EXPECT_EQ(r.contacts, 0);
+      resumed.step();
+      ASSERT_EQ(w.hash(), resumed.hash());
+    }
+    EXPECT_EQ(upper(), last);
+  }
+}
+
+}  // namespace
+}  // namespace brim
