@@ -60,6 +60,7 @@ void World::Impl::append(std::unique_ptr<Body> body, std::span<const double> q0,
 }
 
 void World::Impl::take_memory() {
+  for (const auto& w : watchers) w->take(state.memory);
   levels.take(state.memory, std::span(bodies).first(count()));
   edits.take(state.memory, static_cast<int>(count()));
   links.take(state.memory);
@@ -71,8 +72,12 @@ void World::Impl::keep_memory() {
   links.keep(state.memory);
   edits.keep(state.memory);
   levels.keep(state.memory);
+  for (std::size_t i = watchers.size(); i-- > 0;) watchers[i]->keep(*self, state.memory);
   show_whole();
 }
+
+void World::watch(std::unique_ptr<Watcher> watcher) { impl_->watchers.push_back(std::move(watcher)); }
+std::span<const std::unique_ptr<Watcher>> World::watchers() const { return impl_->watchers; }
 
 int World::body_count() const { return static_cast<int>(impl_->count()); }
 const Body& World::body(int b) const { return impl_->own(static_cast<std::size_t>(b)); }
@@ -103,6 +108,7 @@ void World::set_state(State state) {
     throw InputError(fmt::format("state: {} coordinates and {} velocities, but this world has {} and {}",
                                  state.q.size(), state.v.size(), now.q.size(), now.v.size()));
   w.start();  // what is chosen from the initial state stays as it was chosen there
+  w.self = this;
   std::vector<double> before, after;
   w.edits.keep(before);
   w.bring_back();
@@ -127,9 +133,15 @@ bool World::asleep(int b) const { return impl_->sleep.asleep(static_cast<std::si
 void World::wake(int b) {
   Impl& w = *impl_;
   if (!w.sleep.on()) return;
+  w.self = this;
   w.take_memory();
   w.sleep.wake(static_cast<std::size_t>(b));
   w.keep_memory();
+}
+
+double World::voxel_size(int part) const {
+  impl_->start();
+  return impl_->parts.at(static_cast<std::size_t>(part)).h;
 }
 
 void World::density(int part, double h, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {
