@@ -107,6 +107,10 @@ TEST(Sensors, ReadingsOfAFrameAreThoseOfItsSteps) {
     ASSERT_EQ(s.frame(0).rows.size(), 4 * (1 + s.sensor(0).channels().size()));
     EXPECT_DOUBLE_EQ(s.frame(0).rows[0], (4 * frame + 1) / 60.0);
   }
+  s.end_frames();
+  w.step();
+  EXPECT_TRUE(s.frame(0).rows.empty());
+  EXPECT_EQ(s.frame(0).values[2], reading(w, "plate", "force_z"));
 }
 
 TEST(Sensors, AnAttachmentReadsWhatItCarries) {

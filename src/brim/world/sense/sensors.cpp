@@ -195,6 +195,11 @@ void Sensors::begin_frame() {
   for (Entry& e : entries_) e.frame.rows.clear();
 }
 
+void Sensors::end_frames() {
+  begin_frame();
+  frames_ = false;
+}
+
 void Sensors::join_frame(Entry& e, const StepReport& report) {
   if (frames_ && e.sensor->model().every_step) {
     e.frame.rows.push_back(report.time);

@@ -46,9 +46,10 @@ class Sensors : public Watcher {
   /// Calls a function after every step, on the thread that steps. What it throws comes out of World::step.
   void listen(std::function<void(const World&, const Sensors&)> listener) { listeners_.push_back(std::move(listener)); }
 
-  /// Begins a frame, which all steps until the next call belong to. Events and rows of frames are kept from the first
-  /// call on.
+  /// Begins a frame, which all steps until the next call belong to. Without frames a step is one, and its events and
+  /// rows are not kept.
   void begin_frame();
+  void end_frames();
   const SensorFrame& frame(std::size_t i) const { return entries_[i].frame; }
   std::span<const ContactEvent> frame_events() const { return frame_events_; }
   /// Takes over the readings of a frame that was recorded. @param values  one per channel
