@@ -19,8 +19,8 @@ class Watcher {
   virtual void begin_step(const World& world) { (void)world; }
   /// Contacts of a sub-step are known (World::contacts) and bodies have not moved yet: state and last update of the
   /// bodies are those in which these contacts are. Not called for a sub-step that failed.
-  /// @param dt  [s] of the sub-step, from world.state().time on
-  virtual void substep(const World& world, double dt) = 0;
+  /// @param time, dt  [s] start and length of the sub-step
+  virtual void substep(const World& world, double time, double dt) = 0;
   /// The step has ended and bodies are where it left them.
   virtual void end_step(const World& world, const StepReport& report) = 0;
 

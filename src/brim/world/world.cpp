@@ -9,6 +9,7 @@
 namespace brim {
 
 World::World(WorldOptions options) : impl_(std::make_unique<Impl>()) {
+  impl_->self = this;
   const auto need = [](const char* what, double value, bool good) {
     if (!good) throw InputError(fmt::format("world: {} = {} is out of range", what, value));
   };
@@ -27,7 +28,7 @@ World::World(WorldOptions options) : impl_(std::make_unique<Impl>()) {
 }
 
 World::~World() = default;
-World::World(World&&) noexcept = default;
+World::World(World&& other) noexcept : impl_(std::move(other.impl_)) { impl_->self = this; }
 
 int World::add(std::unique_ptr<Body> body) {
   Impl& w = *impl_;
@@ -108,7 +109,6 @@ void World::set_state(State state) {
     throw InputError(fmt::format("state: {} coordinates and {} velocities, but this world has {} and {}",
                                  state.q.size(), state.v.size(), now.q.size(), now.v.size()));
   w.start();  // what is chosen from the initial state stays as it was chosen there
-  w.self = this;
   std::vector<double> before, after;
   w.edits.keep(before);
   w.bring_back();
@@ -133,7 +133,6 @@ bool World::asleep(int b) const { return impl_->sleep.asleep(static_cast<std::si
 void World::wake(int b) {
   Impl& w = *impl_;
   if (!w.sleep.on()) return;
-  w.self = this;
   w.take_memory();
   w.sleep.wake(static_cast<std::size_t>(b));
   w.keep_memory();

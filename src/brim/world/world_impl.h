@@ -61,7 +61,7 @@ struct World::Impl {
   };
   std::vector<Scheduled> scheduled;
   std::vector<std::unique_ptr<Watcher>> watchers;
-  const World* self = nullptr;  ///< whom watchers look at; set by each call that they are told of
+  const World* self = nullptr;  ///< whom watchers look at
 
   ContactStage stage;
   FillStage fill;

@@ -66,7 +66,6 @@ StepReport World::step() {
     const ScopedSeconds timer(report.wall);
     w.run_scheduled(*this, report);
     w.start();
-    w.self = this;
     report.stiffness = w.stiffness();
     if (w.state.step == 0) w.laws.warn(w.parts, w.options, report);
     w.take_memory();

@@ -61,7 +61,6 @@ bool World::detached(int i) const { return impl_->links.broken(static_cast<std::
 
 void World::detach(int i) {
   Impl& w = *impl_;
-  w.self = this;
   w.take_memory();
   w.links.set_broken(static_cast<std::size_t>(i), true);
   w.keep_memory();

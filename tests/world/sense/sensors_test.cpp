@@ -152,6 +152,22 @@ TEST(Sensors, NamesThatAreMissingOrTwiceAreRefused) {
   EXPECT_THROW(add_sensor(w, sensor_on(SensorKind::Force, "ground", "")), InputError);
 }
 
+TEST(Sensors, ReadNothingOfABodyThatWasRemoved) {
+  World w(options_at(0.1));
+  w.add(ground(0.5));
+  w.add(box("box", {Vec3(0, 0, 0.5)}));
+  add_sensor(w, sensor_on(SensorKind::Force, "ground", "plate"));
+  add_sensor(w, sensor_on(SensorKind::Contact, "box", "touches"));
+  add_sensor(w, sensor_on(SensorKind::Motion, "box", "probe"));
+  run(w, 1.0);
+  EXPECT_EQ(reading(w, "touches", "touching"), 1);
+  w.remove(1);
+  w.step();
+  EXPECT_EQ(reading(w, "plate", "force_z"), 0.0);
+  EXPECT_EQ(reading(w, "touches", "ended"), 1);
+  EXPECT_TRUE(std::isnan(reading(w, "probe", "position_z")));
+}
+
 TEST(Sensors, FollowBodiesThatAreAddedLater) {
   World w(options_at(0.1));
   w.add(ground(0.5));

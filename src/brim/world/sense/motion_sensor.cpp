@@ -72,11 +72,11 @@ MotionSensor::State MotionSensor::now(const World& world) {
 }
 
 void MotionSensor::begin_step(const World& world) {
-  if (number_ >= 0) before_ = now(world).u;
+  if (number_ >= 0 && !world.removed(number_)) before_ = now(world).u;
 }
 
 void MotionSensor::read(const World& world, const StepReport& report, std::span<double> values, std::span<double>) {
-  if (number_ < 0) {
+  if (number_ < 0 || world.removed(number_)) {
     std::fill(values.begin(), values.end(), std::numeric_limits<double>::quiet_NaN());
     return;
   }

@@ -56,6 +56,8 @@ void SensedPoints::find_body(const World& world) {
     if (&world.body(b) == part_.body) body_ = b;
 }
 
+bool SensedPoints::present(const World& world) const { return body_ >= 0 && !world.removed(body_); }
+
 std::span<const Vec3> SensedPoints::positions(const World& world) {
   points_.follow(part_, world.q(body_));
   return points_.positions();

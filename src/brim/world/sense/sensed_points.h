@@ -19,8 +19,8 @@ class SensedPoints {
   /// @throws InputError  for bodies that have no points to follow
   SensedPoints(const World& world, int body, int part, std::vector<Vec3> x);
   void find_body(const World& world);
-  /// False once the body was taken away.
-  bool present() const { return body_ >= 0; }
+  /// False while the body is out of the world.
+  bool present(const World& world) const;
   int body() const { return body_; }
 
   /// Positions in the world's present state, [m].

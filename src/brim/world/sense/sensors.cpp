@@ -155,7 +155,7 @@ void Sensors::begin_step(const World& world) {
   for (Entry& e : entries_) e.sensor->begin_step(world);
 }
 
-void Sensors::substep(const World& world, double dt) {
+void Sensors::substep(const World& world, double time, double dt) {
   std::span<const ContactSample> samples = world.contacts();
   if (world.options().sleep) {
     std::erase_if(last_, [&](const ContactSample& s) { return !held(world, s); });
@@ -171,7 +171,7 @@ void Sensors::substep(const World& world, double dt) {
   const std::size_t first = events_.size();
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     const std::size_t before = events_.size();
-    entries_[i].sensor->substep({world, world.state().time, dt, samples}, events_);
+    entries_[i].sensor->substep({world, time, dt, samples}, events_);
     for (std::size_t e = before; e < events_.size(); ++e) events_[e].sensor = static_cast<int>(i);
   }
   std::stable_sort(events_.begin() + static_cast<std::ptrdiff_t>(first), events_.end(),

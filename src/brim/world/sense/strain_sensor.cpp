@@ -56,7 +56,7 @@ StrainSensor::StrainSensor(const SensorModel& model, const World& world) : Senso
 }
 
 void StrainSensor::read(const World& world, const StepReport&, std::span<double> values, std::span<double>) {
-  if (!points_->present()) {
+  if (!points_->present(world)) {
     std::fill(values.begin(), values.end(), std::numeric_limits<double>::quiet_NaN());
     return;
   }
@@ -94,7 +94,7 @@ void DistanceSensor::find_bodies(const World& world) {
 }
 
 void DistanceSensor::read(const World& world, const StepReport&, std::span<double> values, std::span<double>) {
-  if (!a_->present() || (b_ && !b_->present())) {
+  if (!a_->present(world) || (b_ && !b_->present(world))) {
     std::fill(values.begin(), values.end(), std::numeric_limits<double>::quiet_NaN());
     return;
   }
