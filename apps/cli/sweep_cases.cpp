@@ -96,8 +96,9 @@ std::vector<std::pair<std::string, std::string>> row_of(const std::string& folde
   if (summary->contains("expect") && summary->at("expect").is_array())
     for (const SummaryJson& e : summary->at("expect")) {
       if (!e.is_object()) continue;
-      const std::string name =
-          "expect." + e.value("metric", "") + (e.contains("body") ? "." + e.value("body", "") : "");
+      const std::string name = "expect." + e.value("metric", "") +
+                               (e.contains("body") ? "." + e.value("body", "") : "") +
+                               (e.contains("sensor") ? "." + e.value("sensor", "") + "." + e.value("channel", "") : "");
       const bool again = std::any_of(row.begin(), row.end(), [&](const auto& cell) { return cell.first == name; });
       if (!again && e.contains("value")) row.emplace_back(name, e.at("value").dump());
     }

@@ -8,6 +8,7 @@
 
 #include "brim/core/error.h"
 #include "brim/io/regular_file.h"
+#include "brim/record/sensor_record.h"
 #include "brim/world/report_fields.h"
 #include "server/array_message.h"
 
@@ -178,6 +179,11 @@ Json RecordedRun::info() {
   }
   for (; warnings_read_ < reader_->frames() && warnings_.size() < kWarningsShown; ++warnings_read_)
     for (Warning& w : reader_->warnings(warnings_read_)) warnings_.push_back(std::move(w));
+  Json sensors = Json::array();
+  const SensorRecord record(*reader_);
+  for (const RecordedSensor& sensor : record.sensors())
+    sensors.push_back(
+        {{"name", sensor.name}, {"kind", sensor.kind}, {"channels", sensor.channels}, {"units", sensor.units}});
   Json warnings = Json::array();
   for (const Warning& w : warnings_) warnings.push_back({{"time", w.time}, {"code", w.code}, {"message", w.message}});
   Progress end;
@@ -193,6 +199,7 @@ Json RecordedRun::info() {
           {"bodies", bodies},
           {"parts", parts},
           {"warnings", warnings},
+          {"sensors", sensors},
           {"summary", read_json(folder_ / "summary.json")}};
 }
 
@@ -290,7 +297,7 @@ std::string RecordedRun::series(std::int64_t from) {
   const auto frames = static_cast<std::size_t>(reader_->frames());
   const std::size_t first = std::min(static_cast<std::size_t>(std::max<std::int64_t>(from, 0)), frames);
   ArrayMessage message;
-  const auto add = [&](const char* name, const std::vector<double>& values) {
+  const auto add = [&](const std::string& name, const std::vector<double>& values) {
     const std::size_t end = std::min(values.size(), frames);
     message.add(name, values.data() + std::min(first, end), end - std::min(first, end));
   };
@@ -299,6 +306,16 @@ std::string RecordedRun::series(std::int64_t from) {
   add("time", times);
   for (const ReportField& field : report_fields())
     if (std::string_view(field.name) != "time") add(field.name, reader_->series(field.name));
+  const SensorRecord record(*reader_);
+  for (std::size_t i = 0; i < record.sensors().size(); ++i) {
+    const RecordedSensor& s = record.sensors()[i];
+    const std::vector<double> rows = record.values(i);
+    std::vector<double> column(frames);
+    for (std::size_t c = 0; c < s.channels.size(); ++c) {
+      for (std::size_t f = first; f < frames; ++f) column[f] = rows[f * s.channels.size() + c];
+      add(fmt::format("sensor {} {}", i, c), column);
+    }
+  }
   return message.bytes();
 }
 

@@ -20,14 +20,15 @@ from .link import Attachment
 from .own_body import OwnBody
 from .plugin import load_plugin
 from .recorded import Run, RunBody
+from .sensor import ContactEvent, RunSensor, Sensor
 from .shapes import (blob, bowl, box, capsule, cup, cylinder, gear, l_profile, mesh, plane, sphere, star, torus,
                      u_profile)
 from .view import View, view
 from .world import Frame, Running, StepError, World, load
 
 __all__ = [
-    "Attachment", "Body", "Defect", "Env", "Envs", "Frame", "InputError", "OwnBody", "Run", "RunBody", "Running",
-    "State", "StepError", "StepReport", "StepWarning", "View", "World", "__version__", "blob", "bowl", "box", "capsule", "cup",
+    "Attachment", "Body", "ContactEvent", "Defect", "Env", "Envs", "Frame", "InputError", "OwnBody", "Run", "RunBody",
+    "RunSensor", "Running", "Sensor", "State", "StepError", "StepReport", "StepWarning", "View", "World", "__version__", "blob", "bowl", "box", "capsule", "cup",
     "cylinder", "gear", "l_profile", "load", "load_plugin", "mesh", "plane", "set_threads", "sphere", "star", "thread_count",
     "torus", "u_profile", "view",
 ]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
+from .sensor import ContactEvent, RunSensor
 
 
 class RunBody:
@@ -131,6 +132,27 @@ class Run:
     @property
     def link_names(self) -> list[str]:
         return self._core.link_names()
+
+    @property
+    def sensors(self) -> list[RunSensor]:
+        """What the sensors of the scene have read."""
+        record = _core.SensorRecord(self._core)
+        return [RunSensor(record, number, *facts) for number, facts in enumerate(record.sensors())]
+
+    def sensor(self, name: str) -> RunSensor:
+        """The sensor of that name. @raises KeyError"""
+        for sensor in self.sensors:
+            if sensor.name == name:
+                return sensor
+        raise KeyError(name)
+
+    @property
+    def events(self) -> list[ContactEvent]:
+        """Contacts that began or ended, in order of time."""
+        record = _core.SensorRecord(self._core)
+        names = [facts[0] for facts in record.sensors()]
+        return [ContactEvent(names[sensor], began, time, self.bodies[a].name, self.bodies[b].name, duration, impulse, peak)
+                for sensor, began, time, a, b, duration, impulse, peak in record.events()]
 
     def report(self, frame: int) -> _core.StepReport:
         return self._core.report(_from_start(frame, len(self)))

@@ -13,6 +13,7 @@ from . import _core
 from .body import Array, Body, Force
 from .link import Attachment
 from .own_body import OwnBody
+from .sensor import ContactEvent, Sensor
 from .scene_file import scene_text, take_arrays, write_arrays
 from .view import View, view
 
@@ -21,6 +22,10 @@ _SCENE_KEYS = ("name", "description", "duration", "frames", "steps_per_frame", "
 
 def _name(body: Body | str) -> str:
     return body if isinstance(body, str) else body.name
+
+
+def _names(bodies: Body | str | list[Body | str]) -> str | list[str]:
+    return [_name(body) for body in bodies] if isinstance(bodies, (list, tuple)) else _name(bodies)
 
 
 class StepError(RuntimeError):
@@ -164,6 +169,36 @@ class World:
     @property
     def attachments(self) -> list[Attachment]:
         return [Attachment(self, number) for number in range(len(self._core.attachment_names()))]
+
+    def sensor(self, kind: str, body: Body | str | list[Body | str] | None = None, **keys: Any) -> Sensor:
+        """Adds a sensor, of the world as it is now.
+
+        kind: "force", "contact", "pressure", "motion", "strain", "distance", "level" or "link". body: handle, name, stem of
+        copies, pattern, group or a list of these; none for "link". keys: of an entry of "sensors" in a scene file: with_
+        (the other side of contacts), region, follows, about [m], least_force [N], gap [s], grid, point [m], part, to,
+        to_point [m], link, sample ("frame" or "step"), name.
+
+        @raises InputError for what a scene file could not say either; nothing is added then
+        """
+        entry = {"kind": kind, "name": keys.pop("name", None) or f"{kind}_{len(self._core.sensor_names()) + 1}", **keys}
+        if "with_" in entry:
+            entry["with"] = _names(entry.pop("with_"))
+        if "to" in entry:
+            entry["to"] = _name(entry["to"])
+        if body is not None:
+            entry["body"] = _names(body)
+        return Sensor(self, self._core.wire("sensors", entry))
+
+    @property
+    def sensors(self) -> list[Sensor]:
+        return [Sensor(self, number) for number in range(len(self._core.sensor_names()))]
+
+    @property
+    def events(self) -> list[ContactEvent]:
+        """Contacts that began or ended in the last step, as the world's sensors of that kind saw them."""
+        names = self._core.sensor_names()
+        return [ContactEvent(names[sensor], began, time, self._core.name(a), self._core.name(b), duration, impulse, peak)
+                for sensor, began, time, a, b, duration, impulse, peak in self._core.sensor_events()]
 
     def apply_force(self, *bodies: Body | str, **keys: Any) -> None:
         """Lets something act on bodies from outside, from now on; on all that can move where none is named.

@@ -8,5 +8,6 @@ namespace brim::python {
 void bind_reports(pybind11::module_& m);
 void bind_session(pybind11::module_& m);
 void bind_runs(pybind11::module_& m);
+void bind_sensors(pybind11::module_& m);
 
 }  // namespace brim::python

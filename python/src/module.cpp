@@ -29,4 +29,5 @@ PYBIND11_MODULE(_core, m) {
   brim::python::bind_reports(m);
   brim::python::bind_session(m);
   brim::python::bind_runs(m);
+  brim::python::bind_sensors(m);
 }

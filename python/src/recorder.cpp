@@ -5,6 +5,9 @@
 
 #include "brim/core/parallel.h"
 #include "brim/record/run_folder.h"
+#include "brim/record/run_reader.h"
+#include "brim/record/sensor_csv.h"
+#include "brim/world/sense/sensors.h"
 
 namespace brim::python {
 
@@ -30,6 +33,7 @@ Recorder::Recorder(Session& session, const std::string& folder, const std::strin
   measures_->add(world, nothing, 0);
   totals_.add(nothing, 0);
   writer_->add(world, nothing, 0, measures_->samples());
+  if (Sensors* sensors = find_sensors(world)) sensors->begin_frame();
 }
 
 Recorder::~Recorder() = default;
@@ -44,14 +48,18 @@ void Recorder::add(Session& session, int steps) {
   measures_->add(world, session.report(), steps);
   totals_.add(session.report(), steps);
   writer_->add(world, session.report(), steps, measures_->samples());
+  if (Sensors* sensors = find_sensors(world)) sensors->begin_frame();
 }
 
 py::list Recorder::finish(Session& session, const std::string& end) {
   py::list list;
   if (!writer_) return list;
   World& world = session.world();
+  if (Sensors* sensors = find_sensors(world)) sensors->end_frames();
   const std::vector<Finding> findings = measures_->findings();
   writer_->flush();
+  writer_.reset();  // the tables are made of what the file holds
+  write_sensor_csv(RunReader(folder_), folder_);
   RunFacts facts;
   facts.scene_name = info_.scene_name;
   facts.scene_file = info_.scene_path;
@@ -62,7 +70,6 @@ py::list Recorder::finish(Session& session, const std::string& end) {
   facts.end = end == "completed" ? RunEnd::Completed : end == "failed" ? RunEnd::Failed : RunEnd::Interrupted;
   write_whole((std::filesystem::path(folder_) / "summary.json").string(),
               summary_text(world, totals_, facts, findings));
-  writer_.reset();
   lock_ = FolderLock();
   for (const Finding& f : findings) {
     py::dict d;

@@ -10,11 +10,13 @@
 #include "brim/scene/kinds.h"
 #include "brim/scene/links.h"
 #include "brim/scene/node.h"
+#include "brim/scene/sensors.h"
 #include "brim/scene/solid.h"
 #include "brim/scene/timeline.h"
 #include "brim/world/applied_force.h"
 #include "brim/world/attachment.h"
 #include "brim/world/report_fields.h"
+#include "brim/world/sense/sensors.h"
 #include "json_of.h"
 
 namespace brim::python {
@@ -35,7 +37,7 @@ auto in_words(const std::string& file, const std::string& what, const F& f) {
     text = text.substr(text.find(": ") + 2);
     for (const char* prefix :
          {"/bodies/0/", "/bodies/0: ", "/attachments/0/", "/attachments/0: ", "/joints/0/", "/joints/0: ", "/forces/0/",
-          "/forces/0: ", "/filters/0/", "/filters/0: ", "/world/", "/"})
+          "/forces/0: ", "/filters/0/", "/filters/0: ", "/sensors/0/", "/sensors/0: ", "/world/", "/"})
       if (text.starts_with(prefix)) {
         text = text.substr(std::strlen(prefix));
         break;
@@ -96,7 +98,7 @@ Scene Session::checked(const Json& entry, const std::string& kind) const {
   Document document;
   document.file = (std::filesystem::path(folder_) / kAdded).string();
   document.root = head_;
-  for (const char* list : {"expect", "attachments", "joints", "forces"}) document.root.erase(list);
+  for (const char* list : {"expect", "attachments", "joints", "forces", "sensors"}) document.root.erase(list);
   document.root["bodies"] = Json::array({entry});
   document.arrays = arrays;
   const bool alone = entry == floor_entry();
@@ -207,7 +209,8 @@ int Session::wire(const std::string& list, const py::dict& given) {
   Document document;
   document.file = (std::filesystem::path(folder_) / kAdded).string();
   document.root = head_;
-  for (const char* other : {"expect", "attachments", "joints", "forces", "filters"}) document.root.erase(other);
+  for (const char* other : {"expect", "attachments", "joints", "forces", "filters", "sensors"})
+    document.root.erase(other);
   document.root["bodies"] = Json::array({floor_entry()});
   document.root[list] = Json::array({entry});
   const std::string made_up = document.file;
@@ -223,6 +226,8 @@ int Session::wire(const std::string& list, const py::dict& given) {
         number = node.placed([&] { return world_->attach(read_attachment(node)); });
       else if (list == "joints")
         number = node.placed([&] { return world_->attach(read_joint(node)); });
+      else if (list == "sensors")
+        number = node.placed([&] { return add_sensor(*world_, read_sensor(node, &root.at("groups").json())); });
       else
         number = node.placed([&] { return world_->apply(read_force(node)); });
     });

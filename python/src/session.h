@@ -41,8 +41,8 @@ class Session {
   int add_own(const py::dict& entry, const py::object& author, const py::object& q, const py::object& v,
               double mass_spacing, double stiffness_damping);
 
-  /// Adds an entry of "attachments", "joints", "forces" or "filters" by way of the scene's own reader; nothing when it
-  /// is refused.
+  /// Adds an entry of "attachments", "joints", "forces", "filters" or "sensors" by way of the scene's own reader;
+  /// nothing when it is refused.
   /// @return its number in the world, -1 of a filter  @throws InputError
   int wire(const std::string& list, const py::dict& entry);
   void detach(int attachment);

@@ -1,4 +1,4 @@
-"""The examples of docs/python.md and README.md run as they are written."""
+"""The examples of docs/python.md, docs/sensors.md and README.md run as they are written."""
 
 import contextlib
 import io
@@ -34,6 +34,9 @@ class Examples(unittest.TestCase):
 
     def test_docs_python(self):
         self.run_page(SOURCE / "docs/python.md")
+
+    def test_docs_sensors(self):
+        self.run_page(SOURCE / "docs/sensors.md")
 
     def test_docs_formats(self):
         try:

@@ -21,7 +21,7 @@ class Types(unittest.TestCase):
             # pybind11 gives constructors and methods no signature that can be read.
             allowed.write("brim\\._core\\..*\\.__(init|getstate|setstate|hash|eq|new)__\n")
             # Their metaclass is pybind11's.
-            allowed.write("brim\\._core\\.(Recorder|RunReader|Session|State|StepReport|StepWarning)\n")
+            allowed.write("brim\\._core\\.(Recorder|RunReader|SensorRecord|Session|State|StepReport|StepWarning)\n")
             allowed.flush()
             done = subprocess.run([sys.executable, "-m", "mypy.stubtest", "brim._core", "--ignore-missing-stub",
                                    "--ignore-unused-allowlist", "--allowlist", allowed.name], capture_output=True,

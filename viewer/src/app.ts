@@ -209,7 +209,7 @@ export class App {
   private setSeries(series: Series) {
     this.series = series;
     this.player.setTimes(series.get('time') ?? new Float64Array(0));
-    this.plots.setSeries(series);
+    this.plots.setSeries(series, this.run?.sensors);
   }
 
   private describe() {

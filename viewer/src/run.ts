@@ -22,6 +22,14 @@ export interface Warning {
   message: string;
 }
 
+/** A sensor; channel c of sensor n is the series "sensor n c". */
+export interface SensorInfo {
+  name: string;
+  kind: string;
+  channels: string[];
+  units: string[];
+}
+
 export interface RunInfo {
   name: string;
   scene: string;
@@ -32,6 +40,7 @@ export interface RunInfo {
   slices?: boolean; // densities can be asked for
   bodies: BodyInfo[];
   parts: { name: string; body: number; voxelSize?: number }[];
+  sensors?: SensorInfo[];
   warnings: Warning[];
   summary: Record<string, unknown>;
 }

@@ -55,6 +55,27 @@ test('a tile is drawn around its own eight nodes per side', () => {
   expect(positions.length).toBe(12 * 2 * 3);
 });
 
+test('readings of a sensor are drawn together, axis by axis, before all else', () => {
+  const values = new Float64Array([0, 1]);
+  const sensors = [
+    {
+      name: 'plate',
+      kind: 'force',
+      channels: ['force_x', 'force_z', 'torque_x', 'overlap'],
+      units: ['N', 'N', 'N m', 'voxels'],
+    },
+    { name: 'gauge', kind: 'level', channels: ['level', 'depth'], units: ['m', 'm'] },
+  ];
+  const keys = ['contacts', 'sensor 0 0', 'sensor 0 1', 'sensor 0 2', 'sensor 0 3', 'sensor 1 0', 'sensor 1 1'];
+  const specs = plotSpecs(new Map(keys.map((key) => [key, values])), sensors);
+  expect(specs.map((s) => [s.title, s.unit, s.curves.map((c) => c.name)])).toEqual([
+    ['plate: force', 'N', ['x', 'z']],
+    ['plate: torque', 'N m', ['x']],
+    ['gauge: level', 'm', ['level']],
+    ['Contacts', '', ['nodes']],
+  ]);
+});
+
 test('squeezing keeps the largest value of every bin and loses no frame', () => {
   const values = Float64Array.from({ length: 1000 }, (_, i) => (i === 777 ? 9 : Math.sin(i)));
   for (const bins of [1, 3, 64, 999, 5000]) {

@@ -5,6 +5,7 @@
 
 #include "brim/record/h5.h"
 #include "brim/record/scene_change.h"
+#include "brim/record/sensor_csv.h"
 
 namespace brim {
 
@@ -44,6 +45,7 @@ void check_run_folder(const std::string& folder, bool force) {
 void remove_run_files(const std::string& folder) {
   std::error_code error;
   for (const char* name : kFiles) fs::remove(fs::path(folder) / name, error);
+  for (const std::string& name : sensor_csv_files()) fs::remove(fs::path(folder) / name, error);
   for (const std::string& name : earlier_scenes(folder)) fs::remove(fs::path(folder) / name, error);
 }
 

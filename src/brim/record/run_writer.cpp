@@ -7,6 +7,7 @@
 #include "brim/record/column.h"
 #include "brim/record/frame_display.h"
 #include "brim/record/frame_lists.h"
+#include "brim/record/frame_sensors.h"
 #include "brim/record/h5.h"
 #include "brim/record/process_mark.h"
 #include "brim/record/run_folder.h"
@@ -44,6 +45,7 @@ struct RunWriter::Impl {
   Column series_steps, series_warnings;
   FrameDisplay display;
   FrameLists lists;
+  FrameSensors sensors;
   h5::Dataset count;
   std::vector<double> times;
   Clock::time_point last_flush = Clock::now(), last_xdmf = Clock::now();
@@ -58,6 +60,10 @@ struct RunWriter::Impl {
   void for_each_column(const Visit& visit);
   void cut_all(std::int64_t frames);
   void add_series(const StepReport& report, int steps, std::span<const BodySample> samples);
+  /// @param read  the sensors that have read the frame, or nothing
+  void add(const World& world, const StepReport& frame, int steps, std::span<const BodySample> samples,
+           std::span<const ContactSample> contacts, std::span<const std::pair<TileKey, double>> tiles,
+           const Sensors* read);
   void flush();
   void write_xdmf();
 };
@@ -126,6 +132,7 @@ void RunWriter::Impl::open_all(const World& world, bool create) {
                          frame_chunk(8 * bodies * static_cast<std::size_t>(f.width))));
   display = FrameDisplay(*file, tables, create);
   lists = FrameLists(*file, world, create);
+  sensors = FrameSensors(*file, find_sensors(world), time.rows());
 }
 
 /// Calls visit(column) for every column that has a row a frame, but those of the display.
@@ -144,6 +151,7 @@ void RunWriter::Impl::cut_all(std::int64_t frames) {
   for_each_column([&](Column& c) { c.cut(n); });
   display.cut(n);
   lists.cut(n);
+  sensors.cut(n);
   file->flush();
   times.resize(n);
   time.set().read(times.data(), n, 0, n, Type::Float64);
@@ -168,6 +176,7 @@ void RunWriter::Impl::flush() {
   for_each_column([](Column& c) { c.flush(); });
   display.flush();
   lists.flush();
+  sensors.flush();
   file->flush();
   const auto frames = static_cast<std::int64_t>(times.size());
   count.overwrite(&frames, Type::Int64);
@@ -204,27 +213,33 @@ RunWriter::RunWriter(RunWriter&&) noexcept = default;
 std::int64_t RunWriter::frames() const { return static_cast<std::int64_t>(impl_->times.size()); }
 
 void RunWriter::add(const World& world, const StepReport& frame, int steps, std::span<const BodySample> samples) {
-  add(world, frame, steps, samples, world.contacts(), world.active_tiles());
+  impl_->add(world, frame, steps, samples, world.contacts(), world.active_tiles(), find_sensors(world));
 }
 
 void RunWriter::add(const World& world, const StepReport& frame, int steps, std::span<const BodySample> samples,
                     std::span<const ContactSample> contacts, std::span<const std::pair<TileKey, double>> tiles) {
-  Impl& d = *impl_;
+  impl_->add(world, frame, steps, samples, contacts, tiles, nullptr);
+}
+
+void RunWriter::Impl::add(const World& world, const StepReport& frame, int steps, std::span<const BodySample> samples,
+                          std::span<const ContactSample> contacts, std::span<const std::pair<TileKey, double>> tiles,
+                          const Sensors* read) {
   const State& state = world.state();
-  const bool first = d.times.empty();
-  d.time.append_value(state.time);
-  d.step.append_value(state.step);
-  d.q.append(state.q.data(), 1);
-  d.v.append(state.v.data(), 1);
-  d.add_series(frame, steps, samples);
-  d.display.add(world);
-  d.lists.add(state, frame, contacts, tiles);
-  d.times.push_back(state.time);
+  const bool first = times.empty();
+  time.append_value(state.time);
+  step.append_value(state.step);
+  q.append(state.q.data(), 1);
+  v.append(state.v.data(), 1);
+  add_series(frame, steps, samples);
+  display.add(world);
+  lists.add(state, frame, contacts, tiles);
+  sensors.add(read);
+  times.push_back(state.time);
   // Slow frames are flushed one by one; fast ones together, so that flushing stays a small part of the time.
-  if (first || seconds_since(d.last_flush) > std::min(kFlushSeconds, d.flush_cost / kFlushShare)) d.flush();
-  if (first || seconds_since(d.last_xdmf) > std::max(kXdmfSeconds, d.xdmf_cost / kXdmfShare)) {
-    d.flush();
-    d.write_xdmf();
+  if (first || seconds_since(last_flush) > std::min(kFlushSeconds, flush_cost / kFlushShare)) flush();
+  if (first || seconds_since(last_xdmf) > std::max(kXdmfSeconds, xdmf_cost / kXdmfShare)) {
+    flush();
+    write_xdmf();
   }
 }
 

@@ -34,7 +34,7 @@ class RunWriter {
 
   /// Records the world as it is now. @param samples  of all bodies (Measures::samples)
   void add(const World& world, const StepReport& frame, int steps, std::span<const BodySample> samples);
-  /// The same with contacts and tiles that are not the world's own (copies of older runs).
+  /// The same with contacts and tiles that are not the world's own (copies of older runs), and without sensors.
   void add(const World& world, const StepReport& frame, int steps, std::span<const BodySample> samples,
            std::span<const ContactSample> contacts, std::span<const std::pair<TileKey, double>> tiles);
   /// Writes everything out; the object can go on afterwards.

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <deque>
 #include <filesystem>
+#include <limits>
 #include <optional>
 
 #include "brim/core/error.h"
@@ -13,9 +14,12 @@
 #include "brim/record/run_folder.h"
 #include "brim/record/run_layout.h"
 #include "brim/record/scene_change.h"
+#include "brim/record/sensor_csv.h"
+#include "brim/record/sensor_record.h"
 #include "brim/record/upgrade_run.h"
 #include "brim/world/levels.h"
 #include "brim/world/report_fields.h"
+#include "brim/world/sense/sensors.h"
 
 namespace brim {
 
@@ -80,8 +84,38 @@ void take_levels(const RunReader& leader, std::int64_t frame, World& world) {
   follow_levels(world, levels);
 }
 
+/// Hands the readings of recorded frames back to the sensors of a world, one frame after another.
+class RecordedReadings {
+ public:
+  RecordedReadings(const RunReader& run, World& world) : sensors_(find_sensors(world)) {
+    if (sensors_ == nullptr) return;
+    const SensorRecord record(run);
+    for (std::size_t i = 0; i < sensors_->size(); ++i) {
+      const auto at = std::ranges::find(record.sensors(), sensors_->sensor(i).model().name, &RecordedSensor::name);
+      values_.push_back(at == record.sensors().end()
+                            ? std::vector<double>{}
+                            : record.values(static_cast<std::size_t>(at - record.sensors().begin())));
+    }
+  }
+  void restore(std::int64_t frame) {
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      const std::size_t n = sensors_->sensor(i).channels().size(), first = static_cast<std::size_t>(frame) * n;
+      // A sensor that the run does not know has read nothing.
+      std::vector<double> row(n, std::numeric_limits<double>::quiet_NaN());
+      if (first + n <= values_[i].size())
+        std::copy_n(values_[i].begin() + static_cast<std::ptrdiff_t>(first), n, row.begin());
+      sensors_->restore_frame(i, row);
+    }
+  }
+
+ private:
+  Sensors* sensors_;
+  std::vector<std::vector<double>> values_;  ///< of all frames, per sensor
+};
+
 /// The steps of one frame, joined.
 StepReport step_frame(World& world, int steps, int& taken) {
+  if (Sensors* sensors = find_sensors(world)) sensors->begin_frame();
   StepReport frame = world.step();
   taken = 1;
   while (taken < steps && frame.ok) {
@@ -123,10 +157,12 @@ RunResult record_run(World& world, const RunPlan& plan, const std::function<bool
     if (older) upgrade_run(plan.folder, world);
     const RunReader old(plan.folder);
     frame = old.frames() - 1;
+    RecordedReadings readings(old, world);
     // A failed frame is a report, not a state to go on from twice; its state is that before the failure.
     for (std::int64_t f = 0; f <= frame; ++f) {
       const StepReport report = old.report(f);
       if (measures.needs_state()) world.set_state(old.state(f));
+      readings.restore(f);
       measures.restore(world, report, old.steps(f), report.warnings.size(), old.samples(f));
       result.totals.add(report, old.steps(f));
     }
@@ -192,8 +228,11 @@ RunResult record_run(World& world, const RunPlan& plan, const std::function<bool
   }
   result.totals.seconds[static_cast<std::size_t>(Phase::Record)] += record_seconds;
   result.findings = measures.findings();
+  if (Sensors* sensors = find_sensors(world)) sensors->end_frames();
   if (writer) {
     writer->flush();
+    writer.reset();  // the tables are made of what the file holds
+    write_sensor_csv(RunReader(plan.folder), plan.folder);
     RunFacts facts;
     facts.scene_name = plan.info.scene_name;
     facts.scene_file = plan.scene_file;

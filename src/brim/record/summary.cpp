@@ -26,6 +26,12 @@ Json finding_json(const Finding& f) {
   const Expectation& e = f.expectation;
   Json j{{"metric", e.metric}};
   if (!e.body.empty()) j["body"] = e.body;
+  if (!e.reading.sensor.empty()) {
+    j["sensor"] = e.reading.sensor;
+    j["channel"] = e.reading.channel;
+    j["take"] = e.take;
+    if (!e.over.sensor.empty()) j["over"] = {{"sensor", e.over.sensor}, {"channel", e.over.channel}};
+  }
   j["from"] = e.from;
   if (std::isfinite(e.to)) j["to"] = e.to;
   if (std::isfinite(e.min)) j["min"] = e.min;

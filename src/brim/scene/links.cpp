@@ -5,6 +5,7 @@
 #include "brim/scene/articulated/trees.h"
 #include "brim/scene/constraints.h"
 #include "brim/scene/motion.h"
+#include "brim/scene/sensors.h"
 #include "brim/scene/validate.h"
 #include "brim/world/world.h"
 
@@ -170,6 +171,7 @@ void wire_up(const Node& root, World& world) {
     const Node n = root.at("forces").at(i);
     n.placed([&] { world.apply(read_force(n)); });
   }
+  add_sensors(root, world);
 }
 
 }  // namespace brim

@@ -13,7 +13,7 @@ namespace brim {
 class World;
 
 /// What a scene says beside its bodies: "filters", "attachments", "joints" and "forces" (docs/links.md). Names of
-/// bodies are checked where they are applied.
+/// bodies are checked where they are applied. "sensors" have a file of their own (scene/sensors.h).
 /// @throws InputError
 
 /// Rules of one entry of "filters". @param groups  "groups" of the scene, or nothing
@@ -27,7 +27,7 @@ AppliedForce read_force(const Node& force);
 void check_wiring(const Node& root);
 /// All rules of a scene.
 std::vector<TouchRule> read_filters(const Node& root);
-/// Attaches and applies what a scene says to its bodies. @throws InputError likewise
+/// Attaches and applies what a scene says to its bodies, and adds its sensors. @throws InputError likewise
 void wire_up(const Node& root, World& world);
 
 }  // namespace brim

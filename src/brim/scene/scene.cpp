@@ -13,6 +13,7 @@
 #include "brim/scene/parameters.h"
 #include "brim/scene/presets.h"
 #include "brim/scene/repeat.h"
+#include "brim/scene/sensors.h"
 #include "brim/scene/timeline.h"
 #include "brim/scene/validate.h"
 #include "brim/world/levels.h"
@@ -216,6 +217,18 @@ Expectation read_expectation(const Node& n, const std::set<std::string>* bodies,
     throw n.error(fmt::format(
         "{} {}", e.metric,
         n.has("of") ? "takes no other body; \"of\" must not be given" : "is beside another body; \"of\" must name it"));
+  const bool sensed = e.metric == "sensor";
+  for (const char* key : {"sensor", "channel"})
+    if (n.has(key) != sensed)
+      throw n.error(fmt::format(
+          "\"{}\" {}", key,
+          sensed ? "is missing: the metric \"sensor\" is of a reading of one" : "is of the metric \"sensor\" alone"));
+  if (sensed) {
+    if (n.has("body")) throw n.at("body").error("it is not allowed beside \"sensor\"; a sensor has its bodies");
+    e.reading = {n.string("sensor"), n.string("channel")};
+    if (n.has("over")) e.over = {n.at("over").string("sensor"), n.at("over").string("channel")};
+    e.take = n.string("take");
+  }
   e.from = n.number("from");
   if (e.from > end * (1 + 1e-9))
     throw n.at("from").error(fmt::format("{} s is after the end of the run; must be at most {:.6g}", e.from, end));
@@ -275,6 +288,9 @@ class SceneReader {
       if (all) part("/filters", [&] { scene.world.touch_rules = read_filters(root_); });
       if (all) part("/attachments", [&] { check_wiring(root_); });
       if (all) part("/timeline", [&] { check_timeline(root_, scene); });
+      std::set<std::string> sensors;
+      if (!errors_.touches("/groups"))
+        each("sensors", [&](const Node& n) { check_sensor(n, &root_.at("groups").json(), sensors); });
       if (all && !errors_.touches("/world") && root_.at("world").has("levels"))
         part("/world/levels", [&] { check_levels(root_.at("world").at("levels"), bodies.names()); });
       const double end = timed && !errors_.touches("/frames") ? static_cast<double>(scene.frames) * scene.frame_time()

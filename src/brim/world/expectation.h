@@ -15,7 +15,13 @@ struct Expectation {
   double to = std::numeric_limits<double>::infinity();    ///< [s] end of the window
   double min = -std::numeric_limits<double>::infinity();  ///< least allowed
   double max = std::numeric_limits<double>::infinity();   ///< most allowed
-  std::string known_miss{};  ///< figure and cause of a bound that is not met as yet; empty: it must hold
+  /// Of the metric "sensor": which reading, how it is taken over the window, and another that it is divided by.
+  struct Reading {
+    std::string sensor, channel;
+  };
+  Reading reading{}, over{};  ///< over: none where it names no sensor
+  std::string take{};         ///< "mean", "sum" (of the frames after the first), "last", "least" or "largest"
+  std::string known_miss{};   ///< figure and cause of a bound that is not met as yet; empty: it must hold
 };
 
 }  // namespace brim

@@ -60,7 +60,7 @@ const std::map<std::string, WorldMetric>& final_metrics() {
 const std::vector<std::string> kOtherWorldMetrics = {
     "energy_rise",   "energy_growth", "momentum_change", "angular_momentum_change",
     "contact_share", "cg_iterations", "substeps",        "step_seconds",
-    "warnings",      "failed_steps",  "particles"};
+    "warnings",      "failed_steps",  "particles",       "sensor"};
 const std::vector<std::string> kBodyMetrics = {
     "position_x",   "position_y", "position_z", "displacement", "displacement_x",  "displacement_y",  "displacement_z",
     "tilt_degrees", "speed",      "speed_kept", "acceleration", "contact_force_x", "contact_force_y", "contact_force_z",
@@ -120,6 +120,8 @@ Measures::Measures(const World& world, std::vector<Expectation> expectations, do
     asks_momentum_ = asks_momentum_ || e.metric == "momentum_change" || e.metric == "angular_momentum_change";
     shown_of_.push_back(ShownMetric::knows(e.metric) ? static_cast<int>(shown_.size()) : -1);
     if (shown_of_.back() >= 0) shown_.emplace_back(world, e);
+    sensed_of_.push_back(e.metric == "sensor" ? static_cast<int>(sensed_.size()) : -1);
+    if (sensed_of_.back() >= 0) sensed_.emplace_back(world, e);
   }
 }
 
@@ -185,6 +187,7 @@ void Measures::keep(const World& world, const StepReport& frame, int steps, std:
   f.warnings = warnings;
   for (const Watched& w : watched_) f.bodies.push_back(bodies[w.body]);
   for (const ShownMetric& m : shown_) f.shown.push_back(m.now(world));
+  for (const SensorMetric& m : sensed_) f.sensed.push_back(m.now(world));
   for (int b = 0; asks_momentum_ && b < world.body_count(); ++b) {
     if (!std::isfinite(world.body(b).mass())) continue;
     f.momentum += world.body(b).linear_momentum(world.v(b));
@@ -272,6 +275,12 @@ double Measures::shown_metric(std::size_t index, const Window& w) const {
   return shown_[index].over(values);
 }
 
+double Measures::sensor_metric(std::size_t index, const Window& w) const {
+  std::vector<SensorMetric::Pair> values;
+  for (std::size_t i = w.first; i <= w.last; ++i) values.push_back(frames_[i].sensed[index]);
+  return sensed_[index].over(values);
+}
+
 double Measures::body_metric(const std::string& metric, std::size_t i, const Window& w) const {
   const BodySample &a = frames_[w.first].bodies[i], &b = frames_[w.last].bodies[i];
   const Vec3 moved = b.center - a.center;
@@ -313,9 +322,12 @@ Finding Measures::find(std::size_t expectation) const {
   if (frames_.empty()) return finding;
   const auto within = [&](double x) { return x >= e.min && x <= e.max; };
   if (!about_bodies(e.metric)) {
-    const int shown = shown_of_[expectation];
-    finding.value = shown < 0 ? world_metric(e.metric, w) : shown_metric(static_cast<std::size_t>(shown), w);
+    const int shown = shown_of_[expectation], sensed = sensed_of_[expectation];
+    finding.value = shown >= 0    ? shown_metric(static_cast<std::size_t>(shown), w)
+                    : sensed >= 0 ? sensor_metric(static_cast<std::size_t>(sensed), w)
+                                  : world_metric(e.metric, w);
     if (shown >= 0) finding.body = e.body;
+    if (sensed >= 0) finding.body = e.reading.sensor + "." + e.reading.channel;
     finding.ok = w.reached && within(finding.value);
     return finding;
   }

@@ -8,6 +8,7 @@
 
 #include "brim/math/types.h"
 #include "brim/world/expectation.h"
+#include "brim/world/sense/sensor_metric.h"
 #include "brim/world/shown_metric.h"
 #include "brim/world/vertex_range.h"
 #include "brim/world/world.h"
@@ -45,6 +46,7 @@ struct Finding {
 ///   from its start to its end: displacement, displacement_{x,y,z}, speed_kept, acceleration, momentum_change,
 ///     angular_momentum_change
 ///   of what a body shows: those of ShownMetric
+///   of what a sensor reads: sensor
 /// The schema of scenes says what each is (schema/scene.schema.json).
 /// Tests: tests/world/measures_test.cpp
 class Measures {
@@ -76,10 +78,11 @@ class Measures {
     StepReport report;  ///< without its lists
     int steps = 1;
     std::size_t warnings = 0;
-    std::vector<BodySample> bodies;  ///< of the kept ones
-    std::vector<double> shown;       ///< shape (shown_)
-    Vec3 momentum = Vec3::Zero();    ///< [kg m/s] of all movable bodies, where asked for
-    Vec3 angular = Vec3::Zero();     ///< [kg m²/s] about the origin, likewise
+    std::vector<BodySample> bodies;          ///< of the kept ones
+    std::vector<double> shown;               ///< shape (shown_)
+    std::vector<SensorMetric::Pair> sensed;  ///< shape (sensed_)
+    Vec3 momentum = Vec3::Zero();            ///< [kg m/s] of all movable bodies, where asked for
+    Vec3 angular = Vec3::Zero();             ///< [kg m²/s] about the origin, likewise
   };
   struct Window {
     std::size_t first = 0, last = 0;
@@ -103,6 +106,7 @@ class Measures {
   Window window(const Expectation& e) const;
   double world_metric(const std::string& metric, const Window& w) const;
   double shown_metric(std::size_t index, const Window& w) const;
+  double sensor_metric(std::size_t index, const Window& w) const;
   double body_metric(const std::string& metric, std::size_t watched, const Window& w) const;
   Finding find(std::size_t expectation) const;
 
@@ -117,6 +121,8 @@ class Measures {
   double particles_ = 0.0;
   std::vector<ShownMetric> shown_;
   std::vector<int> shown_of_;  ///< index into shown_ or -1, shape (expectations)
+  std::vector<SensorMetric> sensed_;
+  std::vector<int> sensed_of_;  ///< likewise into sensed_
   bool asks_momentum_ = false;
 };
 

@@ -9,6 +9,7 @@
 namespace brim {
 
 World::World(WorldOptions options) : impl_(std::make_unique<Impl>()) {
+  impl_->self = this;
   const auto need = [](const char* what, double value, bool good) {
     if (!good) throw InputError(fmt::format("world: {} = {} is out of range", what, value));
   };
@@ -27,7 +28,7 @@ World::World(WorldOptions options) : impl_(std::make_unique<Impl>()) {
 }
 
 World::~World() = default;
-World::World(World&&) noexcept = default;
+World::World(World&& other) noexcept : impl_(std::move(other.impl_)) { impl_->self = this; }
 
 int World::add(std::unique_ptr<Body> body) {
   Impl& w = *impl_;
@@ -60,6 +61,7 @@ void World::Impl::append(std::unique_ptr<Body> body, std::span<const double> q0,
 }
 
 void World::Impl::take_memory() {
+  for (const auto& w : watchers) w->take(state.memory);
   levels.take(state.memory, std::span(bodies).first(count()));
   edits.take(state.memory, static_cast<int>(count()));
   links.take(state.memory);
@@ -71,8 +73,12 @@ void World::Impl::keep_memory() {
   links.keep(state.memory);
   edits.keep(state.memory);
   levels.keep(state.memory);
+  for (std::size_t i = watchers.size(); i-- > 0;) watchers[i]->keep(*self, state.memory);
   show_whole();
 }
+
+void World::watch(std::unique_ptr<Watcher> watcher) { impl_->watchers.push_back(std::move(watcher)); }
+std::span<const std::unique_ptr<Watcher>> World::watchers() const { return impl_->watchers; }
 
 int World::body_count() const { return static_cast<int>(impl_->count()); }
 const Body& World::body(int b) const { return impl_->own(static_cast<std::size_t>(b)); }
@@ -130,6 +136,11 @@ void World::wake(int b) {
   w.take_memory();
   w.sleep.wake(static_cast<std::size_t>(b));
   w.keep_memory();
+}
+
+double World::voxel_size(int part) const {
+  impl_->start();
+  return impl_->parts.at(static_cast<std::size_t>(part)).h;
 }
 
 void World::density(int part, double h, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {

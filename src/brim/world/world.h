@@ -18,6 +18,7 @@ namespace brim {
 struct AppliedForce;  // brim/world/applied_force.h
 struct Attachment;    // brim/world/attachment.h
 struct Pose;          // brim/raster/shape.h
+class Watcher;        // brim/world/watcher.h
 
 /// What a pair of materials has instead of what follows from the two.
 struct PairMaterial {
@@ -129,6 +130,10 @@ class World {
   /// From the next step on. @throws InputError
   void set_gravity(const Vec3& gravity);
 
+  /// Tells a watcher of all steps from the next one on, and keeps it.
+  void watch(std::unique_ptr<Watcher> watcher);
+  std::span<const std::unique_ptr<Watcher>> watchers() const;
+
   const WorldOptions& options() const;
   const State& state() const;
   /// Replaces the state (resume); sizes must match. @throws InputError
@@ -146,6 +151,8 @@ class World {
   std::span<const std::pair<TileKey, double>> active_tiles() const;
   /// Contact stiffness chosen from the loads or given, [Pa].
   double stiffness() const;
+  /// [m] grid step at which a part is sampled by itself.
+  double voxel_size(int part) const;
   /// Density of one part on arbitrary tiles of step h, for viewers and tests.
   void density(int part, double h, std::span<const TileKey> tiles, std::span<DensityBlock> out) const;
   /// Hash of the whole state: equal runs have equal hashes at every step.

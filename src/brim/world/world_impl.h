@@ -20,6 +20,7 @@
 #include "brim/world/pair_laws.h"
 #include "brim/world/sleep.h"
 #include "brim/world/touch_rules.h"
+#include "brim/world/watcher.h"
 #include "brim/world/world.h"
 #include "brim/world/world_part.h"
 
@@ -59,6 +60,8 @@ struct World::Impl {
     std::function<void(World&)> edit;
   };
   std::vector<Scheduled> scheduled;
+  std::vector<std::unique_ptr<Watcher>> watchers;
+  const World* self = nullptr;  ///< whom watchers look at
 
   ContactStage stage;
   FillStage fill;

@@ -73,6 +73,7 @@ StepReport World::step() {
     if (w.sleep.on()) {
       w.sleep.mark(w.parts, w.state.v, w.first_v);
     }
+    for (const auto& watcher : w.watchers) watcher->begin_step(*this);
     double left = w.options.time_step;
     const double end = w.state.time + left;
     while (report.ok && left > 1e-9 * w.options.time_step) left -= w.substep(left, report);
@@ -81,6 +82,7 @@ StepReport World::step() {
     w.measure(report);
   }
   report.time = w.state.time;
+  for (const auto& watcher : w.watchers) watcher->end_step(*this, report);
   if (w.levels.on()) w.levels.took(report.wall);
   return report;
 }

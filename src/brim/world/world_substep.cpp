@@ -181,6 +181,7 @@ double World::Impl::substep(double left, StepReport& report) {
     }
     constraints.finish(report, samples, last, state.memory);
     report.contact_energy = response.energy();
+    for (const auto& w : watchers) w->substep(*self, state.time, dt);
   }
   const ScopedSeconds timer(seconds(Phase::Advance));
   for (std::size_t i = 0; i < state.v.size(); ++i) state.v[i] += delta[i];

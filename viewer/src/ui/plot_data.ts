@@ -1,5 +1,5 @@
 /** What the plots draw, as plain data: which series, in what unit, and how many frames share a pixel. */
-import type { Series } from '../run';
+import type { SensorInfo, Series } from '../run';
 import { phaseColours } from '../scene/palette';
 
 export interface Curve {
@@ -18,7 +18,7 @@ export interface PlotSpec {
 const words = (name: string) => name.replaceAll('_', ' ');
 
 /** The plots a run has data for. */
-export function plotSpecs(series: Series): PlotSpec[] {
+export function plotSpecs(series: Series, sensors: SensorInfo[] = []): PlotSpec[] {
   const pick = (names: [string, string, string][]): Curve[] =>
     names.flatMap(([key, name, colour]) => {
       const values = series.get(key);
@@ -62,7 +62,41 @@ export function plotSpecs(series: Series): PlotSpec[] {
       ]),
     },
   ];
-  return specs.filter((s) => s.curves.length > 0);
+  return [...sensorSpecs(series, sensors), ...specs.filter((s) => s.curves.length > 0)];
+}
+
+/** What is drawn of each kind of sensor: all that begins so. */
+const drawnOfKind: Record<string, string[]> = {
+  force: ['force', 'torque'],
+  contact: ['touching', 'impulse'],
+  pressure: ['force', 'pressure'],
+  motion: ['position', 'velocity'],
+  strain: ['strain'],
+  distance: ['distance'],
+  level: ['level'],
+  link: ['force'],
+};
+
+const curveColours = ['#b3556b', '#3f9c84', '#4f83b5', '#cf6f4a', '#6b4f8f', '#7b5a3a'];
+
+/** Plots of the run's sensors: readings of one unit that belong together share a plot. */
+function sensorSpecs(series: Series, sensors: SensorInfo[]): PlotSpec[] {
+  const specs: PlotSpec[] = [];
+  sensors.forEach((sensor, number) => {
+    for (const stem of drawnOfKind[sensor.kind] ?? []) {
+      const curves: Curve[] = [];
+      let unit = '';
+      sensor.channels.forEach((channel, c) => {
+        const values = series.get(`sensor ${number} ${c}`);
+        if (!values || !(channel === stem || channel.startsWith(`${stem}_`))) return;
+        unit = sensor.units[c] ?? '';
+        const name = words(channel === stem ? stem : channel.slice(stem.length + 1));
+        curves.push({ name, colour: curveColours[curves.length % curveColours.length]!, values });
+      });
+      if (curves.length) specs.push({ title: `${sensor.name}: ${words(stem)}`, unit, kind: 'lines', curves });
+    }
+  });
+  return specs;
 }
 
 /**

@@ -1,6 +1,6 @@
 /** The plots beside the picture. Pointing at one shows its values there and marks the moment everywhere. */
 import type { Player } from '../player';
-import type { Series } from '../run';
+import type { SensorInfo, Series } from '../run';
 import { h, human } from './dom';
 import { plotSpecs, roundUp, squeeze, type PlotSpec } from './plot_data';
 
@@ -194,8 +194,8 @@ export class Plots {
     }).observe(this.element);
   }
 
-  setSeries(series: Series): void {
-    const specs = plotSpecs(series);
+  setSeries(series: Series, sensors: SensorInfo[] = []): void {
+    const specs = plotSpecs(series, sensors);
     const same =
       specs.length === this.plots.length && specs.every((s, i) => s.title === this.plots[i]!.title);
     if (same) specs.forEach((s, i) => this.plots[i]!.setSpec(s));

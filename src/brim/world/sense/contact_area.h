@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "brim/math/types.h"
+
+namespace brim {
+
+/// Area of a patch of contact nodes, [m²]: that of the squares of side h, in the plane across the mean normal, that
+/// hold a node. Right to half a square along the border; where contact is held by rows at a few points, these alone
+/// count. Tests: tests/world/sense/force_sensor_test.cpp
+class ContactArea {
+ public:
+  /// @param normal_force  [N] on either side  @param h  [m] voxel at which the two parts meet
+  void add(const Vec3& position, const Vec3& normal_force, double h);
+  /// The area of what was added; begins anew.
+  double take();
+
+ private:
+  struct Node {
+    Vec3 position;
+    double h;
+  };
+  std::vector<Node> nodes_;
+  Vec3 normal_ = Vec3::Zero();
+};
+
+}  // namespace brim

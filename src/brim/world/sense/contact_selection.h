@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "brim/math/types.h"
+#include "brim/raster/shape.h"
+#include "brim/world/sense/sensor_model.h"
+#include "brim/world/step_report.h"
+
+namespace brim {
+
+class Body;
+class World;
+
+/// Places of a body's matter when a sensor was added, found again wherever it is now: exactly on solids, elsewhere that
+/// of the nearest vertex the body shows, which is as fine as its mesh.
+/// Tests: tests/world/sense/force_sensor_test.cpp
+class StartPlaces {
+ public:
+  /// @param body  as it is now
+  explicit StartPlaces(const Body& body);
+  /// Where the matter at x was, [m]. @param part  of the body
+  Vec3 of(int part, const Vec3& x);
+  /// Forgets where vertices are: the body has moved.
+  void moved() { known_ = false; }
+
+ private:
+  void sort_vertices();
+
+  const Body& body_;
+  std::vector<Pose> pose_;    ///< of solids, shape (parts)
+  std::vector<Vec3f> start_;  ///< of the vertices of others
+  std::vector<Vec3f> now_;
+  double cell_ = 0.0;                                                      ///< [m]
+  std::unordered_map<std::uint64_t, std::vector<std::int32_t>> vertices_;  ///< by cell
+  bool known_ = false;
+};
+
+/// The contacts that a sensor is about, seen from the side of its bodies.
+class ContactSelection {
+ public:
+  /// @throws InputError where no body has one of the names
+  ContactSelection(const SensorModel& model, const World& world);
+  void find_bodies(const World& world);
+  /// The bodies have moved since the last call of `side`.
+  void moved();
+
+  /// A contact of the selection: sign times the forces of the sample are those on body a.
+  struct Side {
+    double sign = 0.0;  ///< 0: no contact of the selection
+    int body_a = 0, body_b = 0;
+    bool within = false;  ///< both bodies are the sensor's
+  };
+  Side side(const ContactSample& sample);
+  /// True where contacts of the two bodies may be of the selection.
+  bool concerns(int body_a, int body_b) const;
+
+ private:
+  bool in_region(int body, int part, const Vec3& x);
+
+  const SensorModel& model_;
+  std::vector<std::uint8_t> own_, other_;                                ///< per body
+  std::vector<int> body_of_, index_of_;                                  ///< per part
+  std::vector<const Body*> bodies_;                                      ///< per body
+  std::unordered_map<const Body*, std::unique_ptr<StartPlaces>> start_;  ///< of those with a region that follows
+};
+
+}  // namespace brim

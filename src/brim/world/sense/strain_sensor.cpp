@@ -1,0 +1,109 @@
+#include "brim/world/sense/strain_sensor.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <limits>
+
+#include "brim/body/changing_surface.h"
+#include "brim/core/error.h"
+#include "brim/world/world.h"
+
+namespace brim {
+
+namespace {
+
+/// Extent of a region along a direction, over its largest, below which it does not span the direction.
+constexpr double kFlat = 1e-3;
+
+Vec3 mean_of(std::span<const Vec3> x) {
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& p : x) sum += p;
+  return sum / static_cast<double>(x.size());
+}
+
+}  // namespace
+
+StrainSensor::StrainSensor(const SensorModel& model, const World& world) : Sensor(model) {
+  const int b = only_body(world, model.bodies);
+  const Body& body = world.body(b);
+  if (!model.region) throw InputError("strain is that of a region; none is given");
+  std::vector<Vec3f> shown;
+  display_now(body, shown);
+  std::vector<Vec3> x;
+  for (const Vec3f& v : shown)
+    if (model.region(v.cast<double>())) x.push_back(v.cast<double>());
+  if (x.size() < 2)
+    throw InputError(
+        fmt::format("{} vertices of '{}' lie in the region; strain needs two or more", x.size(), body.name()));
+  points_.emplace(world, b, model.part, std::move(x));
+  const auto places = points_->positions(world);
+  const Vec3 mean = mean_of(places);
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& p : places) start_.push_back(p - mean), spread += start_.back() * start_.back().transpose();
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
+  const double most = axes.eigenvalues().maxCoeff();
+  if (!(most > 0.0)) throw InputError("the vertices of the region lie at one place");
+  for (int i = 0; i < 3; ++i) {
+    if (!(axes.eigenvalues()[i] > kFlat * kFlat * most)) continue;
+    const Vec3 d = axes.eigenvectors().col(i);
+    inverse_ += d * d.transpose() / axes.eigenvalues()[i];
+    projection_ += d * d.transpose();
+  }
+  for (const char* entry : {"xx", "yy", "zz", "xy", "xz", "yz"})
+    channels_.push_back({std::string("strain_") + entry, "", Taking::Last});
+  channels_.push_back({"largest", "", Taking::Last});
+  channels_.push_back({"least", "", Taking::Last});
+}
+
+void StrainSensor::read(const World& world, const StepReport&, std::span<double> values, std::span<double>) {
+  if (!points_->present(world)) {
+    std::fill(values.begin(), values.end(), std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
+  const auto x = points_->positions(world);
+  const Vec3 mean = mean_of(x);
+  Mat3 moment = Mat3::Zero();
+  for (std::size_t i = 0; i < x.size(); ++i) moment += (x[i] - mean) * start_[i].transpose();
+  const Mat3 F = moment * inverse_;
+  const Mat3 E = 0.5 * (F.transpose() * F - projection_);
+  // Principal strains within what the region spans; across it E is zero.
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(E);
+  double largest = -std::numeric_limits<double>::infinity(), least = -largest;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 d = axes.eigenvectors().col(i);
+    if (d.dot(projection_ * d) < 0.5) continue;
+    largest = std::max(largest, axes.eigenvalues()[i]), least = std::min(least, axes.eigenvalues()[i]);
+  }
+  const double all[] = {E(0, 0), E(1, 1), E(2, 2), E(0, 1), E(0, 2), E(1, 2), largest, least};
+  std::copy(std::begin(all), std::end(all), values.begin());
+}
+
+DistanceSensor::DistanceSensor(const SensorModel& model, const World& world) : Sensor(model) {
+  if (!model.point || !model.to_point) throw InputError("a distance is between a point and another one; give both");
+  a_.emplace(world, only_body(world, model.bodies), model.part, std::vector<Vec3>{*model.point});
+  if (!model.to.empty()) b_.emplace(world, only_body(world, {model.to}), -1, std::vector<Vec3>{*model.to_point});
+  const Vec3 b = b_ ? b_->positions(world)[0] : *model.to_point;
+  start_ = (a_->positions(world)[0] - b).norm();
+  if (!(start_ > 0.0)) throw InputError("the two points lie at one place");
+  channels_ = {{"distance", "m", Taking::Last}, {"strain", "", Taking::Last}, {"rate", "m/s", Taking::Last}};
+}
+
+void DistanceSensor::find_bodies(const World& world) {
+  a_->find_body(world);
+  if (b_) b_->find_body(world);
+}
+
+void DistanceSensor::read(const World& world, const StepReport&, std::span<double> values, std::span<double>) {
+  if (!a_->present(world) || (b_ && !b_->present(world))) {
+    std::fill(values.begin(), values.end(), std::numeric_limits<double>::quiet_NaN());
+    return;
+  }
+  const Vec3 a = a_->positions(world)[0], b = b_ ? b_->positions(world)[0] : *model_.to_point;
+  const Vec3 u = a_->velocities(world)[0] - (b_ ? b_->velocities(world)[0] : Vec3(Vec3::Zero()));
+  const double length = (a - b).norm();
+  values[0] = length;
+  values[1] = length / start_ - 1.0;
+  values[2] = length > 0.0 ? u.dot(a - b) / length : u.norm();
+}
+
+}  // namespace brim
