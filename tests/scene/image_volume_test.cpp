@@ -8,6 +8,7 @@
 #include "brim/core/error.h"
 #include "brim/io/volume_reader.h"
 #include "brim/scene/scene.h"
+#include "io/dicom_writer.h"
 #include "support/images.h"
 
 namespace brim {
@@ -95,6 +96,44 @@ TEST_F(ImageVolumes, FileRawAndShapeOfTheSameBallGiveTheSameBody) {
     EXPECT_NEAR(w.body(0).bounds(0).extent().x(), 0.2, 0.03);
     EXPECT_GT(w.body(0).display().triangles.size(), 100u);
   }
+}
+
+TEST_F(ImageVolumes, AFolderOfDicomSlicesIsTheSameBodyAsOneFile) {
+  const VoxelImage ball = testing::scan({Vec3::Constant(-0.12), Vec3::Constant(0.12)}, 0.01,
+                                        [](const Vec3& x) { return (x - Vec3(0.02, 0.01, 0)).norm() - 0.08; });
+  VoxelImage whole = ball;
+  for (float& v : whole.values) v = std::round(v);
+  write_nifti((folder_ / "twin.nii").string(), whole);
+  fs::create_directories(folder_ / "slices");
+  const Vec3i n = whole.size;
+  for (int k = 0; k < n.z(); ++k) {
+    test::DicomSlice s;
+    s.width = static_cast<unsigned>(n.x()), s.height = static_cast<unsigned>(n.y());
+    // Rows run to the right and to the front: the patient's left and back are the other way.
+    s.orientation = {-1, 0, 0, 0, -1, 0};
+    const Vec3 at = 1e3 * (whole.origin + whole.axes.col(2) * k);
+    s.position = {-at.x(), -at.y(), at.z()};
+    s.spacing = {10, 10};
+    s.intercept = -200, s.slope = 0.5;
+    for (int i = 0; i < n.x() * n.y(); ++i)
+      s.pixels.push_back(static_cast<std::int16_t>(
+          2 * (std::lround(whole.values[static_cast<std::size_t>(k * n.x() * n.y() + i)]) + 200)));
+    std::ofstream(folder_ / fmt::format("slices/{}.dcm", (7 * k) % n.z()), std::ios::binary) << s.file();
+  }
+  const char* const keys = R"(, "window": [20, 80], "center": false)";
+  const std::string text = message(fmt::format(R"("file": "slices"{})", keys));
+  if (text.find("built without GDCM") != std::string::npos) GTEST_SKIP() << text;
+  EXPECT_EQ(text, "");
+  const World file = build(fmt::format(R"("file": "twin.nii"{})", keys));
+  for (const char* path : {"slices", "slices/3.dcm"}) {
+    const World folder = build(fmt::format(R"("file": "{}"{})", path, keys));
+    EXPECT_NEAR(folder.body(0).mass(), file.body(0).mass(), 1e-6 * file.body(0).mass());
+    for (int a = 0; a < 3; ++a) EXPECT_NEAR(folder.q(0)[a], file.q(0)[a], 1e-6);
+  }
+  EXPECT_NE(message(fmt::format(R"("file": "slices", "series": "9"{})", keys)).find("/bodies/0/file"),
+            std::string::npos);
+  EXPECT_NE(message(fmt::format(R"("file": "twin.nii", "series": "9"{})", keys)).find("DICOM files only"),
+            std::string::npos);
 }
 
 TEST_F(ImageVolumes, ScaleUnitMassAndOwnPlaceAreHeeded) {

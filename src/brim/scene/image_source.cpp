@@ -32,7 +32,7 @@ VolumeInfo read_info(const Node& n) {
       layout.skip = static_cast<std::size_t>(raw.integer("skip"));
       info = raw_volume_info(scene_path(file), layout);
     } else {
-      info = named_volume(file, n.has("grid") ? n.string("grid") : "");
+      info = named_volume(file, n.has("grid") ? n.string("grid") : "", n.has("series") ? n.string("series") : "");
     }
     if (const auto unit = n.number_if("unit")) info.unit = *unit;
     return info;
@@ -82,7 +82,7 @@ void check_image_source(const Node& n) {
     throw n.error(n.has("file") ? "both \"file\" and \"shape\" are given; give one"
                                 : "the key \"file\" is missing; give \"file\" or \"shape\"");
   if (n.has("shape")) {
-    for (const char* key : {"raw", "unit", "window", "labels"})
+    for (const char* key : {"raw", "unit", "grid", "series", "window", "labels"})
       if (n.has(key))
         throw n.at(key).error(fmt::format("only a \"file\" has \"{}\"; the image here is made of a shape", key));
     if (!n.has("image_spacing"))
