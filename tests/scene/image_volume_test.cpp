@@ -136,6 +136,46 @@ TEST_F(ImageVolumes, AFolderOfDicomSlicesIsTheSameBodyAsOneFile) {
             std::string::npos);
 }
 
+TEST_F(ImageVolumes, DensityAndModulusGoByTheIntensity) {
+  // Two blocks side by side, of intensities 100 and 300, in nothing.
+  const auto write = [&](const char* name, int n) {
+    VoxelImage image;
+    image.size = Vec3i(3 * n, n, n);
+    image.axes = (0.1 / n) * Mat3::Identity();
+    image.origin = Vec3::Constant(0.05 / n);
+    for (int k = 0; k < n; ++k)
+      for (int j = 0; j < n; ++j)
+        for (int i = 0; i < 3 * n; ++i) image.values.push_back(i < n ? 0.0f : i < 2 * n ? 100.0f : 300.0f);
+    write_nifti((folder_ / name).string(), image);
+  };
+  write("blocks.nii", 10);
+  write("fine.nii", 40);
+  const double block = 1e-3, table = block * (1200.0 + 2000.0);  // [m³], [kg]
+  const std::string keys =
+      R"(, "window": [50, 50], "voxel_size": 0.02, "density": {"table": [[0, 1000], [100, 1200], [300, 2000]]})";
+  for (const char* file : {R"("file": "blocks.nii")", R"("file": "fine.nii")"}) {
+    SCOPED_TRACE(file);
+    const World w = build(file + keys + R"(, "center": false)");
+    // Between the blocks the intensity goes over within a voxel, and there is some of the first in what is nothing.
+    EXPECT_NEAR(w.body(0).mass(), table, 0.03 * table);
+    EXPECT_NEAR(w.q(0)[0], (0.15 * 1200 + 0.25 * 2000) / 3200, 2e-3) << "centre of mass";
+    EXPECT_NEAR(build(file + keys + R"(, "motion": "deformable", "lattice_spacing": 0.05)").body(0).mass(), table,
+                0.03 * table);
+  }
+  // A constant is a table of one point; of a segmentation each label has its own.
+  const double flat = build(R"("file": "blocks.nii", "window": [50, 50], "density": 700)").body(0).mass();
+  EXPECT_NEAR(build(R"("file": "blocks.nii", "window": [50, 50], "density": {"table": [[0, 700]]})").body(0).mass(),
+              flat, 2e-3 * flat);
+  EXPECT_NEAR(build(R"("file": "blocks.nii", "labels": [300], "density": {"table": [[100, 1200], [300, 2000]]})")
+                  .body(0)
+                  .mass(),
+              2000 * block, 0.06 * 2000 * block);
+  EXPECT_GT(build(R"("file": "blocks.nii", "window": [50, 50], "preset": "Hounsfield")").body(0).mass(), 2100 * block);
+  const World soft = build(R"("file": "blocks.nii", "window": [50, 50], "voxel_size": 0.02, "motion": "deformable",
+                              "lattice_spacing": 0.05, "young_modulus": {"table": [[100, 1e4], [300, 3e4]]})");
+  EXPECT_NEAR(soft.body(0).part(0).modulus, 1.5e4, 0.1e4);
+}
+
 TEST_F(ImageVolumes, ScaleUnitMassAndOwnPlaceAreHeeded) {
   const World w = build(R"("file": "ball.nii", "window": [0, 100], "unit": 1e-2, "mass": 3, "center": false,
                            "transform": {"scale": 0.5, "position": [0, 0, 2]})");
@@ -165,6 +205,12 @@ TEST_F(ImageVolumes, BadInputIsRefusedWithAMessage) {
   };
   const std::string good = R"("file": "ball.nii", "window": [0, 100])";
   EXPECT_EQ(message(good), "");
+  expect(good + R"(, "density": {"table": []})", {"/bodies/0/density/table"});
+  expect(good + R"(, "density": {"table": [[0, 1], [0, 2]]})", {"/bodies/0/density/table/1", "must ascend"});
+  expect(good + R"(, "density": {"table": [[0, 1], [1, 0]]})", {"/bodies/0/density/table/1", "must be positive"});
+  expect(good + R"(, "density": {"table": [[0, 1]]}, "mass": 2)", {"give one"});
+  expect(R"("shape": {"kind": "sphere", "radius": 1}, "image_spacing": 0.1, "density": {"table": [[0, 1]]})",
+         {"/bodies/0/density", "intensities for a table"});
   expect(R"("window": [0, 100])", {"/bodies/0", "\"file\" or \"shape\""});
   expect(good + R"(, "shape": {"kind": "sphere", "radius": 1}, "image_spacing": 0.1)", {"give one"});
   expect(R"("file": "ball.nii")", {"\"window\" is missing"});

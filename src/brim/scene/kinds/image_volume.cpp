@@ -45,8 +45,8 @@ class RigidImageMaker final : public BodyMaker {
   RigidImageMaker(const Node& n, const BuildContext& context) : material_(context.material) {
     const ImageSolid solid =
         read_image_solid(n, n.at("transform").number("scale"), kRigidCells, context.world.memory_limit);
-    const double density = n.has("density") ? n.number("density") : 1000.0;
-    properties_ = mass_properties(solid.grid, density);
+    properties_ = !solid.density.empty() ? mass_properties(solid.grid, solid.density)
+                                         : mass_properties(solid.grid, n.has("density") ? n.number("density") : 1000.0);
     if (n.has("mass")) {
       properties_.inertia *= n.number("mass") / properties_.mass;
       properties_.mass = n.number("mass");
@@ -96,6 +96,8 @@ class SoftImageMaker final : public BodyMaker {
                                  spacing_, box.extent().maxCoeff()));
     const double volume = mass_properties(solid_.grid, 1.0).volume;
     surface_ = display_surface(solid_.grid);
+    if (!solid_.density.empty()) solid_.density = joined_means(solid_.grid, solid_.density, kSoftCells);
+    if (!solid_.young.empty()) solid_.young = joined_means(solid_.grid, solid_.young, kSoftCells);
     solid_.grid = joined_cells(solid_.grid, kSoftCells);
     check_count(at, 12.0 * volume / (spacing_ * spacing_ * spacing_), kBytesPerCarrierTet, limit, "tetrahedra");
     check_count(n, volume / std::pow(solid_.grid.spacing, 3), kBytesPerParticle, limit, "particles");
@@ -106,11 +108,12 @@ class SoftImageMaker final : public BodyMaker {
     options.voxel_size = solid_.voxel_size;
     if (node_.at("constraints").size() > 0) {
       // The lattice's nodes are known once it is built.
-      const SoftImageBody free(solid_.grid, {}, spacing_, place.rotation, place.position, options);
+      const SoftImageBody free(solid_.grid, {}, spacing_, place.rotation, place.position, options,
+                               {solid_.density, solid_.young});
       read_constraints(node_.at("constraints"), free.rest_positions(), {}, options);
     }
     return std::make_unique<SoftImageBody>(solid_.grid, surface_, spacing_, place.rotation, place.position,
-                                           std::move(options));
+                                           std::move(options), CellMaterial{solid_.density, solid_.young});
   }
 
  private:
