@@ -32,9 +32,8 @@ void widen(const char* from, std::size_t n, int unused_bits, double* out) {
   for (std::size_t i = 0; i < n; ++i) {
     T value;
     std::memcpy(&value, from + i * sizeof(T), sizeof(T));
-    if constexpr (std::is_integral_v<T>)
-      // What is above the bits that are stored is anything: overlays, or nothing.
-      value = static_cast<T>(static_cast<T>(static_cast<std::make_unsigned_t<T>>(value) << unused_bits) >> unused_bits);
+    // What is above the bits that are stored is anything: overlays, or nothing.
+    value = static_cast<T>(static_cast<T>(static_cast<std::make_unsigned_t<T>>(value) << unused_bits) >> unused_bits);
     out[i] = static_cast<double>(value);
   }
 }
