@@ -121,6 +121,13 @@ def gallery():
     return "\n".join(lines)
 
 
+def number_text(value):
+    """A number, or a table by intensity."""
+    if isinstance(value, dict):
+        return "by intensity " + ", ".join(f"{x:g}: {y:g}" for x, y in value["table"])
+    return f"{value:g}"
+
+
 def presets():
     """Every known material with its numbers and source."""
     lines = ["| preset | for | numbers | source |", "|---|---|---|---|"]
@@ -132,7 +139,7 @@ def presets():
             if group in preset:
                 groups[group] = (preset[group], ["a material" if group == "material" else "a pair of materials"])
         for keys, users in groups.values():
-            numbers = ", ".join(f"{key} {value:g}" for key, value in keys.items())
+            numbers = ", ".join(f"{key} {number_text(value)}" for key, value in keys.items())
             lines.append(f"| `{name}` | {', '.join(users)} | {numbers} | {cell(preset['source'])} |")
     return "\n".join(lines) + "\n"
 

@@ -69,8 +69,8 @@ void about_tets(const std::string& path) {
              q.min_dihedral * kDegrees, q.max_dihedral * kDegrees, q.min_ratio, q.mean_ratio);
 }
 
-void about_volume(const std::string& path, const std::string& sheet) {
-  const VolumeInfo info = read_volume_info(path);
+void about_volume(const std::string& path, const std::string& series, const std::string& sheet) {
+  const VolumeInfo info = read_volume_info(path, {}, series);
   const VoxelImage image = read_volume(info);
   const Aabb box = image.box();
   const Vec3 step = info.steps();
@@ -113,11 +113,12 @@ void about_run(const std::string& path) {
              total("steps"), total("wall"), largest("contacts"), largest("worst_overlap"), total("warnings"));
 }
 
-void about(const std::string& path, const std::string& sheet) {
+void about(const std::string& path, const std::string& series, const std::string& sheet) {
   namespace fs = std::filesystem;
   std::error_code error;
   if (!fs::exists(path, error)) throw InputError(path + ": no such file or folder");
-  if (fs::is_directory(path, error)) return about_run(path);
+  if (fs::is_directory(path, error) && (fs::exists(fs::path(path) / "run.h5", error) || !holds_dicom(path)))
+    return about_run(path);
   std::string name = fs::path(path).filename().string();
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -125,25 +126,28 @@ void about(const std::string& path, const std::string& sheet) {
   if (name.ends_with(".h5")) return about_run(path);
   if (name.ends_with(".msh") || name.ends_with(".vtk")) return about_tets(path);
   for (const char* end : {".nii", ".nii.gz", ".nrrd", ".nhdr", ".vdb"})
-    if (name.ends_with(end)) return about_volume(path, sheet);
+    if (name.ends_with(end)) return about_volume(path, series, sheet);
   for (const char* end : {".obj", ".stl", ".ply", ".off", ".gltf", ".glb"})
     if (name.ends_with(end)) return about_surface(path);
+  if (holds_dicom(path)) return about_volume(path, series, sheet);
   throw InputError(
       path +
       ": not a kind of file that brim knows; it must be a scene (.json, .jsonc), a surface (.obj, .stl, .ply, "
-      ".off, .gltf, .glb), tetrahedra (.msh, .vtk), a volume (.nii, .nii.gz, .nrrd, .nhdr, .vdb), or a "
-      "run (folder, .h5)");
+      ".off, .gltf, .glb), tetrahedra (.msh, .vtk), a volume (.nii, .nii.gz, .nrrd, .nhdr, .vdb, "
+      "DICOM file or folder), or a run (folder, .h5)");
 }
 
 }  // namespace
 
 void add_info(CLI::App& app, int& code) {
   CLI::App* command = app.add_subcommand("info", "say what is in a scene, mesh, volume or run");
-  auto path = std::make_shared<std::string>(), sheet = std::make_shared<std::string>();
+  auto path = std::make_shared<std::string>(), sheet = std::make_shared<std::string>(),
+       series = std::make_shared<std::string>();
   command->add_option("file", *path, "scene, surface, tetrahedra, volume or run")->required();
+  command->add_option("--series", *series, "of a DICOM folder: UID of the series to read, or \"largest\"");
   command->add_option("--sheet", *sheet, "of a volume: picture (.png) of slices along z to write");
-  command->callback([path, sheet, &code] {
-    about(*path, *sheet);
+  command->callback([path, series, sheet, &code] {
+    about(*path, *series, *sheet);
     code = kGood;
   });
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any, Callable, Iterator, NamedTuple
+from typing import Any, Callable, Iterator, Mapping, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -394,9 +394,13 @@ class World:
         return f'<World "{self.name}": {len(self)} bodies, {self.time:.6g} s>'
 
 
-def load(path: str | os.PathLike[str]) -> World:
-    """The world of a scene file. @raises InputError "file:line: pointer: what, and what is allowed\""""
-    return World._of(_core.Session.load(os.fspath(path)))
+def load(path: str | os.PathLike[str], *, set: Mapping[str, Any] | None = None, seed: int | None = None) -> World:
+    """The world of a scene file.
+    @param set   values of the scene's "parameters" by name, or of any key by JSON pointer: {"h": 0.02, "/world/time_step": 0.01};
+                 as --set of the program
+    @param seed  another seed for all that is drawn by chance, as --seed
+    @raises InputError "file:line: pointer: what, and what is allowed\""""
+    return World._of(_core.Session.load(os.fspath(path), dict(set or {}), seed))
 
 
 class Running:

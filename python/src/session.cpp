@@ -10,6 +10,7 @@
 #include "brim/scene/kinds.h"
 #include "brim/scene/links.h"
 #include "brim/scene/node.h"
+#include "brim/scene/parameters.h"
 #include "brim/scene/sensors.h"
 #include "brim/scene/solid.h"
 #include "brim/scene/timeline.h"
@@ -71,9 +72,14 @@ Session::Session(const py::dict& scene, std::string folder) : folder_(std::move(
   world_ = std::make_unique<World>(empty.world);
 }
 
-std::unique_ptr<Session> Session::load(const std::string& path) {
+std::unique_ptr<Session> Session::load(const std::string& path, const py::dict& set,
+                                       std::optional<std::uint64_t> seed) {
   std::unique_ptr<Session> s(new Session());
-  const Scene scene = load_scene(path);
+  SceneSettings settings;
+  const Json given = json_of(set, "set");
+  for (const auto& [name, value] : given.items()) settings.set[name] = value;
+  settings.seed = seed;
+  const Scene scene = settings.empty() ? load_scene(path) : load_scene(path, settings);
   s->folder_ = std::filesystem::absolute(path).parent_path().string();
   s->file = std::filesystem::absolute(path).lexically_normal().string();
   s->text = scene.text;

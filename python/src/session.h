@@ -6,6 +6,7 @@
 #include <array>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -31,8 +32,8 @@ class Session {
  public:
   /// An empty world. @param scene  all of a scene but its bodies  @param folder  that relative paths start from
   Session(const py::dict& scene, std::string folder);
-  /// That of a scene file. @throws InputError
-  static std::unique_ptr<Session> load(const std::string& path);
+  /// That of a scene file. @param set, seed  as --set and --seed of the program @throws InputError
+  static std::unique_ptr<Session> load(const std::string& path, const py::dict& set, std::optional<std::uint64_t> seed);
 
   /// Adds an entry of "bodies" by way of the scene's own reader. Nothing is added when it is refused.
   /// @return numbers of the new bodies  @throws InputError

@@ -62,6 +62,22 @@ class Scenes(Folder):
         for key in ("expect", "steps", "contacts"):
             self.assertEqual(sums[0].get(key), sums[1].get(key))
 
+    def test_parameters_are_set_as_by_the_program(self):
+        path = self.folder / "small.json"
+        bodies = [dict(body) for body in SCENE["bodies"]]
+        bodies[1]["velocity"] = ["=speed", 0, 0]
+        path.write_text(json.dumps({**SCENE, "parameters": {"speed": 1}, "bodies": bodies}))
+        self.assertEqual(brim.load(path)["ball"].v[0], 1)
+        world = brim.load(path, set={"speed": 2.5, "/world/time_step": 0.005})
+        self.assertEqual(world["ball"].v[0], 2.5)
+        self.run_program(path, self.folder / "program", "--set", "speed=2.5", "--set", "/world/time_step=0.005")
+        world.run(record=self.folder / "python").all()
+        self.assertEqual(brim.Run(self.folder / "program").state(12), brim.Run(self.folder / "python").state(12))
+        with self.assertRaisesRegex(brim.InputError, 'did you mean "speed"'):
+            brim.load(path, set={"sped": 2})
+        with self.assertRaisesRegex(brim.InputError, "random"):
+            brim.load(path, seed=3)
+
     def test_findings_come_with_a_recorded_run(self):
         path = self.folder / "small.json"
         path.write_text(json.dumps(SCENE))

@@ -149,5 +149,62 @@ TEST(CarriedBody, ThreadsDoNotChangeABit) {
   }
 }
 
+/// A block of voxels whose modulus is a function of the place.
+template <class Young>
+std::unique_ptr<SoftImageBody> block_of(const Young& young_at, double young = 1e4, bool neo_hookean = false) {
+  const Vec3 half(0.2, 0.15, 0.15);
+  const VoxelImage image = testing::scan({-half - Vec3::Constant(0.05), half + Vec3::Constant(0.05)}, 0.025,
+                                         [=](const Vec3& x) { return testing::box_distance(x, half); });
+  const OccupancyGrid grid = sample_occupancy(image, {0, 100}, 0.05);
+  std::vector<float> cells(grid.share.size());
+  for (int k = 0; k < grid.cells.z(); ++k)
+    for (int j = 0; j < grid.cells.y(); ++j)
+      for (int i = 0; i < grid.cells.x(); ++i) {
+        const std::size_t at = grid.index(i, j, k);
+        cells[at] = static_cast<float>(young_at(grid.center(i, j, k)) * grid.share[at] / 255.0);
+      }
+  ElasticOptions options = soft(young);
+  options.neo_hookean = neo_hookean;
+  return std::make_unique<SoftImageBody>(grid, display_surface(grid), 0.06, Quat::Identity(), Vec3::Zero(), options,
+                                         CellMaterial{{}, cells});
+}
+
+/// Energy of the block stretched by a tenth along x.
+double stretched(SoftImageBody& body) {
+  std::vector<Vec3> x;
+  for (const Vec3& p : body.rest_positions()) x.push_back(Vec3(1.1 * p.x(), p.y(), p.z()));
+  testing::set(body, flat(x));
+  return body.elastic_energy();
+}
+
+TEST(SoftImage, AModulusByCellsIsThatOfTheElements) {
+  for (const bool neo_hookean : {false, true}) {
+    const auto one = block_of([](const Vec3&) { return 1e4; }, 1e4, neo_hookean);
+    const auto given_elsewhere = block_of([](const Vec3&) { return 1e4; }, 77.0, neo_hookean);
+    const double energy = stretched(*one);
+    EXPECT_NEAR(stretched(*given_elsewhere), energy, 1e-6 * energy);
+    EXPECT_NEAR(given_elsewhere->part(0).modulus, 1e4, 1e-2);
+    // Energy is linear in the moduli: a field and its mirror image together are twice their mean.
+    const auto graded = [](double x) { return 1e4 + 4e4 * x; };
+    const auto halves = [](double x) { return 1e4 * (std::abs(x) < 1e-9 ? 2 : x < 0 ? 1 : 3); };
+    const auto energy_of = [&](const auto& along, double sign) {
+      return stretched(*block_of([&](const Vec3& x) { return along(sign * x.x()); }, 1e4, neo_hookean));
+    };
+    EXPECT_NEAR(energy_of(graded, 1) + energy_of(graded, -1), 2.0 * energy, 1e-6 * energy);
+    EXPECT_NEAR(energy_of(halves, 1) + energy_of(halves, -1), 4.0 * energy, 1e-6 * energy);
+    EXPECT_NEAR(energy_of(halves, 1), 2.0 * energy, 0.25 * energy) << "the lattice reaches out on one side further";
+    // In contact halves are behind each other; there is a layer of the mean between them.
+    const auto both = block_of([&](const Vec3& x) { return halves(x.x()); });
+    EXPECT_NEAR(both->part(0).modulus, 1.5e4, 0.12e4);
+  }
+}
+
+TEST(SoftImage, ElementsOfManyModuliObeyTheLawsOfElasticParticles) {
+  const auto body = block_of([](const Vec3& x) { return 1e4 * (1.0 + 8.0 * std::abs(x.x() + 0.5 * x.y())); });
+  testing::expect_force_is_minus_energy_gradient(*body, deformed(*body, 0.3), 1e-7, 1e-6, kSeed);
+  testing::expect_stiffness_is_symmetric_and_definite(*body, deformed(*body, 0.5), kSeed);
+  testing::expect_inner_forces_balance(*body, deformed(*body, 0.5));
+}
+
 }  // namespace
 }  // namespace brim

@@ -145,6 +145,7 @@ inline constexpr FileTarget kFileTargets[] = {
     {"nifti", [](Bytes b) { volume(b, "a.nii"); }},
     {"nifti_gz", [](Bytes b) { volume(b, "a.nii.gz"); }},
     {"vdb", [](Bytes b) { volume(b, "a.vdb"); }},
+    {"dicom", [](Bytes b) { volume(b, "a.dcm"); }},
     {"urdf", [](Bytes b) { read_as(b, "a.urdf", [](const auto& path) { read_urdf(path); }); }},
     {"scene", scene},
     {"run", run},

@@ -7,6 +7,7 @@
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "brim/mesh/intensity_table.h"
 #include "brim/mesh/topology.h"
 #include "support/images.h"
 
@@ -155,6 +156,74 @@ TEST(Occupancy, ThreadsDoNotChangeABit) {
     if (first.empty()) first = grid.share;
     EXPECT_EQ(grid.share, first);
   }
+}
+
+TEST(IntensityTable, IsLinearBetweenItsPointsAndConstantBeyond) {
+  const IntensityTable t{{{-1000, 1}, {0, 1000}, {1500, 1900}}};
+  EXPECT_EQ(t.at(-3000), 1);
+  EXPECT_EQ(t.at(-1000), 1);
+  EXPECT_NEAR(t.at(-500), 500.5, 1e-12);
+  EXPECT_EQ(t.at(0), 1000);
+  EXPECT_NEAR(t.at(500), 1300, 1e-12);
+  EXPECT_EQ(t.at(1500), 1900);
+  EXPECT_EQ(t.at(1e9), 1900);
+  EXPECT_EQ((IntensityTable{{{5, 7}}}.at(-1)), 7);
+}
+
+TEST(CellMeans, OfAConstantTheMassIsThatOfTheDensity) {
+  const VoxelImage ball =
+      testing::scan({Vec3::Constant(-0.12), Vec3::Constant(0.12)}, 0.01, [](const Vec3& x) { return x.norm() - 0.1; });
+  const OccupancyGrid grid = sample_occupancy(ball, kWindow, 0.006);
+  const auto density = cell_means(ball, grid, [](double v) { return 700.0 * kWindow.share(v); });
+  const MassProperties one = mass_properties(grid, 700.0), other = mass_properties(grid, density);
+  // Shares are kept in 255ths.
+  EXPECT_NEAR(other.mass, one.mass, 1e-3 * one.mass);
+  EXPECT_EQ(other.volume, one.volume);
+  EXPECT_LT((other.inertia - one.inertia).norm(), 2e-3 * one.inertia.norm());
+  // Cells with less than half a 255th of matter count as empty.
+  const OccupancyGrid wide = joined_cells(grid, 2);
+  EXPECT_NEAR(mass_properties(wide, joined_means(grid, density, 2)).mass, other.mass, 1e-4 * other.mass);
+}
+
+TEST(CellMeans, OfABallWhoseDensityFallsWithTheRadiusAreTheIntegrals) {
+  // I = 1000 (1 − r/R) in the ball, ρ = 500 + I: m = 4π ∫ ρ r² dr, Θ = (8π/3) ∫ ρ r⁴ dr.
+  const double R = 0.1, step = 0.004;
+  VoxelImage image;
+  image.size = Vec3i::Constant(61);
+  image.axes = step * Mat3::Identity();
+  image.origin = Vec3(0.3, 0, 0) - 30.0 * step * Vec3::Ones();
+  for (int k = 0; k < 61; ++k)
+    for (int j = 0; j < 61; ++j)
+      for (int i = 0; i < 61; ++i)
+        image.values.push_back(static_cast<float>(1000.0 * (1.0 - step * Vec3(i - 30, j - 30, k - 30).norm() / R)));
+  const IntensityWindow inside{0, 0};
+  const IntensityTable table{{{0, 500}, {1000, 1500}}};
+  const OccupancyGrid grid = sample_occupancy(image, inside, 0.004);
+  const auto density = cell_means(image, grid, [&](double v) { return inside.share(v) * table.at(v); });
+  const MassProperties m = mass_properties(grid, density);
+  constexpr double pi = std::numbers::pi;
+  const double mass = 4.0 * pi * R * R * R * (1500.0 / 3.0 - 1000.0 / 4.0);
+  const double inertia = 8.0 * pi / 3.0 * std::pow(R, 5) * (1500.0 / 5.0 - 1000.0 / 6.0);
+  EXPECT_NEAR(m.mass, mass, 2e-3 * mass);
+  EXPECT_LT((m.center - Vec3(0.3, 0, 0)).norm(), 1e-5);
+  EXPECT_LT((m.inertia - inertia * Mat3::Identity()).norm(), 5e-3 * inertia);
+}
+
+TEST(CellMeans, OfABarDenserAtOneEndMoveItsCentre) {
+  // ρ = 1000 (1 + x/L) along a bar of 0 < x < L: m = 3/2 · 1000 V, centre 5/9 L, Θ about y through it 13/162 m L² for a
+  // thin one.
+  VoxelImage image;
+  image.size = Vec3i(100, 4, 4);
+  image.axes = 0.01 * Mat3::Identity();
+  image.origin = Vec3::Constant(0.005);
+  for (int n = 0; n < 1600; ++n) image.values.push_back(static_cast<float>(n % 100) + 0.5f);
+  const OccupancyGrid grid = sample_occupancy(image, {-1, -1}, 0.01);
+  const IntensityTable table{{{0, 1000}, {100, 2000}}};
+  const MassProperties m = mass_properties(grid, cell_means(image, grid, [&](double v) { return table.at(v); }));
+  const double mass = 1500.0 * 0.04 * 0.04;
+  EXPECT_NEAR(m.mass, mass, 1e-6 * mass);
+  EXPECT_NEAR(m.center.x(), 5.0 / 9.0, 1e-4);
+  EXPECT_NEAR(m.inertia(1, 1), mass * (13.0 / 162.0 + 0.04 * 0.04 / 12.0), 1e-3 * mass);
 }
 
 }  // namespace

@@ -31,6 +31,29 @@ def read_png(path):
     return width, height, [raw[y * (width + 1) + 1:(y + 1) * (width + 1)] for y in range(height)]
 
 
+def dicom_slice(series, z, rows, columns, values):
+    """A slice of a CT in explicit little-endian, with Hounsfield's zero at 1024."""
+    def element(group, number, kind, value):
+        value += (b"\0" if kind == "UI" else b" ") * (len(value) % 2)
+        length = struct.pack("<2xI" if kind == "OW" else "<H", len(value))
+        return struct.pack("<HH", group, number) + kind.encode() + length + value
+
+    def whole(n):
+        return struct.pack("<H", n)
+    meta = (element(2, 2, "UI", b"1.2.840.10008.5.1.4.1.1.2") + element(2, 3, "UI", b"1.2.3") +
+            element(2, 0x10, "UI", b"1.2.840.10008.1.2.1"))
+    return (b"\0" * 128 + b"DICM" + element(2, 0, "UL", struct.pack("<I", len(meta))) + meta +
+            element(8, 0x16, "UI", b"1.2.840.10008.5.1.4.1.1.2") + element(8, 0x60, "CS", b"CT") +
+            element(0x20, 0xe, "UI", series.encode()) + element(0x20, 0x32, "DS", f"0\\0\\{z}".encode()) +
+            element(0x20, 0x37, "DS", b"1\\0\\0\\0\\1\\0") + element(0x28, 2, "US", whole(1)) +
+            element(0x28, 4, "CS", b"MONOCHROME2") + element(0x28, 0x10, "US", whole(rows)) +
+            element(0x28, 0x11, "US", whole(columns)) + element(0x28, 0x30, "DS", b"5\\5") +
+            element(0x28, 0x100, "US", whole(16)) + element(0x28, 0x101, "US", whole(12)) +
+            element(0x28, 0x102, "US", whole(11)) + element(0x28, 0x103, "US", whole(0)) +
+            element(0x28, 0x1052, "DS", b"-1024") + element(0x28, 0x1053, "DS", b"1") +
+            element(0x7fe0, 0x10, "OW", struct.pack(f"<{rows * columns}H", *(v + 1024 for v in values))))
+
+
 class Info(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -38,7 +61,7 @@ class Info(unittest.TestCase):
         self.root = pathlib.Path(folder.name)
         n = 20
         # Air, a ball of soft tissue in it, a ball of bone in that.
-        values = []
+        values = self.values = []
         for k in range(n):
             for j in range(n):
                 for i in range(n):
@@ -47,8 +70,14 @@ class Info(unittest.TestCase):
         (self.root / "head.nrrd").write_bytes(b"NRRD0004\ntype: short\ndimension: 3\nsizes: 20 20 20\nspacings: 5 5 5\n"
                                               b"endian: little\nencoding: raw\n\n" + struct.pack(f"<{n**3}h", *values))
 
-    def brim(self, *words):
-        return subprocess.run([BRIM, "info", "head.nrrd", *words], capture_output=True, text=True, cwd=self.root, check=True).stdout
+    def brim(self, *words, file="head.nrrd"):
+        return subprocess.run([BRIM, "info", file, *words], capture_output=True, text=True, cwd=self.root, check=True).stdout
+
+    def write_dicom(self, series):
+        folder = self.root / "scans" / series
+        folder.mkdir(parents=True)
+        for k in range(20):
+            (folder / f"IM{7 * k % 20}").write_bytes(dicom_slice(series, 5 * k, 20, 20, self.values[400 * k:400 * (k + 1)]))
 
     def test_windows_part_what_is_in_the_volume(self):
         out = self.brim()
@@ -67,6 +96,26 @@ class Info(unittest.TestCase):
         middle = rows[1 * 162 + 80][4 * 162 + 80]      # the eleventh of twenty slices
         self.assertGreater(middle, 240)
         self.assertLess(rows[1 * 162 + 2][4 * 162 + 2], 10)
+
+    def test_a_dicom_folder_tells_the_same(self):
+        self.write_dicom("1.2.3")
+        try:
+            out = self.brim("--sheet", "slices.png", file="scans")
+        except subprocess.CalledProcessError as error:
+            if "built without GDCM" in error.stderr:
+                self.skipTest(error.stderr)
+            raise
+        self.assertIn("DICOM CT, series 1.2.3", out)
+        self.assertIn("20 x 20 x 20 voxels of 0.005 x 0.005 x 0.005 m", out)
+        self.assertEqual(out.partition("  intensities")[2], self.brim("--sheet", "sheet.png").partition("  intensities")[2]
+                         .replace("sheet.png", "slices.png"))
+        self.assertEqual((self.root / "slices.png").read_bytes(), (self.root / "sheet.png").read_bytes())
+        self.write_dicom("1.2.4")
+        with self.assertRaises(subprocess.CalledProcessError) as refused:
+            self.brim(file="scans")
+        self.assertIn("several series", refused.exception.stderr)
+        self.assertIn("1.2.4", refused.exception.stderr)
+        self.assertIn("series 1.2.4", self.brim("--series", "1.2.4", file="scans"))
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@
 #include "brim/core/error.h"
 #include "brim/io/volume_reader.h"
 #include "brim/scene/scene.h"
+#include "io/dicom_writer.h"
 #include "support/images.h"
 
 namespace brim {
@@ -97,6 +98,84 @@ TEST_F(ImageVolumes, FileRawAndShapeOfTheSameBallGiveTheSameBody) {
   }
 }
 
+TEST_F(ImageVolumes, AFolderOfDicomSlicesIsTheSameBodyAsOneFile) {
+  const VoxelImage ball = testing::scan({Vec3::Constant(-0.12), Vec3::Constant(0.12)}, 0.01,
+                                        [](const Vec3& x) { return (x - Vec3(0.02, 0.01, 0)).norm() - 0.08; });
+  VoxelImage whole = ball;
+  for (float& v : whole.values) v = std::round(v);
+  write_nifti((folder_ / "twin.nii").string(), whole);
+  fs::create_directories(folder_ / "slices");
+  const Vec3i n = whole.size;
+  for (int k = 0; k < n.z(); ++k) {
+    test::DicomSlice s;
+    s.width = static_cast<unsigned>(n.x()), s.height = static_cast<unsigned>(n.y());
+    // Rows run to the right and to the front: the patient's left and back are the other way.
+    s.orientation = {-1, 0, 0, 0, -1, 0};
+    const Vec3 at = 1e3 * (whole.origin + whole.axes.col(2) * k);
+    s.position = {-at.x(), -at.y(), at.z()};
+    s.spacing = {10, 10};
+    s.intercept = -200, s.slope = 0.5;
+    for (int i = 0; i < n.x() * n.y(); ++i)
+      s.pixels.push_back(static_cast<std::int16_t>(
+          2 * (std::lround(whole.values[static_cast<std::size_t>(k * n.x() * n.y() + i)]) + 200)));
+    std::ofstream(folder_ / fmt::format("slices/{}.dcm", (7 * k) % n.z()), std::ios::binary) << s.file();
+  }
+  const char* const keys = R"(, "window": [20, 80], "center": false)";
+  const std::string text = message(fmt::format(R"("file": "slices"{})", keys));
+  if (text.find("built without GDCM") != std::string::npos) GTEST_SKIP() << text;
+  EXPECT_EQ(text, "");
+  const World file = build(fmt::format(R"("file": "twin.nii"{})", keys));
+  for (const char* path : {"slices", "slices/3.dcm"}) {
+    const World folder = build(fmt::format(R"("file": "{}"{})", path, keys));
+    EXPECT_NEAR(folder.body(0).mass(), file.body(0).mass(), 1e-6 * file.body(0).mass());
+    for (int a = 0; a < 3; ++a) EXPECT_NEAR(folder.q(0)[a], file.q(0)[a], 1e-6);
+  }
+  EXPECT_NE(message(fmt::format(R"("file": "slices", "series": "9"{})", keys)).find("/bodies/0/file"),
+            std::string::npos);
+  EXPECT_NE(message(fmt::format(R"("file": "twin.nii", "series": "9"{})", keys)).find("DICOM files only"),
+            std::string::npos);
+}
+
+TEST_F(ImageVolumes, DensityAndModulusGoByTheIntensity) {
+  // Two blocks side by side, of intensities 100 and 300, in nothing.
+  const auto write = [&](const char* name, int n) {
+    VoxelImage image;
+    image.size = Vec3i(3 * n, n, n);
+    image.axes = (0.1 / n) * Mat3::Identity();
+    image.origin = Vec3::Constant(0.05 / n);
+    for (int k = 0; k < n; ++k)
+      for (int j = 0; j < n; ++j)
+        for (int i = 0; i < 3 * n; ++i) image.values.push_back(i < n ? 0.0f : i < 2 * n ? 100.0f : 300.0f);
+    write_nifti((folder_ / name).string(), image);
+  };
+  write("blocks.nii", 10);
+  write("fine.nii", 40);
+  const double block = 1e-3, table = block * (1200.0 + 2000.0);  // [m³], [kg]
+  const std::string keys =
+      R"(, "window": [50, 50], "voxel_size": 0.02, "density": {"table": [[0, 1000], [100, 1200], [300, 2000]]})";
+  for (const char* file : {R"("file": "blocks.nii")", R"("file": "fine.nii")"}) {
+    SCOPED_TRACE(file);
+    const World w = build(file + keys + R"(, "center": false)");
+    // Between the blocks the intensity goes over within a voxel, and there is some of the first in what is nothing.
+    EXPECT_NEAR(w.body(0).mass(), table, 0.03 * table);
+    EXPECT_NEAR(w.q(0)[0], (0.15 * 1200 + 0.25 * 2000) / 3200, 2e-3) << "centre of mass";
+    EXPECT_NEAR(build(file + keys + R"(, "motion": "deformable", "lattice_spacing": 0.05)").body(0).mass(), table,
+                0.03 * table);
+  }
+  // A constant is a table of one point; of a segmentation each label has its own.
+  const double flat = build(R"("file": "blocks.nii", "window": [50, 50], "density": 700)").body(0).mass();
+  EXPECT_NEAR(build(R"("file": "blocks.nii", "window": [50, 50], "density": {"table": [[0, 700]]})").body(0).mass(),
+              flat, 2e-3 * flat);
+  EXPECT_NEAR(build(R"("file": "blocks.nii", "labels": [300], "density": {"table": [[100, 1200], [300, 2000]]})")
+                  .body(0)
+                  .mass(),
+              2000 * block, 0.06 * 2000 * block);
+  EXPECT_GT(build(R"("file": "blocks.nii", "window": [50, 50], "preset": "Hounsfield")").body(0).mass(), 2100 * block);
+  const World soft = build(R"("file": "blocks.nii", "window": [50, 50], "voxel_size": 0.02, "motion": "deformable",
+                              "lattice_spacing": 0.05, "young_modulus": {"table": [[100, 1e4], [300, 3e4]]})");
+  EXPECT_NEAR(soft.body(0).part(0).modulus, 1.5e4, 0.1e4);
+}
+
 TEST_F(ImageVolumes, ScaleUnitMassAndOwnPlaceAreHeeded) {
   const World w = build(R"("file": "ball.nii", "window": [0, 100], "unit": 1e-2, "mass": 3, "center": false,
                            "transform": {"scale": 0.5, "position": [0, 0, 2]})");
@@ -126,6 +205,12 @@ TEST_F(ImageVolumes, BadInputIsRefusedWithAMessage) {
   };
   const std::string good = R"("file": "ball.nii", "window": [0, 100])";
   EXPECT_EQ(message(good), "");
+  expect(good + R"(, "density": {"table": []})", {"/bodies/0/density/table"});
+  expect(good + R"(, "density": {"table": [[0, 1], [0, 2]]})", {"/bodies/0/density/table/1", "must ascend"});
+  expect(good + R"(, "density": {"table": [[0, 1], [1, 0]]})", {"/bodies/0/density/table/1", "must be positive"});
+  expect(good + R"(, "density": {"table": [[0, 1]]}, "mass": 2)", {"give one"});
+  expect(R"("shape": {"kind": "sphere", "radius": 1}, "image_spacing": 0.1, "density": {"table": [[0, 1]]})",
+         {"/bodies/0/density", "intensities for a table"});
   expect(R"("window": [0, 100])", {"/bodies/0", "\"file\" or \"shape\""});
   expect(good + R"(, "shape": {"kind": "sphere", "radius": 1}, "image_spacing": 0.1)", {"give one"});
   expect(R"("file": "ball.nii")", {"\"window\" is missing"});

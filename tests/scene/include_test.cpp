@@ -98,5 +98,69 @@ TEST_F(Include, MistakesAreSaidWhereTheyStand) {
   EXPECT_NE(message_of(turned).find("move it, not turn it"), std::string::npos) << message_of(turned);
 }
 
+TEST_F(Include, WhatIsWiredUpComesAlong) {
+  write("parts/door.json", R"({"brim": 1, "name": "door", "frames": 1,
+    "bodies": [
+      {"kind": "obstacle", "name": "post", "shape": {"kind": "box", "size": [0.1, 0.1, 2]}, "transform": {"position": [0, 0, 1]}},
+      {"kind": "rigid", "name": "leaf", "shape": {"kind": "box", "size": [0.8, 0.04, 1.8]}, "transform": {"position": [0.5, 0, 1]}},
+      {"kind": "rigid", "name": "bell", "shape": {"kind": "sphere", "radius": 0.05}, "transform": {"position": [0.8, 0.2, 1]}}],
+    "groups": {"wood": ["post", "lea*"]},
+    "filters": [{"between": ["wood", "bell"]}],
+    "joints": [{"name": "hinge", "kind": "revolute", "body": "leaf", "to": "post", "position": [0.1, 0, 1], "axis": [1, 0, 0]}],
+    "attachments": [{"name": "string", "body": "bell", "to": "leaf", "point": [0.8, 0.2, 1], "to_point": [0.8, 0, 1.5]}],
+    "forces": [{"name": "draught", "wind": {"velocity": [2, 0, 0]}, "acceleration": [0, 1, 0]},
+               {"name": "pull", "bodies": ["bell"], "attractor": {"strength": 3}}]})");
+  const Scene s = scene_of(R"([{"file": "parts/door.json", "prefix": "l_",
+      "transform": {"position": [10, 0, 0], "rotation": {"axis": [0, 0, 1], "degrees": 90}}},
+    {"file": "parts/door.json", "prefix": "r_"}])");
+  const Json& root = s.document->root;
+  const auto vec = [](const Json& v) { return Vec3(v[0].get<double>(), v[1].get<double>(), v[2].get<double>()); };
+  EXPECT_EQ(root["groups"]["l_wood"], Json::parse(R"(["l_post", "l_lea*"])"));
+  EXPECT_EQ(root["filters"][1]["between"], Json::parse(R"(["r_wood", "r_bell"])"));
+  const Json& hinge = root["joints"][0];
+  EXPECT_EQ(hinge["name"], "l_hinge");
+  EXPECT_EQ(hinge["body"], "l_leaf");
+  EXPECT_EQ(hinge["to"], "l_post");
+  EXPECT_NEAR((vec(hinge["position"]) - Vec3(10, 0.1, 1)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((vec(hinge["axis"]) - Vec3(0, 1, 0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((vec(root["attachments"][0]["to_point"]) - Vec3(10, 0.8, 1.5)).norm(), 0.0, 1e-12);
+  EXPECT_EQ(root["attachments"][1]["point"], Json::parse("[0.8, 0.2, 1]"));
+  EXPECT_EQ(root["forces"][0]["bodies"], Json::parse(R"(["l_leaf", "l_bell"])")) << "those of its file that can move";
+  EXPECT_NEAR((vec(root["forces"][0]["wind"]["velocity"]) - Vec3(0, 2, 0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((vec(root["forces"][0]["acceleration"]) - Vec3(-1, 0, 0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((vec(root["forces"][1]["attractor"]["center"]) - Vec3(10, 0, 0)).norm(), 0.0, 1e-12);
+  World world = build_world(s);
+  ASSERT_EQ(world.body_count(), 7);
+  for (int i = 0; i < 5; ++i) world.step();
+  // The two doors do the same, turned: the wind blows along each.
+  EXPECT_NEAR(world.q(2)[2], world.q(5)[2], 1e-6);
+  const Scene again = parse_scene(s.text, (folder_ / "room.json").string());
+  EXPECT_EQ(again.document->root, root);
+}
+
+TEST_F(Include, MistakesInWhatIsWiredUpAreSaidWhereTheyStand) {
+  const std::string body =
+      R"({"brim": 1, "bodies": [{"kind": "rigid", "name": "a", "shape": {"kind": "sphere", "radius": 1}}],
+)";
+  write("parts/link.json", body + R"("attachments": [{"name": "x", "body": "b", "point": [0, 0, 0]}]})");
+  std::string text = message_of(R"([{"file": "parts/link.json", "prefix": "p_"}])");
+  EXPECT_NE(text.find("link.json:2: /attachments/0"), std::string::npos) << text;
+  EXPECT_NE(text.find("p_b"), std::string::npos) << text;
+  write("parts/link.json", body + R"("attachments": [{"name": "x", "body": "a", "pint": [0, 0, 0]}]})");
+  text = message_of(R"([{"file": "parts/link.json", "prefix": "p_"}])");
+  EXPECT_NE(text.find("link.json:2: /attachments/0"), std::string::npos) << text;
+  write(
+      "parts/link.json",
+      body +
+          R"("forces": [{"name": "f", "force": [1, 0, 0], "region": {"kind": "box", "lo": [0, 0, 0], "hi": [1, 1, 1]}}]})");
+  text = message_of(R"([{"file": "parts/link.json", "transform": {"rotation": {"axis": [0, 0, 1], "degrees": 9}}}])");
+  EXPECT_NE(text.find("link.json:2: /forces/0: a region that is a box"), std::string::npos) << text;
+  write("parts/link.json", body + R"("groups": {"g": ["a"]}})");
+  write("parts/other.json", R"({"bodies": [{"kind": "rigid", "name": "c", "shape": {"kind": "sphere", "radius": 1}}],
+    "groups": {"g": ["c"]}})");
+  text = message_of(R"([{"file": "parts/link.json"}, {"file": "parts/other.json"}])");
+  EXPECT_NE(text.find("the group \"g\" is there already"), std::string::npos) << text;
+}
+
 }  // namespace
 }  // namespace brim

@@ -66,7 +66,15 @@ test('readings of a sensor are drawn together, axis by axis, before all else', (
     },
     { name: 'gauge', kind: 'level', channels: ['level', 'depth'], units: ['m', 'm'] },
   ];
-  const keys = ['contacts', 'sensor 0 0', 'sensor 0 1', 'sensor 0 2', 'sensor 0 3', 'sensor 1 0', 'sensor 1 1'];
+  const keys = [
+    'contacts',
+    'sensor 0 0',
+    'sensor 0 1',
+    'sensor 0 2',
+    'sensor 0 3',
+    'sensor 1 0',
+    'sensor 1 1',
+  ];
   const specs = plotSpecs(new Map(keys.map((key) => [key, values])), sensors);
   expect(specs.map((s) => [s.title, s.unit, s.curves.map((c) => c.name)])).toEqual([
     ['plate: force', 'N', ['x', 'z']],

@@ -134,12 +134,22 @@ std::string ChildReader::Received::get_text() {
   return text;
 }
 
-ChildReader::ChildReader(const std::string& path, Serve serve) : path_(path) {
+namespace {
+
+ChildReader::Load load_of(const std::string& path) {
   std::error_code error;
   const auto size = std::filesystem::file_size(path, error);
   const double length = error ? 0.0 : static_cast<double>(size);
-  bytes_ = kBaseBytes + kBytesPerByte * length;
-  seconds_ = kBaseSeconds + kSecondsPerMiB * length / kMiB;
+  return {length, length};
+}
+
+}  // namespace
+
+ChildReader::ChildReader(const std::string& path, Serve serve) : ChildReader(path, load_of(path), std::move(serve)) {}
+
+ChildReader::ChildReader(const std::string& path, const Load& load, Serve serve) : path_(path) {
+  bytes_ = kBaseBytes + kBytesPerByte * load.largest;
+  seconds_ = kBaseSeconds + kSecondsPerMiB * load.all / kMiB;
   const double space = bytes_ + address_space();
   int ends[2] = {-1, -1};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)

@@ -9,12 +9,12 @@
 namespace brim {
 
 /// Reads a file in a process of its own, forked from this one: for libraries that damaged files bring to an abort, to
-/// memory without end or to a loop (Assimp, OpenVDB). What goes wrong there is one InputError here.
+/// memory without end or to a loop (Assimp, OpenVDB, GDCM). What goes wrong there is one InputError here.
 ///
 /// The child answers questions: each is a number, each answer a list of bytes. It lives as long as the reader does.
-/// Limits: memory (what the parent has, plus 512 MiB, plus 64 times the file) and processor time (60 s, plus 2 s per
-/// MiB of the file); a child from which nothing comes for twice that time is ended as well. Tests:
-/// tests/io/child_reader_test.cpp
+/// Limits: memory (what the parent has, plus 512 MiB, plus 64 times the file; of several files the largest) and
+/// processor time (60 s, plus 2 s per MiB of the file, or of all); a child from which nothing comes for twice that time
+/// is ended as well. Tests: tests/io/child_reader_test.cpp
 class ChildReader {
  public:
   /// Bytes, one after another, as answers are made of.
@@ -61,12 +61,21 @@ class ChildReader {
 
   /// @param serve  called in the child; InputErrors and other exceptions out of it are those of ask
   ChildReader(const std::string& path, Serve serve);
+  /// What the limits follow from. [bytes]
+  struct Load {
+    double largest = 0.0;  ///< file, for memory
+    double all = 0.0;      ///< of the files together, for time
+  };
+  /// The same of several files. @param path  what they are called together, in messages
+  ChildReader(const std::string& path, const Load& load, Serve serve);
   ~ChildReader();
   ChildReader(const ChildReader&) = delete;
   ChildReader& operator=(const ChildReader&) = delete;
 
   /// @throws InputError  what serve threw, or how the child ended
   Received ask(int question);
+  /// Which of several files the next questions are about, for messages.
+  void about(const std::string& path) { path_ = path; }
 
  private:
   [[noreturn]] void fail();

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
@@ -126,22 +127,33 @@ std::optional<VoxelType> voxel_type(const std::string& word) {
   return std::nullopt;
 }
 
-VolumeInfo read_volume_info(const std::string& path, const std::string& grid) {
+VolumeInfo read_volume_info(const std::string& path, const std::string& grid, const std::string& series) {
   std::string name = path;
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  need_regular_file(path);
+  std::error_code error;
+  const bool folder = std::filesystem::is_directory(path, error);
+  if (!folder) need_regular_file(path);
   VolumeInfo info;
+  bool dicom = false;
   if (name.ends_with(".nii") || name.ends_with(".nii.gz"))
     info = read_nifti_info(path);
   else if (name.ends_with(".nrrd") || name.ends_with(".nhdr"))
     info = read_nrrd_info(path);
   else if (name.ends_with(".vdb"))
     info = read_vdb_info(path, grid);
+  else if ((dicom = holds_dicom(path)))
+    info = read_dicom_info(path, series);
+  else if (folder)
+    throw InputError(path + ": a folder without DICOM files (with DICM at byte 128); no volume");
   else
-    throw InputError(path + ": not a volume that brim reads; it must end in .nii, .nii.gz, .nrrd, .nhdr or .vdb");
+    throw InputError(path +
+                     ": not a volume that brim reads; it must end in .nii, .nii.gz, .nrrd, .nhdr or .vdb, or be a "
+                     "DICOM file or folder");
   if (!grid.empty() && !name.ends_with(".vdb"))
     throw InputError(fmt::format("{}: a grid ('{}') can be chosen of .vdb files only", path, grid));
+  if (!series.empty() && !dicom)
+    throw InputError(fmt::format("{}: a series ('{}') can be chosen of DICOM files only", path, series));
   check(info);
   return info;
 }

@@ -62,13 +62,19 @@ struct RawLayout {
 
 /// Reads the header of a NIfTI-1 (.nii, .nii.gz; both byte orders, scaling, sform or qform), NRRD (.nrrd, .nhdr; raw,
 /// gzip, text; spacings or space directions) or OpenVDB file (.vdb, in metres: the grid called density, or the first of
-/// numbers, in the box of its active voxels; of level sets the intensity is minus the distance), or makes up that of a
-/// raw file.
+/// numbers, in the box of its active voxels; of level sets the intensity is minus the distance), of a series of DICOM
+/// images (a folder, with those below it, or a file of the series: that series in the file's folder), or makes up that
+/// of a raw file.
 /// @param grid  name of the grid to take of an OpenVDB file; empty: as above
+/// @param series  of DICOM: its UID, or "largest" for that with most voxels; empty: of a file its own, of a folder the
+///   only one that has more than one slice
 /// @throws InputError  for files of another kind, with sizes that are not positive, steps that are zero or not finite,
-///   axes in one plane, more than three axes, colours, voxels of no known type, or fewer bytes than voxels
-/// Tests: tests/io/volume_reader_test.cpp
-VolumeInfo read_volume_info(const std::string& path, const std::string& grid = {});
+///   axes in one plane, more than three axes, colours, voxels of no known type, or fewer bytes than voxels; for DICOM
+///   series that are no even stack of parallel slices (slice_stack.h), and folders of several series, which it lists
+/// Tests: tests/io/volume_reader_test.cpp, tests/io/dicom_test.cpp
+VolumeInfo read_volume_info(const std::string& path, const std::string& grid = {}, const std::string& series = {});
+/// Whether a path is that of a DICOM file, or of a folder that holds one, by the letters DICM at byte 128.
+bool holds_dicom(const std::string& path);
 VolumeInfo raw_volume_info(const std::string& path, const RawLayout& layout);
 
 struct VolumeReadOptions {

@@ -31,6 +31,22 @@ Aabb OccupancyGrid::matter_box() const {
   return box;
 }
 
+namespace {
+
+/// Where a cell is sampled, from its centre. [voxels]
+std::vector<Vec3> cell_samples(const VoxelImage& image, const Mat3& to_index, double spacing) {
+  const int per_side = std::max(2, static_cast<int>(std::ceil(2.0 * spacing / image.finest_step() - 1e-6)));
+  std::vector<Vec3> offset;
+  for (int c = 0; c < per_side * per_side * per_side; ++c) {
+    const Vec3i at(c % per_side, c / per_side % per_side, c / (per_side * per_side));
+    const Vec3 u = (at.cast<double>() + Vec3::Constant(0.5)) / per_side - Vec3::Constant(0.5);
+    offset.push_back(to_index * (spacing * u));
+  }
+  return offset;
+}
+
+}  // namespace
+
 OccupancyGrid sample_occupancy(const VoxelImage& image, const IntensityWindow& window, double spacing,
                                std::size_t max_cells) {
   BRIM_CHECK(image.values.size(), ==, image.count());
@@ -48,13 +64,7 @@ OccupancyGrid sample_occupancy(const VoxelImage& image, const IntensityWindow& w
   grid.share.assign(static_cast<std::size_t>(n.prod()), 0);
 
   const Mat3 to_index = image.axes.inverse();
-  const int per_side = std::max(2, static_cast<int>(std::ceil(2.0 * spacing / image.finest_step() - 1e-6)));
-  std::vector<Vec3> offset;  // of the samples within a cell, [voxels]
-  for (int c = 0; c < per_side * per_side * per_side; ++c) {
-    const Vec3i at(c % per_side, c / per_side % per_side, c / (per_side * per_side));
-    const Vec3 u = (at.cast<double>() + Vec3::Constant(0.5)) / per_side - Vec3::Constant(0.5);
-    offset.push_back(to_index * (spacing * u));
-  }
+  const std::vector<Vec3> offset = cell_samples(image, to_index, spacing);
   parallel_for(static_cast<std::size_t>(grid.cells.z() - 2), [&](std::size_t slab) {
     const int k = static_cast<int>(slab) + 1;
     for (int j = 1; j + 1 < grid.cells.y(); ++j)
@@ -77,6 +87,26 @@ OccupancyGrid sample_occupancy(const VoxelImage& image, const IntensityWindow& w
   return grid;
 }
 
+std::vector<float> cell_means(const VoxelImage& image, const OccupancyGrid& grid,
+                              const std::function<double(double)>& of) {
+  BRIM_CHECK(image.values.size(), ==, image.count());
+  const Mat3 to_index = image.axes.inverse();
+  const std::vector<Vec3> offset = cell_samples(image, to_index, grid.spacing);
+  std::vector<float> mean(grid.share.size(), 0.0f);
+  parallel_for(static_cast<std::size_t>(grid.cells.z() - 2), [&](std::size_t slab) {
+    const int k = static_cast<int>(slab) + 1;
+    for (int j = 1; j + 1 < grid.cells.y(); ++j)
+      for (int i = 1; i + 1 < grid.cells.x(); ++i) {
+        const Vec3 center = to_index * (grid.center(i, j, k) - image.origin);
+        double sum = 0.0, value = 0.0;
+        for (const Vec3& u : offset)
+          if (image.sample(center + u, value)) sum += of(value);
+        mean[grid.index(i, j, k)] = static_cast<float>(sum / static_cast<double>(offset.size()));
+      }
+  });
+  return mean;
+}
+
 namespace {
 
 /// Cells of joined_cells without their shares.
@@ -89,17 +119,26 @@ OccupancyGrid joined_frame(const OccupancyGrid& grid, int f) {
   return out;
 }
 
-/// Its shares in one layer of cells.
-void join_layer(const OccupancyGrid& grid, int f, int k, OccupancyGrid& out) {
+/// Sums of values over the cells that are joined, of one layer: put(cell, sum).
+template <class T, class Put>
+void join_layer(const OccupancyGrid& grid, std::span<const T> value, int f, int k, const OccupancyGrid& out,
+                const Put& put) {
   for (int j = 1; j + 1 < out.cells.y(); ++j)
     for (int i = 1; i + 1 < out.cells.x(); ++i) {
       double sum = 0.0;
       for (int c = 0; c < f * f * f; ++c) {
         const Vec3i at = f * (Vec3i(i, j, k) - Vec3i::Ones()) + Vec3i(c % f, c / f % f, c / (f * f));
-        if ((at.array() < grid.cells.array()).all()) sum += grid.share[grid.index(at.x(), at.y(), at.z())];
+        if ((at.array() < grid.cells.array()).all()) sum += value[grid.index(at.x(), at.y(), at.z())];
       }
-      out.share[out.index(i, j, k)] = static_cast<std::uint8_t>(std::lround(sum / (f * f * f)));
+      put(out.index(i, j, k), sum);
     }
+}
+
+/// Shares of one layer.
+void join_shares(const OccupancyGrid& grid, int f, int k, OccupancyGrid& out) {
+  join_layer<std::uint8_t>(grid, grid.share, f, k, out, [&](std::size_t at, double sum) {
+    out.share[at] = static_cast<std::uint8_t>(std::lround(sum / (f * f * f)));
+  });
 }
 
 }  // namespace
@@ -108,13 +147,25 @@ OccupancyGrid joined_cells(const OccupancyGrid& grid, int f) {
   BRIM_CHECK(f, >=, 1);
   OccupancyGrid out = joined_frame(grid, f);
   parallel_for(static_cast<std::size_t>(out.cells.z() - 2),
-               [&](std::size_t slab) { join_layer(grid, f, static_cast<int>(slab) + 1, out); });
+               [&](std::size_t slab) { join_shares(grid, f, static_cast<int>(slab) + 1, out); });
+  return out;
+}
+
+std::vector<float> joined_means(const OccupancyGrid& grid, std::span<const float> values, int f) {
+  BRIM_CHECK(f, >=, 1);
+  BRIM_CHECK(values.size(), ==, grid.share.size());
+  const OccupancyGrid frame = joined_frame(grid, f);
+  std::vector<float> out(frame.share.size(), 0.0f);
+  parallel_for(static_cast<std::size_t>(frame.cells.z() - 2), [&](std::size_t slab) {
+    join_layer<float>(grid, values, f, static_cast<int>(slab) + 1, frame,
+                      [&](std::size_t at, double sum) { out[at] = static_cast<float>(sum / (f * f * f)); });
+  });
   return out;
 }
 
 OccupancyGrid halved_cells(const OccupancyGrid& grid) {
   OccupancyGrid out = joined_frame(grid, 2);
-  for (int k = 1; k + 1 < out.cells.z(); ++k) join_layer(grid, 2, k, out);
+  for (int k = 1; k + 1 < out.cells.z(); ++k) join_shares(grid, 2, k, out);
   return out;
 }
 
@@ -212,33 +263,62 @@ std::size_t keep_pieces_above(OccupancyGrid& grid, double volume) {
   return keep(grid, p, stays);
 }
 
-MassProperties mass_properties(const OccupancyGrid& grid, double density) {
-  if (!(density > 0.0) || !std::isfinite(density))
-    throw InputError(fmt::format("volume: density is {} kg/m³; it must be positive and finite", density));
+namespace {
+
+/// Σ w, the mean place, and Σ w x xᵀ about it, of cells as cubes that weigh w.
+struct CellMoments {
+  double sum = 0.0;
+  Vec3 center = Vec3::Zero();
+  Mat3 second = Mat3::Zero();
+};
+
+/// @param weight  of a cell by its number, times 255 per volume
+template <class Weight>
+CellMoments cell_moments(const OccupancyGrid& grid, const Weight& weight) {
   const double cell = grid.spacing * grid.spacing * grid.spacing / 255.0;
-  double volume = 0.0;
+  double sum = 0.0;
   Vec3 first = Vec3::Zero();
   Mat3 second = Mat3::Zero();
   const Vec3 middle = grid.center(0, 0, 0) + 0.5 * grid.spacing * grid.cells.cast<double>();
   for (int k = 0; k < grid.cells.z(); ++k)
     for (int j = 0; j < grid.cells.y(); ++j)
       for (int i = 0; i < grid.cells.x(); ++i) {
-        const std::uint8_t s = grid.share[grid.index(i, j, k)];
-        if (s == 0) continue;
+        const double s = weight(grid.index(i, j, k));
+        if (s == 0.0) continue;
         const Vec3 x = grid.center(i, j, k) - middle;
-        volume += s * cell;
+        sum += s * cell;
         first += s * cell * x;
         second += s * cell * x * x.transpose();
       }
-  if (!(volume > 0.0)) throw InputError("volume: there is no matter");
-  const Vec3 c = first / volume;
-  second -= volume * c * c.transpose();
-  second += volume * grid.spacing * grid.spacing / 12.0 * Mat3::Identity();  // of the cubes themselves
+  if (!(sum > 0.0)) throw InputError("volume: there is no matter");
+  const Vec3 c = first / sum;
+  second -= sum * c * c.transpose();
+  second += sum * grid.spacing * grid.spacing / 12.0 * Mat3::Identity();  // of the cubes themselves
+  return {sum, middle + c, second};
+}
+
+}  // namespace
+
+MassProperties mass_properties(const OccupancyGrid& grid, double density) {
+  if (!(density > 0.0) || !std::isfinite(density))
+    throw InputError(fmt::format("volume: density is {} kg/m³; it must be positive and finite", density));
+  const CellMoments all = cell_moments(grid, [&](std::size_t at) { return static_cast<double>(grid.share[at]); });
   MassProperties m;
-  m.volume = volume;
-  m.mass = density * volume;
-  m.center = middle + c;
-  m.inertia = density * (second.trace() * Mat3::Identity() - second);
+  m.volume = all.sum;
+  m.mass = density * all.sum;
+  m.center = all.center;
+  m.inertia = density * (all.second.trace() * Mat3::Identity() - all.second);
+  return m;
+}
+
+MassProperties mass_properties(const OccupancyGrid& grid, std::span<const float> density) {
+  BRIM_CHECK(density.size(), ==, grid.share.size());
+  MassProperties m = mass_properties(grid, 1.0);
+  const CellMoments all = cell_moments(
+      grid, [&](std::size_t at) { return grid.share[at] == 0 ? 0.0 : 255.0 * static_cast<double>(density[at]); });
+  m.mass = all.sum;
+  m.center = all.center;
+  m.inertia = all.second.trace() * Mat3::Identity() - all.second;
   return m;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "brim/mesh/mass_properties.h"
@@ -36,6 +38,17 @@ struct OccupancyGrid {
 OccupancyGrid sample_occupancy(const VoxelImage& image, const IntensityWindow& window, double spacing,
                                std::size_t max_cells = std::size_t{1} << 30);
 
+/// Mean of a function of the intensities over each cell of a grid, at the samples that sample_occupancy takes; nothing
+/// outside of the image. Of a quantity of matter the function is share(I) times quantity(I), and the result is that of
+/// the whole cell: mass is the cell's volume times a density so taken.
+/// @param image  the same frame as the grid's
+/// @return shape (nz, ny, nx); the outermost cells are 0
+/// Same bits for any number of threads.
+std::vector<float> cell_means(const VoxelImage& image, const OccupancyGrid& grid,
+                              const std::function<double(double)>& of);
+/// Such means in the cells of joined_cells. @param values  of the grid's cells
+std::vector<float> joined_means(const OccupancyGrid& grid, std::span<const float> values, int factor);
+
 /// The same matter in cells `factor` times as wide, their mean; one ring of empty cells stays around.
 OccupancyGrid joined_cells(const OccupancyGrid& grid, int factor);
 /// The same with factor 2 by one thread: a level of a pyramid (box filter).
@@ -54,6 +67,10 @@ std::size_t keep_pieces_above(OccupancyGrid& grid, double volume);
 /// Volume, mass, centre and inertia of the matter; each cell a cube of constant density.
 /// @throws InputError  when there is none
 MassProperties mass_properties(const OccupancyGrid& grid, double density);
+
+/// The same of matter whose density differs.
+/// @param density  [kg/m³] of each whole cell (cell_means); that of cells without matter is left out
+MassProperties mass_properties(const OccupancyGrid& grid, std::span<const float> density);
 
 /// The surface where half is filled, for display: closed, outward. The grid is reduced by whole factors until it has at
 /// most max_nodes nodes.

@@ -4,8 +4,12 @@ namespace brim {
 
 ElasticOptions read_elastic(const Node& n, const Placement& place, const Material& material) {
   ElasticOptions options;
-  options.density = n.has("density") ? n.number("density") : 1000.0;
-  options.young = n.number("young_modulus");
+  // A table by intensity is read with the image.
+  const auto number = [&](const char* key, double otherwise) {
+    return n.has(key) && n.at(key).json().is_number() ? n.number(key) : otherwise;
+  };
+  options.density = number("density", options.density);
+  options.young = number("young_modulus", options.young);
   options.poisson = n.number("poisson_ratio");
   options.neo_hookean = n.string("law") == "neo_hookean";
   options.stiffness_damping = n.number("stiffness_damping");

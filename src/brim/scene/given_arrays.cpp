@@ -31,10 +31,10 @@ TetMesh named_tets(const Node& name) {
   return name.placed([&] { return read_tets(path); });
 }
 
-VolumeInfo named_volume(const Node& name, const std::string& grid) {
+VolumeInfo named_volume(const Node& name, const std::string& grid, const std::string& series) {
   if (const VolumeInfo* info = given(name, &GivenArrays::volumes)) return *info;
   const std::string path = scene_path(name);
-  return name.placed([&] { return read_volume_info(path, grid); });
+  return name.placed([&] { return read_volume_info(path, grid, series); });
 }
 
 }  // namespace brim

@@ -22,7 +22,7 @@ struct GivenArrays {
 /// Tests: tests/scene/given_arrays_test.cpp
 TriMesh named_surface(const Node& name);
 TetMesh named_tets(const Node& name);
-/// @param grid  of an OpenVDB file; empty: its first
-VolumeInfo named_volume(const Node& name, const std::string& grid);
+/// @param grid, series  of an OpenVDB file, of DICOM files (read_volume_info)
+VolumeInfo named_volume(const Node& name, const std::string& grid, const std::string& series);
 
 }  // namespace brim

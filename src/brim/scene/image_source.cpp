@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 
 #include "brim/core/parallel.h"
 #include "brim/io/volume_reader.h"
+#include "brim/mesh/intensity_table.h"
 #include "brim/scene/given_arrays.h"
 #include "brim/scene/limits.h"
 #include "brim/scene/solid.h"
@@ -17,6 +20,8 @@ namespace {
 constexpr double kVoxelsAcross = 48.0;
 /// [bytes] a cell takes: its share, and what the field of distances and the search for pieces add.
 constexpr double kBytesPerVoxel = 6.0;
+/// And with a table by intensity: its mean.
+constexpr double kBytesPerTable = 4.0;
 
 VolumeInfo read_info(const Node& n) {
   const Node file = n.at("file");
@@ -32,7 +37,7 @@ VolumeInfo read_info(const Node& n) {
       layout.skip = static_cast<std::size_t>(raw.integer("skip"));
       info = raw_volume_info(scene_path(file), layout);
     } else {
-      info = named_volume(file, n.has("grid") ? n.string("grid") : "");
+      info = named_volume(file, n.has("grid") ? n.string("grid") : "", n.has("series") ? n.string("series") : "");
     }
     if (const auto unit = n.number_if("unit")) info.unit = *unit;
     return info;
@@ -75,6 +80,36 @@ void keep_pieces(const Node& keep, OccupancyGrid& grid, double scale) {
   }
 }
 
+/// Keys that may be tables by intensity.
+constexpr const char* kTables[] = {"density", "young_modulus"};
+
+bool is_table(const Node& n, const char* key) { return n.has(key) && n.at(key).json().is_object(); }
+
+IntensityTable read_table(const Node& n) {
+  IntensityTable table;
+  for (std::size_t i = 0; i < n.size(); ++i) {
+    const Node point = n.at(i);
+    table.points.emplace_back(point.at(std::size_t{0}).number(), point.at(std::size_t{1}).number());
+    if (i > 0 && !(table.points[i - 1].first < table.points[i].first))
+      throw point.error(fmt::format("{} is not allowed; intensities must ascend, and {} stands before it",
+                                    shown(point.json()), table.points[i - 1].first));
+    if (!(table.points[i].second > 0.0))
+      throw point.error(fmt::format("{} is not allowed; the second must be positive", shown(point.json())));
+  }
+  return table;
+}
+
+/// Share of matter by intensity, as "window" or "labels" says.
+std::function<double(double)> share_of(const Node& n) {
+  if (n.has("labels"))
+    return [labels = n.at("labels").integers()](double v) {
+      return std::find(labels.begin(), labels.end(), static_cast<int>(std::lround(v))) != labels.end() ? 1.0 : 0.0;
+    };
+  const Node given = n.at("window");
+  const IntensityWindow window{given.at(std::size_t{0}).number(), given.at(std::size_t{1}).number()};
+  return [window](double v) { return window.share(v); };
+}
+
 }  // namespace
 
 void check_image_source(const Node& n) {
@@ -82,16 +117,21 @@ void check_image_source(const Node& n) {
     throw n.error(n.has("file") ? "both \"file\" and \"shape\" are given; give one"
                                 : "the key \"file\" is missing; give \"file\" or \"shape\"");
   if (n.has("shape")) {
-    for (const char* key : {"raw", "unit", "window", "labels"})
+    for (const char* key : {"raw", "unit", "grid", "series", "window", "labels"})
       if (n.has(key))
         throw n.at(key).error(fmt::format("only a \"file\" has \"{}\"; the image here is made of a shape", key));
     if (!n.has("image_spacing"))
       throw n.error("the key \"image_spacing\" is missing; a shape becomes an image of voxels of this size, in metres");
     if (n.at("shape").string("kind") == "plane")
       throw n.at("shape").at("kind").error("\"plane\" has no finite volume; only an obstacle can be one");
+    for (const char* key : kTables)
+      if (is_table(n, key))
+        throw n.at(key).error("only a \"file\" has intensities for a table; the image here is made of a shape");
     check_shape(n.at("shape"));
     return;
   }
+  for (const char* key : kTables)
+    if (is_table(n, key)) read_table(n.at(key).at("table"));
   if (n.has("image_spacing"))
     throw n.at("image_spacing").error("a \"file\" has its own voxels; only \"shape\" takes an image_spacing");
   if (n.has("window") == n.has("labels"))
@@ -133,24 +173,23 @@ ImageSolid read_image_solid(const Node& n, double scale, double cells_per_voxel,
   if (!(solid.voxel_size > 0.0)) solid.voxel_size = box.extent().maxCoeff() / kVoxelsAcross;
   const double spacing = solid.voxel_size / cells_per_voxel;
   const Node size_node = n.number("voxel_size") > 0.0 ? n.at("voxel_size") : n;
-  check_count(size_node, ((box.extent() / spacing).array() + 3.0).prod(), kBytesPerVoxel, limit, "cells");
+  const auto tables =
+      std::count_if(std::begin(kTables), std::end(kTables), [&](auto* key) { return is_table(n, key); });
+  check_count(size_node, ((box.extent() / spacing).array() + 3.0).prod(),
+              kBytesPerVoxel + kBytesPerTable * static_cast<double>(tables), limit, "cells");
 
+  VolumeReadOptions options;
+  bool joined = false;
   if (n.has("file")) {
-    VolumeReadOptions options;
     options.max_bytes = limit;
     // Whole voxels below a cell are joined while reading, as shares of matter, which can be averaged; intensities
     // cannot.
     for (int a = 0; a < 3; ++a)
       options.coarsen[a] = std::max(1, static_cast<int>(std::min(1e6, std::floor(spacing / step[a] * (1.0 + 1e-9)))));
-    if ((options.coarsen.array() > 1).any()) {
-      options.transfer = [window](double v) { return window.share(v); };
-      window = {0.0, 1.0};
-    }
-    if (n.has("labels")) {
-      // A voxel of one of the labels is full, any other empty; between their centres the share goes over evenly.
-      options.transfer = [labels = n.at("labels").integers()](double v) {
-        return std::find(labels.begin(), labels.end(), static_cast<int>(std::lround(v))) != labels.end() ? 1.0 : 0.0;
-      };
+    // A voxel of one of the labels is full, any other empty; between their centres the share goes over evenly.
+    joined = n.has("labels") || (options.coarsen.array() > 1).any();
+    if (joined) {
+      options.transfer = share_of(n);
       window = {0.0, 1.0};
     }
     image = n.at("file").placed([&] { return read_volume(info, options); });
@@ -161,6 +200,18 @@ ImageSolid read_image_solid(const Node& n, double scale, double cells_per_voxel,
                 : n.has("labels") ? n.at("labels")
                                   : n)
                    .placed([&] { return sample_occupancy(image, window, spacing); });
+  const auto on_cells = [&](const char* key) {
+    const auto of_matter = [share = share_of(n), table = read_table(n.at(key).at("table"))](double v) {
+      const double s = share(v);
+      return s > 0.0 ? s * table.at(v) : 0.0;
+    };
+    if (!joined) return cell_means(image, solid.grid, of_matter);
+    options.transfer = of_matter;
+    const VoxelImage of_voxels = n.at("file").placed([&] { return read_volume(info, options); });
+    return cell_means(of_voxels, solid.grid, [](double v) { return v; });
+  };
+  if (is_table(n, "density")) solid.density = on_cells("density");
+  if (is_table(n, "young_modulus") && n.string("motion") == "deformable") solid.young = on_cells("young_modulus");
   keep_pieces(n.at("keep"), solid.grid, scale);
   if (n.boolean("center")) solid.grid.origin -= solid.grid.matter_box().center();
   return solid;

@@ -13,6 +13,10 @@ void check_image_source(const Node& body);
 struct ImageSolid {
   OccupancyGrid grid;       ///< [m] in the body's frame
   double voxel_size = 0.0;  ///< [m] as given, or a 48th of the image's longest extent
+  /// Where the body gives tables by intensity, else empty: means over each whole cell of the share of matter times the
+  /// quantity of the matter; shape (cells).
+  std::vector<float> density;  ///< [kg/m³]
+  std::vector<float> young;    ///< [Pa]
 };
 
 /// @param scale           [-] of all lengths

@@ -20,7 +20,8 @@ constexpr std::size_t kMaxIncludes = 8, kMaxFiles = 1000;
 /// Keys of an included scene that say nothing about its bodies.
 const std::set<std::string> kOfTheWhole = {"$schema",         "brim",     "name",  "description", "world", "frames",
                                            "steps_per_frame", "duration", "expect"};
-const std::set<std::string> kTaken = {"bodies", "materials", "pairs"};
+const std::set<std::string> kTaken = {"bodies",  "materials",   "pairs",  "groups",
+                                      "filters", "attachments", "joints", "forces"};
 
 /// The files that are being read, each by the one before, and how many there were.
 struct Reading {
@@ -70,9 +71,78 @@ class Merger {
     if (from_->root.contains("materials")) materials();
     if (from_->root.contains("pairs")) pairs();
     bodies();
+    groups();
+    entries("filters", [&](Json& filter, const Node&) { prefix_all(filter, "between"); });
+    for (const char* list : {"attachments", "joints"})
+      entries(list, [&](Json& link, const Node& written) {
+        for (const char* key : {"name", "body", "to"}) prefix_one(link, key);
+        if (entry_.has("transform")) move_link(link, entry_.at("transform"), written);
+      });
+    entries("forces", [&](Json& force, const Node& written) {
+      prefix_one(force, "name");
+      prefix_all(force, "bodies");
+      if (!force.contains("bodies") || force["bodies"].empty()) force["bodies"] = movable();
+      if (entry_.has("transform")) move_link(force, entry_.at("transform"), written);
+    });
   }
 
  private:
+  void prefix_one(Json& owner, const char* key) const {
+    if (owner.contains(key) && owner[key].is_string()) owner[key] = prefix_ + owner[key].get<std::string>();
+  }
+  void prefix_all(Json& owner, const char* key) const {
+    if (owner.contains(key) && owner[key].is_array())
+      for (Json& word : owner[key])
+        if (word.is_string()) word = prefix_ + word.get<std::string>();
+  }
+
+  /// Names of the file's bodies that are no obstacles.
+  Json movable() const {
+    Json names = Json::array();
+    if (from_->root.contains("bodies") && from_->root.at("bodies").is_array())
+      for (const Json& body : from_->root.at("bodies"))
+        if (body.is_object() && body.value("kind", Json()) != "obstacle" && body.contains("name") &&
+            body.at("name").is_string())
+          names.push_back(prefix_ + body.at("name").get<std::string>());
+    return names;
+  }
+
+  /// Takes over the entries of a list, each changed. @param change  of an entry and where it is written
+  template <class Change>
+  void entries(const char* list, const Change& change) {
+    if (!from_->root.contains(list)) return;
+    const Json& given = from_->root.at(list);
+    if (!given.is_array())
+      throw InputError(
+          fmt::format("{}: {} is not allowed; must be a list", from_->place(std::string("/") + list), shown(given)));
+    Json& all = into_.root[list];
+    if (all.is_null()) all = Json::array();
+    for (std::size_t i = 0; i < given.size(); ++i) {
+      const std::string at = fmt::format("/{}/{}", list, i);
+      Json entry = given[i];
+      if (entry.is_object()) change(entry, Node(*from_, given[i], at));
+      into_.origins[fmt::format("/{}/{}", list, all.size())] = {from_, at};
+      all.push_back(std::move(entry));
+    }
+  }
+
+  void groups() {
+    if (!from_->root.contains("groups") || !from_->root.at("groups").is_object()) return;
+    Json& all = into_.root["groups"];
+    if (all.is_null()) all = Json::object();
+    for (const auto& [name, members] : from_->root.at("groups").items()) {
+      Json group = {{"members", members}};
+      prefix_all(group, "members");
+      const std::string key = prefix_ + name, at = "/groups/" + pointer_token(name);
+      if (all.contains(key) && all.at(key) != group["members"])
+        throw InputError(
+            fmt::format("{}: the group \"{}\" is there already and differs; a \"prefix\" keeps the two apart",
+                        from_->place(at), key));
+      all[key] = group["members"];
+      into_.origins["/groups/" + pointer_token(key)] = {from_, at};
+    }
+  }
+
   std::string material(const std::string& name) const {
     const bool own = from_->root.contains("materials") && from_->root.at("materials").contains(name);
     return own ? prefix_ + name : name;

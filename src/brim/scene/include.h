@@ -4,10 +4,11 @@
 
 namespace brim {
 
-/// Puts the bodies of other scene files behind those of this one, with their materials and pairs of materials, and
-/// takes "include" out of the root:
+/// Puts the bodies of other scene files behind those of this one, with their materials, pairs of materials, groups,
+/// filters, attachments, joints and forces, and takes "include" out of the root:
 ///   "include": [{"file": "table.json", "prefix": "left_", "transform": {...}, "set": {"height": 0.7}}]
-/// Names of bodies and materials get the prefix; what has a place moves with the transform; relative paths become
+/// All names get the prefix, also in patterns; a force on no bodies in particular is one on those of its file that can
+/// move; what has a place or a direction moves with the transform; relative paths become
 /// relative to this file's folder. The world, the length and the expectations are those of the including scene.
 /// Included scenes may include others, up to 8 deep.
 /// @return  true when there was something to include

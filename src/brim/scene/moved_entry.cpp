@@ -26,6 +26,20 @@ class Mover {
       for (Json& c : body["constraints"])
         if (c.is_object()) constraint(c);
   }
+  /// The keys of attachments, joints and forces are not at odds with each other.
+  void link(Json& link, const Node& written) const {
+    if (turns_ && link.contains("region") && is_box(link["region"])) refuse(written, "a region that is a box lies");
+    for (const char* key : {"point", "to_point", "position"}) point(link, key);
+    for (const char* key : {"axis", "force", "torque", "acceleration"}) direction(link, key);
+    if (link.contains("region")) region(link["region"]);
+    if (link.contains("keyframes")) keyframes(link["keyframes"]);
+    if (link.contains("wind") && link["wind"].is_object()) direction(link["wind"], "velocity");
+    if (link.contains("attractor") && link["attractor"].is_object()) {
+      Json& attractor = link["attractor"];
+      if (!attractor.contains("center")) attractor["center"] = Json::array({0, 0, 0});
+      point(attractor, "center");
+    }
+  }
 
  private:
   static bool is_vec3(const Json& v) {
@@ -78,16 +92,17 @@ class Mover {
 
   static bool is_box(const Json& select) { return select.is_object() && select.value("kind", "") == "box"; }
 
+  [[noreturn]] static void refuse(const Node& written, const char* what) {
+    throw written.error(
+        fmt::format("{} along the axes of the world; the scene that includes it may move it, not turn it", what));
+  }
   static void need_free(const Json& body, const Node& written) {
-    const auto refuse = [&](const char* what) {
-      throw written.error(
-          fmt::format("{} along the axes of the world; the scene that includes it may move it, not turn it", what));
-    };
-    if (body.contains("repeat")) refuse("the copies of a \"repeat\" lie");
-    if (body.value("kind", "") == "grid_fluid") refuse("the grid of a grid_fluid lies");
+    if (body.contains("repeat")) refuse(written, "the copies of a \"repeat\" lie");
+    if (body.value("kind", "") == "grid_fluid") refuse(written, "the grid of a grid_fluid lies");
     if (body.contains("constraints") && body.at("constraints").is_array())
       for (const Json& c : body.at("constraints"))
-        if (c.is_object() && c.contains("select") && is_box(c.at("select"))) refuse("a region that is a box lies");
+        if (c.is_object() && c.contains("select") && is_box(c.at("select")))
+          refuse(written, "a region that is a box lies");
   }
 
   Vec3 p_;
@@ -97,10 +112,24 @@ class Mover {
 
 }  // namespace
 
-void move_entry(Json& body, const Node& transform, const Node& written) {
+namespace {
+
+/// Calls f with the mover of a transform.
+template <class F>
+void with_mover(const Node& transform, const Node& written, const F& f) {
   const bool turns = transform.has("rotation");
   const Quat r = turns ? read_rotation(transform.at("rotation")) : Quat::Identity();
-  written.placed([&] { Mover(transform.vec3("position"), r, turns).entry(body, written); });
+  written.placed([&] { f(Mover(transform.vec3("position"), r, turns)); });
+}
+
+}  // namespace
+
+void move_entry(Json& body, const Node& transform, const Node& written) {
+  with_mover(transform, written, [&](const Mover& mover) { mover.entry(body, written); });
+}
+
+void move_link(Json& link, const Node& transform, const Node& written) {
+  with_mover(transform, written, [&](const Mover& mover) { mover.link(link, written); });
 }
 
 }  // namespace brim

@@ -11,4 +11,7 @@ namespace brim {
 /// @throws InputError  when a rotation meets what lies along the axes of the world: repeats, upright boxes, grid fluids
 void move_entry(Json& body, const Node& transform, const Node& written);
 
+/// Likewise an entry of "attachments", "joints" or "forces": its points, regions, directions and imposed motions.
+void move_link(Json& link, const Node& transform, const Node& written);
+
 }  // namespace brim

@@ -54,6 +54,17 @@ TetElements::TetElements(const TetMesh& rest, ElasticLaw law, const Lame& lame) 
   });
 }
 
+void TetElements::scale_stiffness(std::span<const double> factor) {
+  BRIM_CHECK(factor.size(), ==, size());
+  const std::span<const std::int32_t> order = schedule_.order();
+  schedule_.for_chunks([&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < begin + (end - begin + kLaneCount - 1) / kLaneCount * kLaneCount; ++k)
+      // Energy, force and stiffness are all the volume times something of the material.
+      lanes_[first_lanes(begin) + (k - begin) / kLaneCount].volume[(k - begin) % kLaneCount] *=
+          factor[static_cast<std::size_t>(order[std::min(k, end - 1)])];
+  });
+}
+
 void TetElements::find_pairs(const BlockMatrix& matrix) {
   pair_.resize(size());
   for (std::size_t k = 0; k < size(); ++k)

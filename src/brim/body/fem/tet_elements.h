@@ -22,6 +22,9 @@ class TetElements {
   /// @throws InputError  when a tetrahedron has no positive volume or names a missing vertex
   TetElements(const TetMesh& rest, ElasticLaw law, const Lame& lame);
 
+  /// Makes elements stiffer by factors, for good: forces, stiffness and energy are proportional to Young's modulus.
+  /// @param factor  [-] by tetrahedron of the rest mesh, positive; shape (tets)
+  void scale_stiffness(std::span<const double> factor);
   /// Finds the places of the elements' blocks in a matrix whose pattern holds them.
   void find_pairs(const BlockMatrix& matrix);
   /// force += −∂E/∂x, stiffness += ∂²E/∂x². The blocks above the diagonal only:

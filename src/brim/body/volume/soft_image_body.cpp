@@ -24,10 +24,46 @@ WeightRows rows_of(const TetMesh& mesh, const Embedding& embedding) {
   return rows;
 }
 
+/// Mean of moduli of matter that is pressed together (Reuss): 1/E = Σ (V/E) / Σ V.
+double softness_mean(const std::vector<double>& young, const std::vector<double>& volume) {
+  double softness = 0.0, all = 0.0;
+  for (std::size_t i = 0; i < young.size(); ++i) softness += volume[i] / young[i], all += volume[i];
+  return all / softness;
+}
+
+/// Mean over the particles that lie in each tetrahedron, by their volume; of one that holds none, over those of the
+/// tetrahedra that touch it. @param tet  that each particle lies in
+std::vector<double> element_means(const TetMesh& mesh, const std::vector<std::int32_t>& tet,
+                                  const std::vector<double>& value, const std::vector<double>& volume) {
+  std::vector<double> sum(mesh.tets.size(), 0.0), weight(sum.size(), 0.0);
+  std::vector<double> corner_sum(mesh.vertices.size(), 0.0), corner_weight(mesh.vertices.size(), 0.0);
+  double all = 0.0, all_weight = 0.0;
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    sum[static_cast<std::size_t>(tet[i])] += volume[i] * value[i];
+    weight[static_cast<std::size_t>(tet[i])] += volume[i];
+    all += volume[i] * value[i], all_weight += volume[i];
+  }
+  for (std::size_t e = 0; e < sum.size(); ++e)
+    for (const std::int32_t c : mesh.tets[e]) {
+      corner_sum[static_cast<std::size_t>(c)] += sum[e];
+      corner_weight[static_cast<std::size_t>(c)] += weight[e];
+    }
+  std::vector<double> mean(sum.size());
+  for (std::size_t e = 0; e < sum.size(); ++e) {
+    double s = sum[e], w = weight[e];
+    if (!(w > 0.0))
+      for (const std::int32_t c : mesh.tets[e])
+        s += corner_sum[static_cast<std::size_t>(c)], w += corner_weight[static_cast<std::size_t>(c)];
+    mean[e] = w > 0.0 ? s / w : all / all_weight;
+  }
+  return mean;
+}
+
 }  // namespace
 
 SoftImageBody::Parts SoftImageBody::build(const OccupancyGrid& matter, const TriMesh& surface, double spacing,
-                                          const Quat& rotation, const Vec3& position, const ElasticOptions& options) {
+                                          const Quat& rotation, const Vec3& position, ElasticOptions& options,
+                                          const CellMaterial& material) {
   require_positive("image volume", "density", options.density);
   require_positive("image volume", "Young's modulus", options.young);
   if (!(options.poisson > -1.0 && options.poisson < 0.5))
@@ -35,6 +71,7 @@ SoftImageBody::Parts SoftImageBody::build(const OccupancyGrid& matter, const Tri
         fmt::format("image volume: Poisson's ratio is {}; it must be between -1 and 0.5", options.poisson));
   Parts parts;
   std::vector<Vec3> x;
+  std::vector<double> young;  // [Pa] of the matter of each particle
   const double cell = matter.spacing * matter.spacing * matter.spacing;
   for (int k = 0; k < matter.cells.z(); ++k)
     for (int j = 0; j < matter.cells.y(); ++j)
@@ -43,13 +80,22 @@ SoftImageBody::Parts SoftImageBody::build(const OccupancyGrid& matter, const Tri
         if (share < kLeastMatter) continue;
         x.push_back(matter.center(i, j, k));
         parts.carriage.volume.push_back(cell * share / 255.0);
-        parts.carriage.mass.push_back(options.density * parts.carriage.volume.back());
+        const std::size_t at = matter.index(i, j, k);
+        parts.carriage.mass.push_back(material.density.empty() ? options.density * parts.carriage.volume.back()
+                                                               : cell * static_cast<double>(material.density[at]));
+        if (!material.young.empty()) young.push_back(static_cast<double>(material.young[at]) * 255.0 / share);
       }
   // Cells that are mostly full hold tetrahedra all over.
   std::vector<double> edges;
   for (const double v : parts.carriage.volume) edges.push_back(v > 0.5 * cell ? matter.spacing : 0.0);
   HeldPoints held = lattice_around(x, spacing, edges);
   parts.mesh = std::move(held.mesh);
+  if (!young.empty()) {
+    // The pair's stiffness in contact goes by what yields first where both are in it.
+    options.young = softness_mean(young, parts.carriage.volume);
+    parts.stiffness = element_means(parts.mesh, held.embedding.tet, young, parts.carriage.volume);
+    for (double& s : parts.stiffness) s /= options.young;
+  }
   parts.carriage.weights = rows_of(parts.mesh, held.embedding);
   parts.surface.triangles = surface.triangles;
   parts.surface.weights = rows_of(parts.mesh, embed(parts.mesh, surface.vertices));
@@ -67,14 +113,15 @@ SoftImageBody::Parts SoftImageBody::build(const OccupancyGrid& matter, const Tri
 }
 
 SoftImageBody::SoftImageBody(const OccupancyGrid& matter, const TriMesh& surface, double spacing, const Quat& rotation,
-                             const Vec3& position, ElasticOptions options)
-    : SoftImageBody(build(matter, surface, spacing, rotation, position, options), options) {}
+                             const Vec3& position, ElasticOptions options, const CellMaterial& material)
+    : SoftImageBody(build(matter, surface, spacing, rotation, position, options, material), options) {}
 
 SoftImageBody::SoftImageBody(Parts parts, const ElasticOptions& options)
     : CarriedBody(parts.mesh.vertices, parts.carriage, options.weights, parts.surface, options.young, options),
       parts_(std::move(parts)),
       elements_(parts_.mesh, options.neo_hookean ? ElasticLaw::StableNeoHookean : ElasticLaw::CorotationalLinear,
                 Lame::from(options.young, options.poisson)) {
+  if (!parts_.stiffness.empty()) elements_.scale_stiffness(parts_.stiffness);
   stiffness_.begin(particle_count());
   stiffness_.add_elements(elements_.nodes(), 4);
   stiffness_.finish();

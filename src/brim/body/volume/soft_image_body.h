@@ -1,14 +1,23 @@
 #pragma once
 
+#include <span>
+
 #include "brim/body/fem/tet_elements.h"
 #include "brim/body/volume/carried_body.h"
 #include "brim/mesh/occupancy.h"
 
 namespace brim {
 
+/// What the cells of an image are made of where it differs from cell to cell; each list is empty or of all cells, a
+/// mean over the whole cell (cell_means).
+struct CellMaterial {
+  std::span<const float> density;  ///< [kg/m³] instead of ElasticOptions::density
+  std::span<const float> young;    ///< [Pa] instead of ElasticOptions::young; an element has the mean of its matter
+};
+
 /// Deformable raw volume (paper, section 5.4): voxels of matter ride in a lattice of tetrahedra that deform as finite
 /// elements do; the voxels make the density, and forces go from grid to voxels to lattice.
-/// Each tetrahedron that holds matter is as stiff as if it were full.
+/// Each tetrahedron that holds matter is as stiff as if it were full of the matter that it holds.
 /// Tests: tests/body/carried_body_test.cpp
 class SoftImageBody final : public CarriedBody {
  public:
@@ -17,7 +26,7 @@ class SoftImageBody final : public CarriedBody {
   /// @param rotation, position  where the body starts
   /// @throws InputError  when a number is out of range or there is no matter
   SoftImageBody(const OccupancyGrid& matter, const TriMesh& surface, double spacing, const Quat& rotation,
-                const Vec3& position, ElasticOptions options);
+                const Vec3& position, ElasticOptions options, const CellMaterial& material = {});
 
   std::string_view kind() const override { return "image_volume"; }
   double elastic_energy() const override { return elements_.energy(x_); }
@@ -31,9 +40,10 @@ class SoftImageBody final : public CarriedBody {
     TetMesh mesh;
     Carriage carriage;
     CarriedSurface surface;
+    std::vector<double> stiffness;  ///< [-] of each tetrahedron, in ElasticOptions::young; empty: 1
   };
   static Parts build(const OccupancyGrid& matter, const TriMesh& surface, double spacing, const Quat& rotation,
-                     const Vec3& position, const ElasticOptions& options);
+                     const Vec3& position, ElasticOptions& options, const CellMaterial& material);
   SoftImageBody(Parts parts, const ElasticOptions& options);
 
   Parts parts_;

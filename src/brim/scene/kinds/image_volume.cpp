@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "brim/body/rigid/rigid_body.h"
@@ -40,20 +41,34 @@ void check_image_volume(const Node& n) {
   if (n.has("density") && n.has("mass")) throw n.at("mass").error("both \"mass\" and \"density\" are given; give one");
 }
 
+/// [kg/m²] of mass behind the surface, for the choice of contact stiffness.
+///   6 m / A             of solids: the length of a box, twice the radius of a ball
+///   6 (m/V) Vb / Ab     of wires and sheets, b being the box around: they touch with a share of their outline, in the
+///                       mean that of volume (Delesse), and as much presses on it as if the outline were full
+/// Pieces of less than three voxels, the width of the ramp, count as wires, of six and more as solid.
+/// @param h  [m] voxel size of contact
+double areal_mass(const MassProperties& m, double surface, const Aabb& box, double h) {
+  const Vec3 e = box.extent();
+  const double outline = 2.0 * (e.x() * e.y() + e.y() * e.z() + e.z() * e.x());
+  const double solid = 6.0 * m.mass / surface, wires = 6.0 * m.mass / m.volume * e.prod() / outline;
+  const double thickness = 6.0 * m.volume / surface;
+  return solid + std::clamp(2.0 - thickness / (3.0 * h), 0.0, 1.0) * std::max(wires - solid, 0.0);
+}
+
 class RigidImageMaker final : public BodyMaker {
  public:
   RigidImageMaker(const Node& n, const BuildContext& context) : material_(context.material) {
     const ImageSolid solid =
         read_image_solid(n, n.at("transform").number("scale"), kRigidCells, context.world.memory_limit);
-    const double density = n.has("density") ? n.number("density") : 1000.0;
-    properties_ = mass_properties(solid.grid, density);
+    properties_ = !solid.density.empty() ? mass_properties(solid.grid, solid.density)
+                                         : mass_properties(solid.grid, n.has("density") ? n.number("density") : 1000.0);
     if (n.has("mass")) {
       properties_.inertia *= n.number("mass") / properties_.mass;
       properties_.mass = n.number("mass");
     }
     surface_ = display_surface(solid.grid);
     part_.voxel_size = solid.voxel_size;
-    part_.areal_mass = 6.0 * properties_.mass / surface_area(surface_);
+    part_.areal_mass = areal_mass(properties_, surface_area(surface_), solid.grid.matter_box(), solid.voxel_size);
     part_.thickness = 6.0 * properties_.volume / surface_area(surface_);
     part_.material = material_;
     shape_ = make_image_shape(solid.grid, part_.thickness);
@@ -96,6 +111,8 @@ class SoftImageMaker final : public BodyMaker {
                                  spacing_, box.extent().maxCoeff()));
     const double volume = mass_properties(solid_.grid, 1.0).volume;
     surface_ = display_surface(solid_.grid);
+    if (!solid_.density.empty()) solid_.density = joined_means(solid_.grid, solid_.density, kSoftCells);
+    if (!solid_.young.empty()) solid_.young = joined_means(solid_.grid, solid_.young, kSoftCells);
     solid_.grid = joined_cells(solid_.grid, kSoftCells);
     check_count(at, 12.0 * volume / (spacing_ * spacing_ * spacing_), kBytesPerCarrierTet, limit, "tetrahedra");
     check_count(n, volume / std::pow(solid_.grid.spacing, 3), kBytesPerParticle, limit, "particles");
@@ -106,11 +123,12 @@ class SoftImageMaker final : public BodyMaker {
     options.voxel_size = solid_.voxel_size;
     if (node_.at("constraints").size() > 0) {
       // The lattice's nodes are known once it is built.
-      const SoftImageBody free(solid_.grid, {}, spacing_, place.rotation, place.position, options);
+      const SoftImageBody free(solid_.grid, {}, spacing_, place.rotation, place.position, options,
+                               {solid_.density, solid_.young});
       read_constraints(node_.at("constraints"), free.rest_positions(), {}, options);
     }
     return std::make_unique<SoftImageBody>(solid_.grid, surface_, spacing_, place.rotation, place.position,
-                                           std::move(options));
+                                           std::move(options), CellMaterial{solid_.density, solid_.young});
   }
 
  private:
