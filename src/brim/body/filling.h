@@ -50,8 +50,9 @@ class Filling {
   /// Body::apply_system likewise: y += A x, push_k = dt² dp_k.
   virtual void apply_system_seeing(std::span<const double> x, std::span<const double> rate, std::span<double> y,
                                    std::span<double> push) const = 0;
-  /// Stiffness of contact k in the step's system along ∇λ_k, per |∇λ_k|²: dt² ∂²E/∂φ_i², [J s²]; for preconditioners.
-  virtual double fill_stiffness(std::size_t k) const = 0;
+  /// Stiffness of contact k in the system of a step dt along ∇λ_k, per |∇λ_k|²: dt² ∂²E/∂φ_i², [J s²]; for
+  /// preconditioners, and known before begin_solve.
+  virtual double fill_stiffness(std::size_t k, double dt) const = 0;
 };
 
 }  // namespace brim

@@ -216,7 +216,7 @@ void FillStage::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<c
     for (std::size_t k = f.begin; k < f.end; ++k) {
       const double s = contact_[k].slope;
       load_[k] = s * (start_push_[k] + dt * start_change_[k]);
-      response.set_pressed(first_ + k, s * s * f.body->fill_stiffness(k - f.begin));
+      response.set_pressed(first_ + k, s * s * f.body->fill_stiffness(k - f.begin, dt));
     }
   }
   give_loads(response);

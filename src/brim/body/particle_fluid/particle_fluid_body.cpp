@@ -158,8 +158,8 @@ void ParticleFluidBody::press(std::span<double> push) const {
   for (std::size_t k = 0; k < seen_.size(); ++k) push[k] = fill_energy() * excess_[slot_[seen_[k].element]];
 }
 
-double ParticleFluidBody::fill_stiffness(std::size_t k) const {
-  return dt_ * dt_ * fill_energy() * double{inside_[slot_[seen_[k].element]]};
+double ParticleFluidBody::fill_stiffness(std::size_t k, double dt) const {
+  return dt * dt * fill_energy() * double{inside_[slot_[seen_[k].element]]};
 }
 
 void ParticleFluidBody::apply_stiffness_seeing(std::span<const double> x, std::span<const double> rate,
