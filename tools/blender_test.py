@@ -1,5 +1,6 @@
 """The Blender add-on (tools/blender) shows in Blender what run.h5 holds. Skipped without Blender or the program."""
 
+import json
 import os
 import pathlib
 import shutil
@@ -44,6 +45,16 @@ class BlenderAddon(unittest.TestCase):
         check = ROOT / "tools/blender/check_import.py"
         blender("--python", check, "--", "import", self.run_folder, zipped, saved, scripts=self.work)
         blender(saved, "--python", check, "--", "play", self.run_folder, scripts=self.work)
+
+    def test_bodies_that_are_removed_shrink_to_a_point(self):
+        scene = json.loads((ROOT / "tools/every_display.json").read_text())
+        scene["timeline"] = [{"at": 0.06, "remove": name} for name in ("ball", "sheet", "rope", "grains")]
+        (self.work / "removed.json").write_text(json.dumps(scene))
+        run, zipped = self.work / "removed", self.work / "addon_2.zip"
+        subprocess.run([BRIM, "run", self.work / "removed.json", "-o", run, "--quiet"], check=True)
+        subprocess.run([ROOT / "tools/blender/make_zip.py", zipped], check=True, stdout=subprocess.DEVNULL)
+        blender("--python", ROOT / "tools/blender/check_import.py", "--", "import", run, zipped, self.work / "removed.blend",
+                scripts=self.work)
 
     def test_a_run_is_rendered_without_a_window(self):
         script = ROOT / "tools/blender/render_run.py"

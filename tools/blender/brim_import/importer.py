@@ -61,7 +61,7 @@ def add_body(collection, source, body, material, surface):
     if body.display == "triangles":
         return
     make = looks.tubes if body.display == "lines" else looks.surface if surface else looks.spheres
-    nodes = thing.modifiers.new("brim", "NODES")
+    nodes = thing.modifiers.new(playback.NODES, "NODES")
     nodes.node_group = make(f"brim {body.name}", float(body.attrs["radius"]), material)
     if make is looks.surface:
         smooth = thing.modifiers.new("smooth", "SMOOTH")  # evens out single particles

@@ -10,6 +10,7 @@ from bpy.app.handlers import persistent
 from mathutils import Matrix
 
 RUN, PIECE, BODY = "brim_run", "brim_piece", "brim_body"
+NODES = "brim"  # modifier that gives particles and lines their thickness
 
 _sources = {}  # path: Source
 
@@ -71,6 +72,13 @@ def reshape(thing, source, moment):
     elif len(positions) == len(mesh.vertices):  # edited by hand otherwise
         mesh.vertices.foreach_set("co", np.ascontiguousarray(positions).ravel())
         mesh.update()
+        for nodes in (m for m in thing.modifiers if m.type == "NODES" and m.name == NODES):
+            nodes.show_render = nodes.show_viewport = not removed(positions)
+
+
+def removed(positions):
+    """True of a body that was taken out of the world: all of it is recorded at one point, where it shall show nothing."""
+    return len(positions) > 1 and bool((positions == positions[0]).all())
 
 
 def show(collection, moment):
