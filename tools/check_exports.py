@@ -19,23 +19,7 @@ import check_exports_readers as readers
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
-SCENE = """{
-  "brim": 1, "name": "every_display", "duration": 0.12,
-  "bodies": [
-    {"kind": "obstacle", "name": "floor", "shape": {"kind": "plane", "display_size": 4}, "voxel_size": 0.05},
-    {"kind": "rigid", "name": "ball", "shape": {"kind": "sphere", "radius": 0.2},
-     "transform": {"position": [0, 0, 0.21]}, "velocity": [0.4, 0, -1], "angular_velocity": [0, 5, 3]},
-    {"kind": "cloth", "name": "sheet", "grid": {"size": [0.6, 0.6], "cells": [6, 6]}, "thickness": 0.05,
-     "transform": {"position": [1, 0, 0.06]}, "velocity": [0, 0, -0.5]},
-    {"kind": "rod", "name": "rope", "radius": 0.04, "segments": 8, "points": [[-1, 0, 0.1], [-0.7, 0.2, 0.1], [-0.4, 0, 0.1]]},
-    {"kind": "points", "name": "grains", "radius": 0.05, "grid": {"count": [2, 2, 2], "spacing": 0.12},
-     "transform": {"position": [0, 1, 0.2]}},
-    {"kind": "grid_fluid", "name": "water", "cell_size": 0.05,
-     "box": {"lo": [-1.4, -1.4, 0.3], "hi": [-1, -1, 0.8]},
-     "fill": [{"kind": "sphere", "center": [-1.2, -1.2, 0.55], "radius": 0.12}]}
-  ]
-}
-"""
+SCENE = ROOT / "tools/every_display.json"
 
 
 def main(arguments):
@@ -51,8 +35,7 @@ def main(arguments):
         run = options.run
         if run is None:
             run = work / "run"
-            (work / "scene.json").write_text(SCENE)
-            subprocess.run([brim, "run", work / "scene.json", "-o", run, "--quiet"], check=True)
+            subprocess.run([brim, "run", SCENE, "-o", run, "--quiet"], check=True)
         truth = readers.Truth(run)
         for reader in readers.READERS:
             if options.only and reader.format not in options.only.split(","):

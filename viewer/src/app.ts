@@ -1,15 +1,19 @@
 /** Ties the page together: what the server sends, what the person asks for, and what is drawn. */
-import { fetchFrame, fetchRun, fetchSeries, fetchSlice, fetchTopology, watchProgress } from './client';
+import { fetchFrame, fetchRun, fetchSeries, fetchTopology, watchProgress } from './client';
 import { FrameCache } from './frame_cache';
+import { FrameFollower } from './frame_follower';
 import { Picture } from './picture';
 import { Player } from './player';
 import type { Frame, RunInfo, Series } from './run';
 import { defaultPose, type CameraPose } from './scene/stage';
-import type { Slice, SliceWish } from './slice';
-import { download, film, padded, pictureSequence, pngOf } from './ui/capture';
-import { h, human, iconButton } from './ui/dom';
+import { Slicing, type NamedSlice } from './slicing';
+import { Captures } from './ui/captures';
+import { h } from './ui/dom';
+import { headerBar } from './ui/header';
 import { bindKeys } from './ui/keys';
-import { helpDialog, Panel, PickCard } from './ui/panel';
+import { Notices } from './ui/notices';
+import { helpDialog, Panel } from './ui/panel';
+import { Picking } from './ui/picking';
 import { appendSeries } from './ui/plot_data';
 import { Plots } from './ui/plots';
 import { Timeline } from './ui/timeline';
@@ -28,20 +32,18 @@ export class App {
   });
   private readonly plots: Plots;
   private readonly timeline: Timeline;
-  private readonly pick = new PickCard();
+  readonly captures: Captures;
+  private readonly picking: Picking;
+  private readonly slicing: Slicing;
+  private readonly notices = new Notices();
   private readonly help = helpDialog();
-  private readonly banner = h('div', { class: 'banner', hidden: true, role: 'status' });
-  private readonly notices = new Map<string, string>();
   private readonly view: HTMLElement;
   private readonly cache = new FrameCache(fetchFrame);
+  private readonly follower = new FrameFollower(this.player, this.cache, this.notices, {
+    shown: () => this.picture.shown?.index,
+    display: (frame) => this.display(frame),
+  });
   private series: Series = new Map();
-  private requested: number | undefined; // frame on its way to the picture
-  private failed = -1; // frame the server could not give
-  private stopCapture = false;
-  private capturing = false; // frames are shown one by one for pictures: the clock rests
-  private slice: Slice | undefined; // the last that came
-  private sliceKey = ''; // what was asked for it
-  private slicing: Promise<void> | undefined;
   private updating: Promise<void> | undefined;
   private updateAgain = false;
   private lastTick = 0;
@@ -57,16 +59,23 @@ export class App {
     this.panel = new Panel(this.player, {
       look: (body, look) => {
         this.picture.setLook(body, look);
-        this.drawSlice();
+        this.slicing.draw();
       },
       contacts: (style, scale) => this.picture.setContacts(style, scale),
       tiles: (on) => this.picture.setTiles(on),
-      slice: () => void this.refreshSlice(),
+      slice: () => void this.slicing.refresh(),
     });
-    this.view = h('main', { class: 'view' }, this.canvas, this.banner, this.pick.element);
+    this.slicing = new Slicing(this.picture, this.panel);
+    this.picking = new Picking(this.canvas, this.picture, () => this.run);
+    this.captures = new Captures(this.canvas, this.player, this.notices, {
+      name: () => this.run?.name,
+      redraw: () => this.picture.stage.draw(true),
+      showFrame: (frame) => this.showFrame(frame),
+    });
+    this.view = h('main', { class: 'view' }, this.canvas, this.notices.element, this.picking.element);
     document.body.classList.toggle('bare', bare);
     document.body.append(
-      this.header(),
+      headerBar(this),
       this.panel.element,
       this.view,
       this.plots.element,
@@ -75,38 +84,8 @@ export class App {
     );
     if (window.innerWidth < kCompact) this.panel.element.hidden = this.plots.element.hidden = true;
     bindKeys(this);
-    this.bindPicking();
     if (!bare) new ResizeObserver(() => this.resize()).observe(this.view);
     this.resize();
-  }
-
-  private header(): HTMLElement {
-    const record = iconButton('film', 'film the run (WebM)', () => void this.toggleFilm(), {
-      class: 'icon record',
-    });
-    return h(
-      'header',
-      { class: 'bar' },
-      iconButton('panel', 'bodies and contacts (b)', () => this.togglePanel()),
-      h('b', { class: 'logo' }, 'brim'),
-      h('span', { class: 'title' }),
-      h('span', { class: 'spacer' }),
-      iconButton('fit', 'fit the view (f)', () => this.fit()),
-      iconButton('camera', 'save a picture (s)', () => void this.savePicture()),
-      record,
-      h(
-        'button',
-        {
-          class: 'text',
-          type: 'button',
-          title: 'save every frame as a picture',
-          onclick: () => void this.saveSequence(),
-        },
-        'PNGs',
-      ),
-      iconButton('help', 'keys (?)', () => this.toggleHelp()),
-      iconButton('chart', 'plots (p)', () => this.togglePlots()),
-    );
   }
 
   /** Loads the run, then keeps up with it; waits for a server that is not there yet. */
@@ -117,24 +96,24 @@ export class App {
         break;
       } catch (error) {
         if (this.bare) throw error;
-        this.notice('load', `The run cannot be loaded: ${(error as Error).message}. Trying again…`);
+        this.notices.set('load', `The run cannot be loaded: ${(error as Error).message}. Trying again…`);
         await new Promise((done) => setTimeout(done, 1500));
       }
     }
-    this.notice('load');
+    this.notices.set('load');
     if (!this.bare)
       watchProgress({
         progress: (p) => {
           if (p.frames !== this.run?.frames || p.complete !== this.run.complete) void this.update();
         },
         lost: () =>
-          this.notice(
+          this.notices.set(
             'lost',
             'The server does not answer. What has been loaded still plays; waiting for it to come back…',
           ),
         found: () => {
-          this.notice('lost');
-          this.failed = -1;
+          this.notices.set('lost');
+          this.follower.tryAgain();
           void this.update();
         },
       });
@@ -191,7 +170,7 @@ export class App {
     const other = run.frames < known || JSON.stringify(run.bodies) !== JSON.stringify(this.run?.bodies);
     if (other) return location.reload(); // another run is served now
     this.run = run;
-    this.failed = -1; // what could not be read while it was written may be whole now
+    this.follower.tryAgain(); // what could not be read while it was written may be whole now
     if (run.frames > known) {
       const following = known > 1 && this.player.frame === known - 1 && !this.player.playing;
       this.setSeries(appendSeries(this.series, await fetchSeries(known)));
@@ -219,7 +198,7 @@ export class App {
     document.querySelector('.title')!.textContent = run.name;
     this.timeline.showWarnings(run.warnings);
     const none = this.player.frames === 0;
-    this.notice(
+    this.notices.set(
       'empty',
       !none
         ? undefined
@@ -230,101 +209,30 @@ export class App {
   }
 
   private readonly tick = (now: number) => {
-    if (!this.capturing) {
+    if (!this.captures.running) {
       this.player.advance(Math.min(0.25, (now - this.lastTick) / 1000));
-      this.follow();
+      this.follower.follow();
     }
     this.lastTick = now;
     this.picture.stage.draw();
     requestAnimationFrame(this.tick);
   };
 
-  /** Brings the player's frame into the picture, at once if it is here, else when it comes. */
-  private follow() {
-    const { player, cache } = this;
-    const wanted = player.frame;
-    if (player.frames === 0 || this.requested !== undefined) return;
-    if (this.picture.shown?.index !== wanted && this.failed !== wanted) {
-      const here = cache.peek(wanted);
-      if (here) this.display(here);
-      else {
-        this.requested = wanted;
-        cache
-          .get(wanted)
-          .then((frame) => {
-            this.failed = -1;
-            this.notice('frame');
-            this.display(frame);
-          })
-          .catch((error: unknown) => {
-            this.failed = wanted;
-            if (!this.notices.has('lost'))
-              this.notice('frame', `Frame ${wanted + 1} cannot be shown: ${(error as Error).message}`);
-          })
-          .finally(() => (this.requested = undefined));
-      }
-    }
-    if (player.playing) {
-      const stride = Math.max(1, Math.round(player.speed));
-      const ahead = Array.from({ length: 8 }, (_, i) => (wanted + (i + 1) * stride) % player.frames);
-      cache.prefetch(ahead);
-    }
-  }
-
   private display(frame: Frame) {
     this.picture.show(frame, (body) => this.panel.looks[body]?.visible ?? true);
-    if (this.notices.has('frame') && frame.index === this.player.frame) this.notice('frame');
+    if (this.notices.has('frame') && frame.index === this.player.frame) this.notices.set('frame');
     if (!this.bare) this.panel.showFrame(frame);
-    if (this.panel.slice.on) void this.refreshSlice();
-  }
-
-  /** Asks for the plane that is wanted until it is there: only the latest wish counts while one is on its way. */
-  private refreshSlice(): Promise<void> {
-    const card = this.panel.slice;
-    if (!card.on || !this.picture.shown) {
-      this.drawSlice();
-      return Promise.resolve();
-    }
-    this.slicing ??= (async () => {
-      try {
-        for (;;) {
-          const { shown } = this.picture;
-          const wish = card.wish;
-          const key = `${shown?.index} ${JSON.stringify(wish)}`;
-          if (!card.on || !shown || key === this.sliceKey) break;
-          try {
-            this.slice = await fetchSlice(shown.index, wish);
-            card.show(this.slice);
-          } catch (error) {
-            this.slice = undefined;
-            card.fail((error as Error).message);
-          }
-          this.sliceKey = key;
-          this.drawSlice();
-        }
-      } finally {
-        this.slicing = undefined;
-      }
-      this.drawSlice();
-    })();
-    return this.slicing;
-  }
-
-  private drawSlice() {
-    const card = this.panel.slice;
-    const colours = this.panel.looks.map((l) => l.colour);
-    this.picture.setSlice(card.on ? this.slice : undefined, colours, card.wish.body >= 0, card.cut);
+    if (this.panel.slice.on) void this.slicing.refresh();
   }
 
   /** Shows the densities on a plane; a body is given by name. For pictures. */
-  async showSlice(wish: { axis: number; at?: number; body?: string }): Promise<void> {
-    const { body, ...rest } = wish;
-    const known = this.run?.bodies.find((b) => b.name === body)?.index;
-    if (body !== undefined && known === undefined) throw new Error(`no body is named "${body}"`);
-    if (!this.run?.slices) throw new Error('this run keeps no scene to make densities from');
-    const full: Partial<SliceWish> = body === undefined ? rest : { ...rest, body: known! };
-    this.panel.slice.set(full);
-    await this.refreshSlice();
+  showSlice(wish: NamedSlice): Promise<void> {
+    return this.slicing.show(this.run, wish);
+  }
+
+  /** Reads what is under a place of the picture, from -1 to 1 to the right and up. */
+  pickAt(x: number, y: number): void {
+    this.picking.pickAt(x, y);
   }
 
   /** Brings a frame that is at hand into picture and panel, without drawing. */
@@ -337,7 +245,7 @@ export class App {
     this.player.playing = false;
     this.player.seek(index);
     if (this.player.frames > 0) this.display(await this.cache.get(this.player.frame));
-    await this.refreshSlice();
+    await this.slicing.refresh();
     await this.picture.settled();
     this.picture.stage.draw(true);
   }
@@ -374,19 +282,6 @@ export class App {
     this.picture.stage.draw(true);
   }
 
-  /** A line above the picture under a name; no text takes it away. */
-  notice(name: string, text?: string): void {
-    if (this.notices.get(name) === text) return;
-    if (text) this.notices.set(name, text);
-    else this.notices.delete(name);
-    this.banner.hidden = this.notices.size === 0;
-    this.banner.replaceChildren(
-      ...[...this.notices].map(([key, line]) => h('p', { 'data-notice': key }, line)),
-    );
-  }
-
-  // What the buttons and keys do.
-
   togglePanel(): void {
     this.toggleSide(this.panel.element, this.plots.element);
   }
@@ -401,120 +296,5 @@ export class App {
   toggleHelp(): void {
     if (this.help.open) this.help.close();
     else this.help.showModal();
-  }
-
-  async savePicture(): Promise<void> {
-    this.picture.stage.draw(true);
-    download(await pngOf(this.canvas), `${this.fileName()}_${padded(this.player.frame)}.png`);
-  }
-
-  private fileName(): string {
-    return (this.run?.name ?? 'run').replaceAll(/[^\w.-]+/g, '_');
-  }
-
-  /** Goes through the run for pictures or a film; escape stops. `make` gets what asks whether to go on. */
-  private async capture(
-    what: string,
-    make: (goOn: (done: number, all: number) => boolean) => Promise<void>,
-  ): Promise<void> {
-    if (this.capturing || this.player.frames === 0) return;
-    this.capturing = true;
-    this.stopCapture = false;
-    const onKey = (e: KeyboardEvent) => (this.stopCapture ||= e.key === 'Escape');
-    window.addEventListener('keydown', onKey);
-    try {
-      await make((done, all) => {
-        this.notice('capture', `${what}: ${done} of ${all} (escape stops)`);
-        return !this.stopCapture;
-      });
-      this.notice('capture');
-    } catch (error) {
-      this.notice('capture', `${what} failed: ${(error as Error).message}`);
-    } finally {
-      window.removeEventListener('keydown', onKey);
-      this.capturing = false;
-    }
-  }
-
-  async saveSequence(): Promise<void> {
-    await this.capture('Saving pictures', async (goOn) => {
-      const { frames } = this.player;
-      const blob = await pictureSequence(
-        this.canvas,
-        frames,
-        (f) => this.showFrame(f),
-        (done) => goOn(done, frames),
-      );
-      if (blob) download(blob, `${this.fileName()}.zip`);
-    });
-  }
-
-  /** Films the run once through; a film that is being made ends early, and is saved so far. */
-  async toggleFilm(): Promise<void> {
-    if (this.capturing) {
-      this.stopCapture = true;
-      return;
-    }
-    document.body.classList.add('filming');
-    await this.capture('Filming', async (goOn) => {
-      const blob = await film(this.canvas, this.player, (f) => this.showFrame(f), goOn);
-      download(blob, `${this.fileName()}.webm`);
-    });
-    document.body.classList.remove('filming');
-  }
-
-  /** A click that is not a drag picks what is under it. */
-  private bindPicking() {
-    let down: PointerEvent | undefined;
-    this.canvas.addEventListener('pointerdown', (e) => (down = e));
-    this.canvas.addEventListener('pointerup', (e) => {
-      if (!down || down.button !== 0 || Math.hypot(e.clientX - down.clientX, e.clientY - down.clientY) > 4)
-        return;
-      const box = this.canvas.getBoundingClientRect();
-      this.pickAt((2 * (e.clientX - box.left)) / box.width - 1, 1 - (2 * (e.clientY - box.top)) / box.height);
-    });
-  }
-
-  /** What a body touches in the frame shown, with the normal force of each pair. */
-  private touching(body: number): [string, string][] {
-    const part = (p: number) => this.run?.parts[p];
-    return (this.picture.shown?.pairs ?? [])
-      .filter((t) => (part(t.a)?.body === body) !== (part(t.b)?.body === body))
-      .sort((s, t) => t.normal - s.normal)
-      .slice(0, 6)
-      .map((t) => [
-        'touches',
-        `${part(part(t.a)?.body === body ? t.b : t.a)?.name ?? '?'}, ${human(t.normal, 'N')}`,
-      ]);
-  }
-
-  pickAt(x: number, y: number): void {
-    const picked = this.picture.pick(x, y);
-    const point = (p: ArrayLike<number>) => [0, 1, 2].map((k) => (p[k] ?? 0).toFixed(4)).join(', ') + ' m';
-    if (!picked) return this.pick.hide();
-    if (picked.contact !== undefined && this.picture.shown) {
-      const c = this.picture.shown.contacts;
-      const i = picked.contact;
-      const name = (part: number) => this.run?.parts[part]?.name ?? `part ${part}`;
-      const size = (v: Float32Array) =>
-        human(Math.hypot(v[3 * i] ?? 0, v[3 * i + 1] ?? 0, v[3 * i + 2] ?? 0), 'N');
-      this.pick.show('Contact', [
-        ['between', `${name(c.pair[2 * i]!)} and ${name(c.pair[2 * i + 1]!)}`],
-        ['at', point(c.position.subarray(3 * i, 3 * i + 3))],
-        ['normal force', size(c.force)],
-        ['friction', size(c.friction)],
-        ['overlap', `${human(c.overlap[i] ?? 0)} voxels`],
-      ]);
-    } else if (picked.body) {
-      const at = this.picture.positionOf(picked.body.index, picked.vertex ?? -1);
-      this.pick.show(picked.body.name, [
-        ['kind', picked.body.kind],
-        ['clicked at', point([picked.at.x, picked.at.y, picked.at.z])],
-        ['nearest point', `number ${picked.vertex}`],
-        ...(at ? [['lies at', point(at)] as [string, string]] : []),
-        ['points', this.picture.pointsOf(picked.body.index).toLocaleString('en')],
-        ...this.touching(picked.body.index),
-      ]);
-    }
   }
 }

@@ -22,7 +22,7 @@ export function bindKeys(app: App): void {
     l: () => app.player.setLoop(!app.player.loop),
     p: () => app.togglePlots(),
     b: () => app.togglePanel(),
-    s: () => void app.savePicture(),
+    s: () => void app.captures.savePicture(),
     '?': () => app.toggleHelp(),
   };
   window.addEventListener('keydown', (e) => {

@@ -374,33 +374,6 @@ export class Panel {
   }
 }
 
-/** What was clicked, in numbers. */
-export class PickCard {
-  readonly element = h('section', { class: 'pick card', hidden: true, 'aria-live': 'polite' });
-
-  show(title: string, rows: [string, string][]): void {
-    this.element.hidden = false;
-    this.element.replaceChildren(
-      h(
-        'h3',
-        {},
-        title,
-        h('span', { class: 'spacer' }),
-        h(
-          'button',
-          { class: 'text', type: 'button', 'aria-label': 'close', onclick: () => this.hide() },
-          '×',
-        ),
-      ),
-      h('dl', {}, ...rows.flatMap(([k, v]) => [h('dt', {}, k), h('dd', {}, v)])),
-    );
-  }
-
-  hide(): void {
-    this.element.hidden = true;
-  }
-}
-
 const keys: [string, string][] = [
   ['space', 'play or pause'],
   ['← →', 'one frame back or on (shift: ten)'],
