@@ -174,7 +174,7 @@ class World:
         """Adds a sensor, of the world as it is now.
 
         kind: "force", "contact", "pressure", "motion", "strain", "distance", "level" or "link". body: handle, name, stem of
-        copies, pattern, group or a list of these; none for "link". keys: of an entry of "sensors" in a scene file: with_
+        copies, pattern, group or a list of these; none for "link". keys: of an entry of "sensors" in a scene file: ``with_``
         (the other side of contacts), region, follows, about [m], least_force [N], gap [s], grid, point [m], part, to,
         to_point [m], link, sample ("frame" or "step"), name.
 
@@ -396,10 +396,12 @@ class World:
 
 def load(path: str | os.PathLike[str], *, set: Mapping[str, Any] | None = None, seed: int | None = None) -> World:
     """The world of a scene file.
-    @param set   values of the scene's "parameters" by name, or of any key by JSON pointer: {"h": 0.02, "/world/time_step": 0.01};
-                 as --set of the program
-    @param seed  another seed for all that is drawn by chance, as --seed
-    @raises InputError "file:line: pointer: what, and what is allowed\""""
+
+    set: values of the scene's "parameters" by name, or of any key by JSON pointer, as --set of the program:
+    {"h": 0.02, "/world/time_step": 0.01}. seed: another seed for all that is drawn by chance, as --seed.
+
+    @raises InputError: file, line, pointer, what is wrong and what is allowed
+    """
     return World._of(_core.Session.load(os.fspath(path), dict(set or {}), seed))
 
 
