@@ -33,16 +33,29 @@ Aabb OccupancyGrid::matter_box() const {
 
 namespace {
 
-/// Where a cell is sampled, from its centre. [voxels]
-std::vector<Vec3> cell_samples(const VoxelImage& image, const Mat3& to_index, double spacing) {
-  const int per_side = std::max(2, static_cast<int>(std::ceil(2.0 * spacing / image.finest_step() - 1e-6)));
-  std::vector<Vec3> offset;
+/// Calls put(cell, sum, samples) with the sum of of(intensity) over samples of each inner cell of a grid; those outside
+/// of the image add nothing.
+template <class Of, class Put>
+void sample_cells(const VoxelImage& image, const OccupancyGrid& grid, const Of& of, const Put& put) {
+  const Mat3 to_index = image.axes.inverse();
+  const int per_side = std::max(2, static_cast<int>(std::ceil(2.0 * grid.spacing / image.finest_step() - 1e-6)));
+  std::vector<Vec3> offset;  // of the samples within a cell, [voxels]
   for (int c = 0; c < per_side * per_side * per_side; ++c) {
     const Vec3i at(c % per_side, c / per_side % per_side, c / (per_side * per_side));
     const Vec3 u = (at.cast<double>() + Vec3::Constant(0.5)) / per_side - Vec3::Constant(0.5);
-    offset.push_back(to_index * (spacing * u));
+    offset.push_back(to_index * (grid.spacing * u));
   }
-  return offset;
+  parallel_for(static_cast<std::size_t>(grid.cells.z() - 2), [&](std::size_t slab) {
+    const int k = static_cast<int>(slab) + 1;
+    for (int j = 1; j + 1 < grid.cells.y(); ++j)
+      for (int i = 1; i + 1 < grid.cells.x(); ++i) {
+        const Vec3 center = to_index * (grid.center(i, j, k) - image.origin);
+        double sum = 0.0, value = 0.0;
+        for (const Vec3& u : offset)
+          if (image.sample(center + u, value)) sum += of(value);
+        put(grid.index(i, j, k), sum, static_cast<double>(offset.size()));
+      }
+  });
 }
 
 }  // namespace
@@ -63,20 +76,11 @@ OccupancyGrid sample_occupancy(const VoxelImage& image, const IntensityWindow& w
   grid.origin = box.center() - 0.5 * spacing * (n - Vec3::Ones());
   grid.share.assign(static_cast<std::size_t>(n.prod()), 0);
 
-  const Mat3 to_index = image.axes.inverse();
-  const std::vector<Vec3> offset = cell_samples(image, to_index, spacing);
-  parallel_for(static_cast<std::size_t>(grid.cells.z() - 2), [&](std::size_t slab) {
-    const int k = static_cast<int>(slab) + 1;
-    for (int j = 1; j + 1 < grid.cells.y(); ++j)
-      for (int i = 1; i + 1 < grid.cells.x(); ++i) {
-        const Vec3 center = to_index * (grid.center(i, j, k) - image.origin);
-        double sum = 0.0, value = 0.0;
-        for (const Vec3& u : offset)
-          if (image.sample(center + u, value)) sum += window.share(value);
-        grid.share[grid.index(i, j, k)] =
-            static_cast<std::uint8_t>(std::lround(255.0 * sum / static_cast<double>(offset.size())));
-      }
-  });
+  sample_cells(
+      image, grid, [&](double value) { return window.share(value); },
+      [&](std::size_t at, double sum, double samples) {
+        grid.share[at] = static_cast<std::uint8_t>(std::lround(255.0 * sum / samples));
+      });
   if (std::none_of(grid.share.begin(), grid.share.end(), [](std::uint8_t s) { return s >= 128; })) {
     const auto [least, most] = std::minmax_element(image.values.begin(), image.values.end());
     throw InputError(fmt::format(
@@ -90,20 +94,9 @@ OccupancyGrid sample_occupancy(const VoxelImage& image, const IntensityWindow& w
 std::vector<float> cell_means(const VoxelImage& image, const OccupancyGrid& grid,
                               const std::function<double(double)>& of) {
   BRIM_CHECK(image.values.size(), ==, image.count());
-  const Mat3 to_index = image.axes.inverse();
-  const std::vector<Vec3> offset = cell_samples(image, to_index, grid.spacing);
   std::vector<float> mean(grid.share.size(), 0.0f);
-  parallel_for(static_cast<std::size_t>(grid.cells.z() - 2), [&](std::size_t slab) {
-    const int k = static_cast<int>(slab) + 1;
-    for (int j = 1; j + 1 < grid.cells.y(); ++j)
-      for (int i = 1; i + 1 < grid.cells.x(); ++i) {
-        const Vec3 center = to_index * (grid.center(i, j, k) - image.origin);
-        double sum = 0.0, value = 0.0;
-        for (const Vec3& u : offset)
-          if (image.sample(center + u, value)) sum += of(value);
-        mean[grid.index(i, j, k)] = static_cast<float>(sum / static_cast<double>(offset.size()));
-      }
-  });
+  sample_cells(image, grid, of,
+               [&](std::size_t at, double sum, double samples) { mean[at] = static_cast<float>(sum / samples); });
   return mean;
 }
 
