@@ -14,6 +14,8 @@ function(brim_unity target root)
   if(NOT BRIM_UNITY)
     return()
   endif()
+  # A tenth of such a build went into collecting the compiler's own garbage, which up to 1.5 GB can lie.
+  target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=1500000>)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
   get_target_property(sources ${target} SOURCES)
   foreach(source ${sources})

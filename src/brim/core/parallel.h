@@ -1,14 +1,9 @@
 #pragma once
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <memory>
 #include <vector>
-
-#include "brim/core/fork_join.h"
 
 namespace brim {
 
@@ -30,11 +25,10 @@ class ThreadLimit {
 int thread_count();
 
 namespace detail {
-template <class F>
-void run_piece(ForkJoin& edges, std::size_t begin, std::size_t end, const F& f) {
-  const ForkJoin::Work work(edges);
-  for (std::size_t i = begin; i < end; ++i) f(i);
-}
+/// Calls piece(work, begin, end) from several threads for ranges that make up [0, n), halved while they are longer than
+/// `grain`. Behind pointers, so that not every loop of the library is compiled with TBB's headers.
+void share_out(std::size_t n, std::size_t grain, const void* work,
+               void (*piece)(const void* work, std::size_t begin, std::size_t end));
 }  // namespace detail
 
 /// Calls f(i) for i in [0, n), in any order and on any thread. f must write only what belongs to i.
@@ -44,10 +38,10 @@ void parallel_for(std::size_t n, const F& f, std::size_t grain = 1) {
     for (std::size_t i = 0; i < n; ++i) f(i);
     return;
   }
-  detail::ForkJoin edges(&f);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
-                    [&](const tbb::blocked_range<std::size_t>& r)
-                        BRIM_UNSEEN { detail::run_piece(edges, r.begin(), r.end(), f); });
+  detail::share_out(n, grain, &f, [](const void* work, std::size_t begin, std::size_t end) {
+    const F& call = *static_cast<const F*>(work);
+    for (std::size_t i = begin; i < end; ++i) call(i);
+  });
 }
 
 /// Calls f(begin, end) on fixed blocks of [0, n); the blocks do not depend on the number of threads.

@@ -1,11 +1,11 @@
 #include "brim/map/shell_weights.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
 #include <numeric>
 
 #include "brim/core/parallel.h"
+#include "brim/math/small_symmetric.h"
 
 namespace brim {
 
@@ -122,11 +122,11 @@ bool ShellWeightsMap::ride_on_patch(std::size_t p, const Vec3& r, std::span<cons
   c /= k;
   Mat3 spread = Mat3::Zero();
   for (const std::int32_t i : patch) spread += (x[i] - c) * (x[i] - c).transpose();
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
-  const Vec3 n = axes.eigenvectors().col(0);
-  const Vec3& share = axes.eigenvalues();  // ascending
+  const SymmetricAxes axes = symmetric_axes(spread);
+  const Vec3 n = axes.vectors.col(0);
+  const Vec3& share = axes.values;  // ascending
   if (!(share[1] > 1e-12 * share[2])) return false;
-  const auto across = axes.eigenvectors().rightCols<2>();
+  const auto across = axes.vectors.rightCols<2>();
   const Mat3 inverse = across * share.tail<2>().cwiseInverse().asDiagonal() * across.transpose();
 
   Vec3 foot = Vec3::Zero();

@@ -1,12 +1,12 @@
 #include "brim/raster/volume_layer.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "brim/math/small_symmetric.h"
 
 namespace brim {
 
@@ -30,10 +30,10 @@ bool correct(std::span<const Vec3> x, const Vec3& r, std::vector<Neighbour>& nea
   for (const Neighbour& n : near) mean += n.weight * x[n.particle];
   Mat3 M = Mat3::Zero();
   for (const Neighbour& n : near) M += n.weight * (x[n.particle] - mean) * (x[n.particle] - mean).transpose();
-  const Eigen::SelfAdjointEigenSolver<Mat3> eig(M);
-  const double least = 1e-6 * eig.eigenvalues()[2];
-  if (!(eig.eigenvalues()[0] > least)) return false;  // in one plane, on one line, or alone
-  const Vec3 p = eig.eigenvectors() * (eig.eigenvectors().transpose() * (r - mean)).cwiseQuotient(eig.eigenvalues());
+  const SymmetricAxes eig = symmetric_axes(M);
+  const double least = 1e-6 * eig.values[2];
+  if (!(eig.values[0] > least)) return false;  // in one plane, on one line, or alone
+  const Vec3 p = eig.vectors * (eig.vectors.transpose() * (r - mean)).cwiseQuotient(eig.values);
   double size = 0.0;
   for (const Neighbour& n : near) size += std::abs(n.weight * (1.0 + p.dot(x[n.particle] - mean)));
   if (size > kMaxWeight) return false;

@@ -1,9 +1,9 @@
 #include "brim/response/edge_points.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "brim/math/small_symmetric.h"
 #include "brim/response/patch_model.h"
 
 namespace brim {
@@ -93,8 +93,8 @@ void EdgePoints::add_points(double h) {
     d -= n * n.dot(d);
     spread += weight(r) / sum * d * d.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
-  const Vec3 along = axes.eigenvectors().col(2);
+  const SymmetricAxes axes = symmetric_axes(spread);
+  const Vec3 along = axes.vectors.col(2);
   double lo = 0.0, hi = 0.0, rise = 0.0;
   for (const Reading& r : group_) {
     const double t = along.dot(r.point - middle);
@@ -105,7 +105,7 @@ void EdgePoints::add_points(double h) {
     points_.push_back({group_.front().node, middle, n, gap});
     return;
   }
-  const double slope = rise / axes.eigenvalues()[2];
+  const double slope = rise / axes.values[2];
   for (const double t : {lo, hi}) points_.push_back({group_.front().node, middle + t * along, n, gap + slope * t});
 }
 

@@ -1,9 +1,10 @@
 #include "brim/response/patch_model.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "brim/math/small_symmetric.h"
 
 namespace brim {
 
@@ -65,7 +66,7 @@ Plane best_plane(const ContactSet& s, std::span<const std::size_t> nodes, bool o
     spread += d * d.transpose();
     miss += (distance_to(s, c, of_a, h) - mean_d - normal.dot(d)) * d;
   }
-  const Vec3 slope = normal + spread.ldlt().solve(miss);
+  const Vec3 slope = normal + solve_symmetric(spread, miss);
   return {mean_d + slope.dot(x - mean), slope};
 }
 

@@ -1,6 +1,5 @@
 #include "brim/world/measures.h"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -9,6 +8,7 @@
 #include "brim/body/changing_surface.h"
 #include "brim/body/posed_display.h"
 #include "brim/core/error.h"
+#include "brim/math/svd3.h"
 #include "brim/world/report_fields.h"
 
 namespace brim {
@@ -26,10 +26,7 @@ Mat3 best_rotation(std::span<const Vec3f> a, std::span<const Vec3f> b) {
   cb /= static_cast<double>(a.size());
   Mat3 H = Mat3::Zero();
   for (std::size_t i = 0; i < a.size(); ++i) H += (b[i].cast<double>() - cb) * (a[i].cast<double>() - ca).transpose();
-  const Eigen::JacobiSVD<Mat3> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Mat3 D = Mat3::Identity();
-  D(2, 2) = svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0 ? -1.0 : 1.0;
-  return svd.matrixU() * D * svd.matrixV().transpose();
+  return polar_rotation(H);
 }
 
 using WorldMetric = double (*)(const StepReport&);

@@ -8,6 +8,7 @@
 #include "brim/body/distance_bound.h"
 #include "brim/body/material_points.h"
 #include "brim/core/error.h"
+#include "brim/math/small_symmetric.h"
 
 namespace brim {
 
@@ -249,7 +250,7 @@ std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Bo
         body.rigid_motion(-w.cross(center), w, motion);
         inertia.col(a) = body.angular_momentum(motion) - center.cross(body.linear_momentum(motion));
       }
-      const Vec3 alpha = inertia.ldlt().solve(given.torque);
+      const Vec3 alpha = solve_symmetric(inertia, given.torque);
       body.rigid_motion(-alpha.cross(center), alpha, motion);
       image.assign(n, 0.0);
       body.apply_mass(motion, image);

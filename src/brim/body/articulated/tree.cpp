@@ -1,9 +1,8 @@
 #include "brim/body/articulated/tree.h"
 
-#include <Eigen/Eigenvalues>
-
 #include "brim/core/error.h"
 #include "brim/math/rotation.h"
+#include "brim/math/small_symmetric.h"
 
 namespace brim {
 
@@ -33,7 +32,7 @@ void check_link(const LinkModel& m, std::size_t i) {
   if (!(m.mass >= 0.0) || !std::isfinite(m.mass))
     throw wrong(fmt::format("mass is {}, but must be finite and at least 0 [kg]", m.mass));
   if (!m.inertia.allFinite() || !m.center_of_mass.allFinite()) throw wrong("its inertia is not finite");
-  if (Eigen::SelfAdjointEigenSolver<Mat3>(m.inertia).eigenvalues().minCoeff() < -1e-9 * m.inertia.norm())
+  if (symmetric_axes(m.inertia).values.minCoeff() < -1e-9 * m.inertia.norm())
     throw wrong("the inertia tensor has a negative eigenvalue");
   const JointModel& j = m.joint;
   const bool one = j.kind == JointKind::Revolute || j.kind == JointKind::Prismatic;

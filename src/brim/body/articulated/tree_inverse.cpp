@@ -1,6 +1,6 @@
 #include "brim/body/articulated/tree_inverse.h"
 
-#include <Eigen/Cholesky>
+#include "brim/math/small_symmetric.h"
 
 namespace brim {
 
@@ -24,11 +24,10 @@ bool TreeInverse::factor(const Tree& tree, const TreePose& pose, std::span<const
       joint_[i].pivot = D.trace() / k + links[i].armature;
       D.diagonal().array() += links[i].armature;
       if constexpr (k <= 3) D += T[i].template topLeftCorner<k, k>();
-      const Eigen::LLT<Block> llt(D);
+      SmallMatrix any = D;
       // A pivot lost to rounding means that a joint moves nothing.
-      definite = definite && llt.info() == Eigen::Success && D.diagonal().minCoeff() > 0.0 &&
-                 llt.matrixLLT().diagonal().cwiseAbs2().minCoeff() > 1e-13 * D.diagonal().maxCoeff();
-      const Block inverse = llt.solve(Block::Identity());
+      definite = invert_definite(any) > 1e-13 && definite;
+      const Block inverse = any.topLeftCorner<k, k>();
       joint_[i].inverse.template topLeftCorner<k, k>() = inverse;
       joint_[i].gain.template leftCols<k>() = IS * inverse;
       I.noalias() -= joint_[i].gain.template leftCols<k>() * IS.transpose();

@@ -1,6 +1,6 @@
 #include "brim/body/fem/elastic_law.h"
 
-#include <Eigen/Eigenvalues>
+#include "brim/math/small_symmetric.h"
 
 namespace brim {
 
@@ -70,8 +70,8 @@ Mat3 clamp_to_positive(const Mat3& a) {
   // Leading minors all positive: nothing to do, the common case.
   const double m2 = a(0, 0) * a(1, 1) - a(0, 1) * a(0, 1);
   if (a(0, 0) > 0.0 && m2 > 0.0 && a.determinant() > 0.0) return a;
-  const Eigen::SelfAdjointEigenSolver<Mat3> e(a);
-  return e.eigenvectors() * e.eigenvalues().cwiseMax(0.0).asDiagonal() * e.eigenvectors().transpose();
+  const SymmetricAxes e = symmetric_axes(a);
+  return e.vectors * e.values.cwiseMax(0.0).asDiagonal() * e.vectors.transpose();
 }
 
 }  // namespace brim

@@ -1,8 +1,7 @@
 #include "brim/body/particles/mean_motion.h"
 
-#include <Eigen/Eigenvalues>
-
 #include "brim/math/rotation.h"
+#include "brim/math/small_symmetric.h"
 
 namespace brim {
 
@@ -75,11 +74,10 @@ Vec3 MeanMotion::spin_of(const Vec3& L) const {
     const double about = axis->dot(inertia * *axis);
     return about > 0.0 ? Vec3(*axis * (axis->dot(L) / about)) : Vec3::Zero();
   }
-  const Eigen::SelfAdjointEigenSolver<Mat3> e(inertia);
+  const SymmetricAxes e = symmetric_axes(inertia);
   Vec3 w = Vec3::Zero();
   for (int k = 0; k < 3; ++k)
-    if (e.eigenvalues()[k] > kNoInertia * e.eigenvalues()[2])
-      w += e.eigenvectors().col(k) * (e.eigenvectors().col(k).dot(L) / e.eigenvalues()[k]);
+    if (e.values[k] > kNoInertia * e.values[2]) w += e.vectors.col(k) * (e.vectors.col(k).dot(L) / e.values[k]);
   return w;
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brim/math/svd3.h"
+
 namespace brim::exporting {
 
 void Film::add(const Job& job, const Frame& frame) {
@@ -25,11 +27,7 @@ namespace {
 using Points = Eigen::Matrix3Xd;
 
 /// Rotation that brings the columns of a, both about their means, closest to those of b.
-Mat3 best_rotation(const Points& a, const Points& b) {
-  const Eigen::JacobiSVD<Mat3> svd(b * a.transpose(), Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
-  return svd.matrixU() * Vec3(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
-}
+Mat3 best_rotation(const Points& a, const Points& b) { return polar_rotation(b * a.transpose()); }
 
 Points centred(const std::vector<Vec3f>& x, Vec3& mean) {
   Points p(3, static_cast<Eigen::Index>(x.size()));

@@ -1,11 +1,11 @@
 #include "brim/world/sense/strain_sensor.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <limits>
 
 #include "brim/body/changing_surface.h"
 #include "brim/core/error.h"
+#include "brim/math/small_symmetric.h"
 #include "brim/world/world.h"
 
 namespace brim {
@@ -40,13 +40,13 @@ StrainSensor::StrainSensor(const SensorModel& model, const World& world) : Senso
   const Vec3 mean = mean_of(places);
   Mat3 spread = Mat3::Zero();
   for (const Vec3& p : places) start_.push_back(p - mean), spread += start_.back() * start_.back().transpose();
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
-  const double most = axes.eigenvalues().maxCoeff();
+  const SymmetricAxes axes = symmetric_axes(spread);
+  const double most = axes.values.maxCoeff();
   if (!(most > 0.0)) throw InputError("the vertices of the region lie at one place");
   for (int i = 0; i < 3; ++i) {
-    if (!(axes.eigenvalues()[i] > kFlat * kFlat * most)) continue;
-    const Vec3 d = axes.eigenvectors().col(i);
-    inverse_ += d * d.transpose() / axes.eigenvalues()[i];
+    if (!(axes.values[i] > kFlat * kFlat * most)) continue;
+    const Vec3 d = axes.vectors.col(i);
+    inverse_ += d * d.transpose() / axes.values[i];
     projection_ += d * d.transpose();
   }
   for (const char* entry : {"xx", "yy", "zz", "xy", "xz", "yz"})
@@ -67,12 +67,12 @@ void StrainSensor::read(const World& world, const StepReport&, std::span<double>
   const Mat3 F = moment * inverse_;
   const Mat3 E = 0.5 * (F.transpose() * F - projection_);
   // Principal strains within what the region spans; across it E is zero.
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(E);
+  const SymmetricAxes axes = symmetric_axes(E);
   double largest = -std::numeric_limits<double>::infinity(), least = -largest;
   for (int i = 0; i < 3; ++i) {
-    const Vec3 d = axes.eigenvectors().col(i);
+    const Vec3 d = axes.vectors.col(i);
     if (d.dot(projection_ * d) < 0.5) continue;
-    largest = std::max(largest, axes.eigenvalues()[i]), least = std::min(least, axes.eigenvalues()[i]);
+    largest = std::max(largest, axes.values[i]), least = std::min(least, axes.values[i]);
   }
   const double all[] = {E(0, 0), E(1, 1), E(2, 2), E(0, 1), E(0, 2), E(1, 2), largest, least};
   std::copy(std::begin(all), std::end(all), values.begin());
