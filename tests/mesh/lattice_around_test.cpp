@@ -47,8 +47,8 @@ TEST(LatticeAround, CubesOfMatterAreHeldWithoutGapsAndWithLittleMore) {
   for (int k = 0; k < 20; ++k)
     for (int j = 0; j < 20; ++j)
       for (int i = 0; i < 20; ++i) points.push_back(0.05 * Vec3(i + 0.5, j + 0.5, k + 0.5));
-  const std::vector<double> edges(points.size(), 0.05);
-  const TetMesh mesh = lattice_around(points, 0.1, edges).mesh;
+  const std::vector<std::uint8_t> whole(points.size(), 1);
+  const TetMesh mesh = lattice_around(points, 0.1, 0.05, whole).mesh;
   // Whatever lies deeper than a tetrahedron is held.
   std::mt19937 rng(kSeed);
   std::uniform_real_distribution<double> u(0.1, 0.9);
@@ -61,11 +61,21 @@ TEST(LatticeAround, CubesOfMatterAreHeldWithoutGapsAndWithLittleMore) {
   EXPECT_LT(mass_properties(lattice_around(points, 0.1).mesh, 1.0).volume, 0.5) << "points alone leave gaps";
 }
 
+TEST(LatticeAround, WhatIsHeldAndWhatLiesOutsideMakeTheCubesTogether) {
+  // One cube as wide as the lattice, held by its middle alone: a twelfth of its volume lies in that tetrahedron at
+  // most.
+  const std::vector<Vec3> middle = {Vec3(0.013, 0.021, 0.034)};
+  const HeldPoints alone = lattice_around(middle, 0.1, 0.1);
+  EXPECT_GE(alone.outside[0], 1.0 - 1.0 / 12.0 - 0.05);
+  EXPECT_LT(alone.outside[0], 1.0);
+  EXPECT_EQ(lattice_around(middle, 0.1, 0.1, std::vector<std::uint8_t>{1}).outside[0], 0.0);
+}
+
 TEST(LatticeAround, NothingAndTooMuchAreRefused) {
   const std::vector<Vec3> none, two = {Vec3::Zero(), Vec3::Ones()};
   EXPECT_THROW(lattice_around(none, 0.1), InputError);
   EXPECT_THROW(lattice_around(two, 0.0), InputError);
-  EXPECT_THROW(lattice_around(two, 1e-4, {}, 1000), InputError);
+  EXPECT_THROW(lattice_around(two, 1e-4, 0.0, {}, 1000), InputError);
 }
 
 }  // namespace

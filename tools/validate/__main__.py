@@ -3,6 +3,7 @@
 
     ./dev validate                    all experiments, and the page with its plots
     ./dev validate incline hertz      these alone, to the screen
+    ./dev validate incline --page     these alone, and their sections of the page
     ./dev validate --fast             the quick ones, to the screen
     ./dev validate --list             names
 
@@ -87,6 +88,7 @@ def main():
     parser.add_argument("--brim", default=str(ROOT / "build/release/brim"))
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "out/validate")
     parser.add_argument("--fast", action="store_true", help="the quick ones, which run with the tests")
+    parser.add_argument("--page", action="store_true", help="write the sections of the named ones into docs/validation.md")
     parser.add_argument("--list", action="store_true", help="print the names and end")
     parser.add_argument("--only", default="", metavar="TEXT", help="cases whose description has this, as 'response penalty'")
     parser.add_argument("--jobs", type=int, default=2, help="runs at once, each on one thread")
@@ -117,6 +119,8 @@ def main():
           f"{sum(o.seconds for o in outcomes):.0f} s of processor time")
     if not options.names and not options.fast and not options.only:
         page.write(ROOT / "docs", outcomes)
+    elif options.page and not options.only:
+        page.update(ROOT / "docs", outcomes)
     return 1 if surprises else 0
 
 

@@ -1,5 +1,8 @@
 """Writes docs/validation.md and its plots."""
+import re
+
 from validate import fits, plot
+from validate.experiment import REGISTRY
 
 HEAD = """# Validation
 
@@ -55,19 +58,52 @@ def section(experiment, outcomes, pictures):
     return "\n".join(text) + "\n"
 
 
-def write(docs, outcomes):
-    pictures = docs / "pictures" / "validation"
-    pictures.mkdir(parents=True, exist_ok=True)
-    by_experiment = {}
+def by_experiment(outcomes):
+    found = {}
     for o in outcomes:
-        by_experiment.setdefault(o.experiment.name, []).append(o)
-    head = HEAD.format(count=len(by_experiment), cases=len(outcomes), met=sum(o.met for o in outcomes),
-                       seconds=sum(o.seconds for o in outcomes))
+        found.setdefault(o.experiment.name, []).append(o)
+    return found
+
+
+def sections_of(text):
+    """The sections of a page that stands, by the name of their experiment."""
+    pieces = re.split(r"^### (\w+)\n", text, flags=re.MULTILINE)
+    return {name: f"### {name}\n" + re.sub(r"\n## \w+\n*\Z", "\n", body).rstrip("\n") + "\n" for name, body in zip(pieces[1::2], pieces[2::2])}
+
+
+def assemble(docs, sections, seconds):
+    """The page of the given sections, in the order of the experiments; its counts are those of its rows."""
+    rows = [line for text in sections.values() for line in text.splitlines() if line.startswith("| ") and not line.startswith("| case |")]
     body, group = [], None
-    for found in by_experiment.values():
-        kind = found[0].experiment.scene.__module__.rsplit(".", 1)[-1].capitalize()
+    for name, e in REGISTRY.items():
+        if name not in sections:
+            continue
+        kind = e.scene.__module__.rsplit(".", 1)[-1].capitalize()
         if kind != group:
             body.append(f"## {kind}\n")
             group = kind
-        body.append(section(found[0].experiment, found, pictures))
+        body.append(sections[name])
+    head = HEAD.format(count=len(sections), cases=len(rows), met=sum(r.endswith("| met |") for r in rows), seconds=seconds)
     (docs / "validation.md").write_text(head + "\n".join(body), encoding="utf-8")
+
+
+def write(docs, outcomes):
+    """The whole page, of a run of all experiments."""
+    found = by_experiment(outcomes)
+    sections = {name: section(outs[0].experiment, outs, pictures_of(docs)) for name, outs in found.items()}
+    assemble(docs, sections, sum(o.seconds for o in outcomes))
+
+
+def update(docs, outcomes):
+    """Puts the sections of some experiments, run with all their cases, in the place of those that the page has."""
+    text = (docs / "validation.md").read_text(encoding="utf-8")
+    sections = sections_of(text)
+    for name, outs in by_experiment(outcomes).items():
+        sections[name] = section(outs[0].experiment, outs, pictures_of(docs))
+    assemble(docs, sections, float(re.search(r"(\d+) s of processor time", text)[1]))
+
+
+def pictures_of(docs):
+    folder = docs / "pictures" / "validation"
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder

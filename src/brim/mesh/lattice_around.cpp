@@ -9,8 +9,8 @@
 
 namespace brim {
 
-HeldPoints lattice_around(std::span<const Vec3> points, double spacing, std::span<const double> edges,
-                          std::size_t max_tets) {
+HeldPoints lattice_around(std::span<const Vec3> points, double spacing, double cube,
+                          std::span<const std::uint8_t> whole, std::size_t max_tets) {
   if (points.empty()) throw InputError("lattice: there are no points to hold");
   if (!(spacing > 0.0) || !std::isfinite(spacing))
     throw InputError(fmt::format("lattice: a spacing of {} m is not allowed; must be positive and finite", spacing));
@@ -24,17 +24,17 @@ HeldPoints lattice_around(std::span<const Vec3> points, double spacing, std::spa
   std::vector<std::int64_t> place(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) place[i] = lattice.tet_at(points[i]);
   std::vector<std::int64_t> wanted = place;
-  BRIM_CHECK((edges.empty() || edges.size() == points.size()), ==, true);
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    // Samples a fifth of the spacing apart leave no ball empty that is as large as a tetrahedron's inner one (radius
-    // 0.177 spacings): none is missed.
-    const int n = std::max(1, static_cast<int>(std::ceil(5.0 * edges[i] / spacing)));
-    if (n == 1) continue;
-    for (int c = 0; c < n * n * n; ++c) {
-      const Vec3 at = Vec3(c % n, c / n % n, c / (n * n)) + Vec3::Constant(0.5 - 0.5 * n);
-      wanted.push_back(lattice.tet_at(points[i] + edges[i] / n * at));
-    }
-  }
+  BRIM_CHECK((whole.empty() || whole.size() == points.size()), ==, true);
+  // Samples a fifth of the spacing apart leave no ball empty that is as large as a tetrahedron's inner one (radius
+  // 0.177 spacings): none is missed.
+  const int n = std::max(1, static_cast<int>(std::ceil(5.0 * cube / spacing)));
+  const auto sample = [&](std::size_t i, int c) {
+    const Vec3 at = Vec3(c % n, c / n % n, c / (n * n)) + Vec3::Constant(0.5 - 0.5 * n);
+    return lattice.tet_at(points[i] + cube / n * at);
+  };
+  for (std::size_t i = 0; i < whole.size(); ++i)
+    if (whole[i] != 0)
+      for (int c = 0; c < n * n * n; ++c) wanted.push_back(sample(i, c));
   std::sort(wanted.begin(), wanted.end());
   wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
 
@@ -64,6 +64,10 @@ HeldPoints lattice_around(std::span<const Vec3> points, double spacing, std::spa
     const Vec3 b = sides.inverse() * (points[i] - x0);
     held.embedding.tet.push_back(e);
     held.embedding.weights.push_back({1.0 - b.sum(), b[0], b[1], b[2]});
+    int missed = 0;
+    for (int c = 0; c < n * n * n && (whole.empty() || whole[i] == 0); ++c)
+      missed += !std::binary_search(wanted.begin(), wanted.end(), sample(i, c));
+    held.outside.push_back(static_cast<double>(missed) / (n * n * n));
   }
   return held;
 }

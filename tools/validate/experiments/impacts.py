@@ -4,6 +4,7 @@ import math
 import numpy as np
 
 from validate import fits
+from validate.domino_theory import Row
 from validate.experiment import BOTH, ROWS, cases, experiment
 from validate.scenes import G, about, ball, box, floor, rigid, scene
 
@@ -83,3 +84,34 @@ def plank(case):
                rigid("box", box(0.4, 0.4, 0.4), (-0.5, 0, 0.3), 0.05, material="wood", velocity=[1, 0, 0])], 1.2, response=case.response)
     s["materials"] = {"ice": {"friction": 0.0}, "wood": {"friction": 0.3}}
     return s
+
+
+TALL, THICK, ROW, SPIN = 1.0, 0.15, 14, 2.0
+
+
+@experiment(law="J ω = (J + 1) ω' at each blow, energy between them", source="van Leeuwen 2010, The domino effect, without friction between dominoes",
+            unit="m/s", tolerance=0.05, cases=cases(response=BOTH, gap=(0.3, 0.5)), theory=lambda c: wave_speed(c, Row(THICK, c.gap, G).times(ROW, SPIN)),
+            measure=lambda c, r: wave_speed(c, [hit_time(r, i) for i in range(ROW)]),
+            curve=lambda c, r: ([hit_time(r, i) for i in range(1, ROW)], [i * (c.gap + THICK) for i in range(1, ROW)]), axes=("t [s]", "front [m]"))
+def dominoes(case):
+    """Dominoes of 1 x 0.5 x 0.15 m topple in a row: the speed of the front from the seventh to the thirteenth."""
+    pitch, h = case.gap + THICK, 0.05
+    row = [rigid(f"domino{i}", box(THICK, 0.5, TALL), (i * pitch, 0, 0.5 * TALL), h, material="domino") for i in range(ROW)]
+    # About its lower front edge.
+    row[0].update(angular_velocity=[0, SPIN, 0], velocity=[0.5 * SPIN * TALL, 0, 0.5 * SPIN * THICK])
+    s = scene([floor(h, material="table"), *row], 3.0, dt=1 / 240, response=case.response)
+    s["materials"] = {"domino": {}, "table": {}}
+    s["pairs"] = [{"materials": ["domino", "domino"], "friction": 0.0}, {"materials": ["domino", "table"], "friction": 2.0}]
+    return s
+
+
+def hit_time(run, number, degrees=1.0):
+    """[s] when a domino leans by so much."""
+    tilt = run.tilt(f"domino{number}")
+    f = max(1, int(np.argmax(tilt > degrees)))
+    return run.time[f] - (tilt[f] - degrees) / (tilt[f] - tilt[f - 1]) * (run.time[f] - run.time[f - 1])
+
+
+def wave_speed(case, hits):
+    first, last = 6, ROW - 2
+    return (last - first) * (case.gap + THICK) / (hits[last] - hits[first])

@@ -92,8 +92,8 @@ def rope_acceleration(case):
             cases=cases(response=BOTH, light=(0.4,), heavy=(1.2, 2.0, 2.8)), theory=rope_acceleration,
             measure=lambda c, r: end_speed(r)[r.at(0.1)] / 0.1,
             curve=lambda c, r: (r.time, end_speed(r)), ideal=lambda c, t: rope_acceleration(c) * t, axes=("t [s]", "speed [m/s]"),
-            misses={f"response {r}, light 0.4, heavy {n}": "a rope that goes around a post is braked in proportion to its speed"
-                    for r in BOTH for n in ("2", "2.8")})
+            misses={f"response {r}, light 0.4, heavy {n}": "does not converge in dt: ends of 0.4 and 2 m start at 0.73, 2.00 and 2.18 m/s² under penalties "
+                    "and 1.63, 1.75 and 1.92 under rows at steps of 1/60, 1/240 and 1/960 s; its cause is not known" for r in BOTH for n in ("2", "2.8")})
 def capstan(case):
     """A rope over a post, its ends of unequal length: the acceleration with which it starts to slide."""
     return rope_over(case, (case.light, case.heavy))

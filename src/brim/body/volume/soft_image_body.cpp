@@ -1,8 +1,11 @@
 #include "brim/body/volume/soft_image_body.h"
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 
 #include "brim/core/error.h"
+#include "brim/core/parallel.h"
 #include "brim/mesh/lattice_around.h"
 
 namespace brim {
@@ -11,6 +14,8 @@ namespace {
 
 /// Cells with less than this share of matter are left out. [1/255]
 constexpr int kLeastMatter = 4;
+/// Least stiffness of a tetrahedron, in that of one full of its matter: corners with little matter stay held.
+constexpr double kLeastShare = 0.05;
 
 /// Rows of barycentric weights.
 WeightRows rows_of(const TetMesh& mesh, const Embedding& embedding) {
@@ -59,6 +64,37 @@ std::vector<double> element_means(const TetMesh& mesh, const std::vector<std::in
   return mean;
 }
 
+double volume_of(const TetMesh& mesh, std::size_t e) {
+  const auto corner = [&](int k) { return mesh.vertices[static_cast<std::size_t>(mesh.tets[e][k])]; };
+  return tet_volume(corner(0), corner(1), corner(2), corner(3));
+}
+
+/// Share of matter in each tetrahedron: the mean over points spread evenly through it, two or more to a cell's width
+/// (up to ten along an edge), each that of the cell in which it lies. At least kLeastShare.
+std::vector<double> matter_shares(const TetMesh& mesh, const OccupancyGrid& matter, double edge) {
+  const int n = std::clamp(static_cast<int>(std::ceil(2.0 * edge / matter.spacing)), 2, 10);
+  const auto share_at = [&](const Vec3& x) {
+    const Vec3i c = ((x - matter.origin) / matter.spacing + Vec3::Constant(0.5)).array().floor().cast<int>().matrix();
+    if ((c.array() < 0).any() || (c.array() >= matter.cells.array()).any()) return 0;
+    return static_cast<int>(matter.share[matter.index(c.x(), c.y(), c.z())]);
+  };
+  std::vector<double> share(mesh.tets.size());
+  parallel_for(
+      mesh.tets.size(),
+      [&](std::size_t e) {
+        const auto corner = [&](int k) { return mesh.vertices[static_cast<std::size_t>(mesh.tets[e][k])]; };
+        const Vec3 x0 = corner(0), a = (corner(1) - x0) / n, b = (corner(2) - x0) / n, c = (corner(3) - x0) / n;
+        int sum = 0, count = 0;
+        for (int i = 0; i < n; ++i)
+          for (int j = 0; i + j < n; ++j)
+            for (int k = 0; i + j + k < n; ++k, ++count)
+              sum += share_at(x0 + (i + 0.25) * a + (j + 0.25) * b + (k + 0.25) * c);
+        share[e] = std::max(kLeastShare, sum / (255.0 * count));
+      },
+      64);
+  return share;
+}
+
 }  // namespace
 
 SoftImageBody::Parts SoftImageBody::build(const OccupancyGrid& matter, const TriMesh& surface, double spacing,
@@ -86,15 +122,21 @@ SoftImageBody::Parts SoftImageBody::build(const OccupancyGrid& matter, const Tri
         if (!material.young.empty()) young.push_back(static_cast<double>(material.young[at]) * 255.0 / share);
       }
   // Cells that are mostly full hold tetrahedra all over.
-  std::vector<double> edges;
-  for (const double v : parts.carriage.volume) edges.push_back(v > 0.5 * cell ? matter.spacing : 0.0);
-  HeldPoints held = lattice_around(x, spacing, edges);
+  std::vector<std::uint8_t> whole;
+  for (const double v : parts.carriage.volume) whole.push_back(v > 0.5 * cell ? 1 : 0);
+  HeldPoints held = lattice_around(x, spacing, matter.spacing, whole);
   parts.mesh = std::move(held.mesh);
+  parts.stiffness = matter_shares(parts.mesh, matter, spacing);
+  // What lies in no tetrahedron stiffens the one that carries it.
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const auto e = static_cast<std::size_t>(held.embedding.tet[i]);
+    parts.stiffness[e] += held.outside[i] * parts.carriage.volume[i] / volume_of(parts.mesh, e);
+  }
   if (!young.empty()) {
     // The pair's stiffness in contact goes by what yields first where both are in it.
     options.young = softness_mean(young, parts.carriage.volume);
-    parts.stiffness = element_means(parts.mesh, held.embedding.tet, young, parts.carriage.volume);
-    for (double& s : parts.stiffness) s /= options.young;
+    const std::vector<double> mean = element_means(parts.mesh, held.embedding.tet, young, parts.carriage.volume);
+    for (std::size_t e = 0; e < mean.size(); ++e) parts.stiffness[e] *= mean[e] / options.young;
   }
   parts.carriage.weights = rows_of(parts.mesh, held.embedding);
   parts.surface.triangles = surface.triangles;
@@ -121,7 +163,7 @@ SoftImageBody::SoftImageBody(Parts parts, const ElasticOptions& options)
       parts_(std::move(parts)),
       elements_(parts_.mesh, options.neo_hookean ? ElasticLaw::StableNeoHookean : ElasticLaw::CorotationalLinear,
                 Lame::from(options.young, options.poisson)) {
-  if (!parts_.stiffness.empty()) elements_.scale_stiffness(parts_.stiffness);
+  elements_.scale_stiffness(parts_.stiffness);
   stiffness_.begin(particle_count());
   stiffness_.add_elements(elements_.nodes(), 4);
   stiffness_.finish();

@@ -17,7 +17,8 @@ struct CellMaterial {
 
 /// Deformable raw volume (paper, section 5.4): voxels of matter ride in a lattice of tetrahedra that deform as finite
 /// elements do; the voxels make the density, and forces go from grid to voxels to lattice.
-/// Each tetrahedron that holds matter is as stiff as if it were full of the matter that it holds.
+/// Each tetrahedron has the stiffness of the matter that it holds: that of a full one times its share of matter, 5 % of
+/// it at least.
 /// Tests: tests/body/carried_body_test.cpp
 class SoftImageBody final : public CarriedBody {
  public:
@@ -40,7 +41,7 @@ class SoftImageBody final : public CarriedBody {
     TetMesh mesh;
     Carriage carriage;
     CarriedSurface surface;
-    std::vector<double> stiffness;  ///< [-] of each tetrahedron, in ElasticOptions::young; empty: 1
+    std::vector<double> stiffness;  ///< [-] of each tetrahedron, over that of one full of ElasticOptions::young
   };
   static Parts build(const OccupancyGrid& matter, const TriMesh& surface, double spacing, const Quat& rotation,
                      const Vec3& position, ElasticOptions& options, const CellMaterial& material);
