@@ -108,6 +108,7 @@ Handle::~Handle() {
   switch (H5Iget_type(id_)) {
     case H5I_FILE:
       H5Fclose(id_);
+      H5garbage_collect();  // else the library keeps up to some megabytes of what it has freed
       break;
     case H5I_GROUP:
       H5Gclose(id_);
