@@ -24,7 +24,7 @@ def executions(log):
     final = re.findall(r"^stat::number_of_executed_units:\s*(\d+)", log, re.M)
     # A run that was ended from outside has its last line of progress instead: "#4096 pulse cov: ...".
     count = max((int(n) for n in final or re.findall(r"^#(\d+)\s", log, re.M)), default=0)
-    return count, int(bool(re.search(r"^(SUMMARY: |==\d+== ERROR)", log, re.M)))
+    return count, int(bool(re.search(r"^(SUMMARY: |==\d+== ?ERROR)", log, re.M)))
 
 
 def commit():

@@ -141,8 +141,8 @@ class EnergyFold : public MetricFold {
 
 class BodyFold : public MetricFold {
  public:
-  BodyFold(std::string metric, std::vector<std::size_t> bodies)
-      : metric_(std::move(metric)), bodies_(std::move(bodies)), axis_(metric_.back() - 'x') {
+  BodyFold(const std::string& metric, std::vector<std::size_t> bodies)
+      : bodies_(std::move(bodies)), axis_(metric.back() - 'x') {
     static const std::pair<const char*, Of> kinds[] = {{"position_", Of::Position},
                                                        {"displacement_", Of::DisplacementAlong},
                                                        {"displacement", Of::Displacement},
@@ -155,7 +155,7 @@ class BodyFold : public MetricFold {
                                                        {"highest", Of::Highest},
                                                        {"drift", Of::Drift},
                                                        {"impulse_", Of::Impulse}};
-    const auto kind = std::ranges::find_if(kinds, [&](const auto& k) { return metric_.starts_with(k.first); });
+    const auto kind = std::ranges::find_if(kinds, [&](const auto& k) { return metric.starts_with(k.first); });
     of_ = kind->second;
     const Take take = of_ == Of::Force                         ? Take::Mean
                       : of_ == Of::Impulse                     ? Take::SumAfterFirst
@@ -227,9 +227,8 @@ class BodyFold : public MetricFold {
     return std::numeric_limits<double>::quiet_NaN();
   }
 
-  std::string metric_;
   std::vector<std::size_t> bodies_;
-  int axis_;
+  int axis_;  ///< of metrics that end in _x, _y or _z
   Of of_ = Of::Position;
   double first_ = 0.0, before_ = 0.0;  ///< [s] of the window's start, and of the frame before
   std::vector<Vec3> start_;            ///< shape (bodies_); empty before the first frame
