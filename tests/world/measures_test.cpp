@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "brim/mesh/primitives.h"
 #include "brim/world/display_measures.h"
 #include "support/worlds.h"
@@ -146,6 +148,42 @@ TEST(Measures, AWindowThatTheRunDidNotReachHoldsNoBound) {
   const auto f = m.findings();
   EXPECT_FALSE(f[0].reached || f[0].ok) << "it ends at 10 s";
   EXPECT_TRUE(f[1].reached && f[1].ok);
+}
+
+/// Of a ball that is thrown up, every window of frames gives what all its frames together give.
+TEST(Measures, AWindowHasTheFramesThatLieInIt) {
+  constexpr int kSteps = 30;
+  const std::pair<int, int> windows[] = {{0, kSteps}, {0, 0}, {7, 7}, {1, 12}, {10, 25}, {29, 30}};
+  for (const auto& [from, to] : windows) {
+    SCOPED_TRACE(from);
+    World w(options_at(0.125));
+    w.add(shown_ball("ball", Vec3(0, 0, 3), Vec3(0, 0, 2)));
+    const double first = from * kStep, last = to * kStep;
+    Measures m(w,
+               {asked("highest", "ball", first, last), asked("position_z", "ball", first, last),
+                asked("displacement_z", "ball", first, last), asked("max_speed", "", first, last),
+                asked("failed_steps", "", first, last)},
+               kSteps * kStep);
+    std::vector<double> highest, z, speed;
+    StepReport report;
+    for (int f = 0; f <= kSteps; ++f) {
+      if (f > 0) report = w.step();
+      m.add(w, report, f > 0);
+      highest.push_back(m.samples()[0].highest), z.push_back(m.samples()[0].center.z());
+      speed.push_back(report.max_speed);
+    }
+    const auto most = [&](const std::vector<double>& x) {
+      return *std::max_element(x.begin() + from, x.begin() + to + 1);
+    };
+    const auto found = m.findings();
+    const auto at = [](const std::vector<double>& x, int f) { return x[static_cast<std::size_t>(f)]; };
+    EXPECT_EQ(found[0].value, most(highest));
+    EXPECT_EQ(found[1].value, at(z, to));
+    EXPECT_EQ(found[2].value, at(z, to) - at(z, from));
+    EXPECT_EQ(found[3].value, most(speed));
+    EXPECT_EQ(found[4].value, 0.0);
+    for (const Finding& f : found) EXPECT_TRUE(f.reached);
+  }
 }
 
 TEST(Measures, AKnownMissIsAsExpectedOnlyWhileItMisses) {

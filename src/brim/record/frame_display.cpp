@@ -52,16 +52,10 @@ void FrameDisplay::describe_xdmf() {
     const bool lines = body.display.kind == Display::Kind::Lines;
     const std::size_t triangles = place.pieces > 0 ? 0 : body.display.triangles.size();
     if (place.pieces == 0)
-      xdmf_.bodies.push_back({body.name,
-                              static_cast<int>(b),
-                              body.display.kind,
-                              body.display.vertices,
+      xdmf_.bodies.push_back({body.name, static_cast<int>(b), body.display.kind, body.display.vertices,
                               lines ? body.display.lines.size() : triangles,
                               static_cast<std::size_t>(std::max<std::int64_t>(place.first_position, 0)),
-                              lines ? xdmf_.lines : xdmf_.triangles,
-                              body.changing,
-                              {0},
-                              {0}});
+                              lines ? xdmf_.lines : xdmf_.triangles, body.changing});
     xdmf_.triangles += triangles;
     xdmf_.lines += body.display.lines.size();
   }
@@ -123,10 +117,15 @@ void FrameDisplay::add_surfaces(const World& world) {
     s.vertices.close_frame(vertices_.size());
     s.triangles.append_rows(0, corners_.data(), corners_.size());
     s.triangles.close_frame(corners_.size());
-    XdmfModel::Item& item = xdmf_.bodies[s.item];
-    item.vertex_offset.push_back(s.vertices.total());
-    item.cell_offset.push_back(s.triangles.total());
   }
+}
+
+std::vector<XdmfFrames::Rows> FrameDisplay::xdmf_rows(std::uint64_t first, std::uint64_t count) const {
+  std::vector<XdmfFrames::Rows> all(xdmf_.bodies.size());
+  for (const Surface& s : surfaces_)
+    all[s.item] = {s.vertices.offsets(first, count), s.triangles.offsets(first, count), s.vertices.total(),
+                   s.triangles.total()};
+  return all;
 }
 
 void FrameDisplay::watch_still() {
@@ -156,11 +155,8 @@ void FrameDisplay::watch_still() {
 void FrameDisplay::cut(std::uint64_t frames) {
   for (Column* c : {&rotation_, &translation_, &positions_}) c->cut(frames);
   for (Surface& s : surfaces_) {
-    XdmfModel::Item& item = xdmf_.bodies[s.item];
     s.vertices.cut(frames);
     s.triangles.cut(frames);
-    item.vertex_offset = s.vertices.offsets(frames);
-    item.cell_offset = s.triangles.offsets(frames);
   }
   empty_ = frames == 0;
   if (empty_) return;

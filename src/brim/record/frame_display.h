@@ -22,8 +22,10 @@ class FrameDisplay {
   /// Drops all frames from `frames` on.
   void cut(std::uint64_t frames);
   void flush();
-  /// What run.xdmf says of the bodies, up to the last frame.
+  /// What run.xdmf says of the bodies.
   const XdmfModel& xdmf() const { return xdmf_; }
+  /// Where the surfaces of bodies are that are another one in every frame, as flushed. @return shape (xdmf().bodies)
+  std::vector<XdmfFrames::Rows> xdmf_rows(std::uint64_t first, std::uint64_t count) const;
 
  private:
   /// The surface of a body that is another one in every frame.

@@ -101,6 +101,32 @@ void need_single(Id attribute, const std::string& where) {
   if (H5Sget_simple_extent_npoints(space.id()) != 1) throw InputError(fmt::format("{}: must be a single value", where));
 }
 
+/// Refuses data sets that store fewer bytes than their elements need: HDF5 1.10 takes a chunk or a compact data set for
+/// whole whatever its length in the file says, and would read beyond its end. Chunks whose lengths are wrong but right
+/// together are not seen, nor what packed chunks unpack to.
+void need_whole_storage(Id set, const std::string& path) {
+  const Handle list(need(H5Dget_create_plist(set), path, "cannot be read")),
+      space(need(H5Dget_space(set), path, "cannot be read")), type(need(H5Dget_type(set), path, "cannot be read"));
+  const H5D_layout_t layout = H5Pget_layout(list.id());
+  std::vector<hsize_t> extents(
+      static_cast<std::size_t>(need(H5Sget_simple_extent_ndims(space.id()), path, "has no shape")));
+  hsize_t pieces = 1;
+  if (layout == H5D_CHUNKED && H5Pget_nfilters(list.id()) == 0) {
+    need(H5Pget_chunk(list.id(), static_cast<int>(extents.size()), extents.data()), path, "is damaged");
+    need(H5Dget_num_chunks(set, space.id(), &pieces), path, "is damaged");
+  } else if (layout == H5D_COMPACT) {
+    H5Sget_simple_extent_dims(space.id(), extents.data(), nullptr);
+  } else {
+    return;
+  }
+  double wanted = static_cast<double>(H5Tget_size(type.id())) * static_cast<double>(pieces);
+  for (const hsize_t n : extents) wanted *= static_cast<double>(n);
+  const auto stored = static_cast<double>(H5Dget_storage_size(set));
+  if (wanted != stored)
+    throw InputError(
+        fmt::format("{}: stores {} bytes where its shape needs {}; the file is damaged", path, stored, wanted));
+}
+
 }  // namespace
 
 Handle::~Handle() {
@@ -108,6 +134,7 @@ Handle::~Handle() {
   switch (H5Iget_type(id_)) {
     case H5I_FILE:
       H5Fclose(id_);
+      H5garbage_collect();  // else the library keeps up to some megabytes of what it has freed
       break;
     case H5I_GROUP:
       H5Gclose(id_);
@@ -205,6 +232,7 @@ void Dataset::read(void* data, std::uint64_t elements, std::uint64_t first, std:
   count[0] = rows;
   for (const hsize_t c : count)
     if (c == 0) return;
+  need_whole_storage(handle_.id(), path_);
   const Handle space(need(H5Dget_space(handle_.id()), path_, "cannot be read"));
   need(H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), path_,
        "bad rows");
@@ -382,6 +410,7 @@ std::vector<std::string> File::read_texts(const std::string& path) const {
   const auto count = static_cast<std::uint64_t>(need(H5Sget_simple_extent_npoints(space.id()), at, "cannot be read"));
   if (count > (kMostDeflation * H5Dget_storage_size(set.id()) + kSmallBytes) / width)
     throw InputError(fmt::format("{}: says more strings than it stores; the file is damaged", at));
+  need_whole_storage(set.id(), at);
   std::string all(width * count, '\0');
   if (count > 0) need(H5Dread(set.id(), type.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, all.data()), at, "is damaged");
   std::vector<std::string> texts;

@@ -35,10 +35,10 @@ void RaggedList::cut(std::uint64_t frames) {
   offset_.cut(frames + 1);
 }
 
-std::vector<std::int64_t> RaggedList::offsets(std::uint64_t frames) const {
-  std::vector<std::int64_t> all(frames + 1);
-  offset_.set().read(all.data(), all.size(), 0, all.size(), h5::Type::Int64);
-  return all;
+std::vector<std::int64_t> RaggedList::offsets(std::uint64_t first, std::uint64_t count) const {
+  std::vector<std::int64_t> rows(count + 1);
+  offset_.set().read(rows.data(), rows.size(), first, rows.size(), h5::Type::Int64);
+  return rows;
 }
 
 void RaggedList::flush() {

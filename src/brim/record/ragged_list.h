@@ -46,8 +46,8 @@ class RaggedList {
   void cut(std::uint64_t frames);
   /// Rows of all frames.
   std::int64_t total() const { return total_; }
-  /// Of frames 0 to frames: where the rows of each start, and where the last ones end.
-  std::vector<std::int64_t> offsets(std::uint64_t frames) const;
+  /// Of frames first to first + count - 1, as flushed: where the rows of each start, and where the last ones end.
+  std::vector<std::int64_t> offsets(std::uint64_t first, std::uint64_t count) const;
   void flush();
 
  private:

@@ -18,10 +18,14 @@ constexpr const char* kFiles[] = {"run.h5.journal", "run.h5", "run.xdmf", "scene
 }  // namespace
 
 void write_whole(const std::string& path, const std::string& text) {
+  write_whole(path, [&](std::ostream& out) { out << text; });
+}
+
+void write_whole(const std::string& path, const std::function<void(std::ostream&)>& write) {
   const std::string part = path + ".part";
   {
     std::ofstream out(part, std::ios::binary);
-    out << text;
+    write(out);
     out.flush();
     if (!out) throw InputError(fmt::format("{}: cannot be written; is the disk full or the folder protected?", part));
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <iosfwd>
 #include <string>
 
 namespace brim {
@@ -13,5 +15,7 @@ void remove_run_files(const std::string& folder);
 
 /// Writes a file so that it appears whole or not at all. @throws InputError
 void write_whole(const std::string& path, const std::string& text);
+/// Likewise, of what is written piece by piece.
+void write_whole(const std::string& path, const std::function<void(std::ostream&)>& write);
 
 }  // namespace brim

@@ -1,5 +1,6 @@
 #include "brim/record/run_writer.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -29,6 +30,8 @@ constexpr double kFlushSeconds = 1.0;
 constexpr double kFlushShare = 0.02;  // of the time, at most, when frames are fast
 constexpr double kXdmfSeconds = 10.0;
 constexpr double kXdmfShare = 0.01;
+constexpr std::int64_t kXdmfGrids = 4096;     // in one piece of text
+constexpr std::int64_t kReopenFrames = 8192;  // HDF5 keeps about 100 bytes a frame of an open file's indices in memory
 
 using Row = std::vector<std::uint64_t>;
 
@@ -47,7 +50,7 @@ struct RunWriter::Impl {
   FrameLists lists;
   FrameSensors sensors;
   h5::Dataset count;
-  std::vector<double> times;
+  std::int64_t frames = 0;
   Clock::time_point last_flush = Clock::now(), last_xdmf = Clock::now();
   double flush_cost = 0.0, xdmf_cost = 0.0;  ///< [s] of the last time
   std::vector<double> motion_row;
@@ -58,7 +61,7 @@ struct RunWriter::Impl {
   void open_series(bool create);
   template <class Visit>
   void for_each_column(const Visit& visit);
-  void cut_all(std::int64_t frames);
+  void cut_all(std::int64_t whole);
   void add_series(const StepReport& report, int steps, std::span<const BodySample> samples);
   /// @param read  the sensors that have read the frame, or nothing
   void add(const World& world, const StepReport& frame, int steps, std::span<const BodySample> samples,
@@ -66,6 +69,8 @@ struct RunWriter::Impl {
            const Sensors* read);
   void flush();
   void write_xdmf();
+  void go_on_after(const World& world, std::int64_t whole);
+  void reopen(const World& world);
 };
 
 void RunWriter::Impl::make(const World& world, const RunInfo& info) {
@@ -143,18 +148,38 @@ void RunWriter::Impl::for_each_column(const Visit& visit) {
   for (Column& c : motion) visit(c);
 }
 
-void RunWriter::Impl::cut_all(std::int64_t frames) {
-  const auto n = static_cast<std::uint64_t>(frames);
+void RunWriter::Impl::cut_all(std::int64_t whole) {
+  const auto n = static_cast<std::uint64_t>(whole);
   // First it is said that the later frames are gone: a reader must never count rows that are being cut.
-  count.overwrite(&frames, Type::Int64);
+  count.overwrite(&whole, Type::Int64);
   file->flush();
   for_each_column([&](Column& c) { c.cut(n); });
   display.cut(n);
   lists.cut(n);
   sensors.cut(n);
   file->flush();
-  times.resize(n);
-  time.set().read(times.data(), n, 0, n, Type::Float64);
+  frames = whole;
+}
+
+/// Opens the file of a run, of which the first `whole` frames are kept.
+void RunWriter::Impl::go_on_after(const World& world, std::int64_t whole) {
+  file = std::make_unique<h5::File>((fs::path(folder) / "run.h5").string(), h5::File::Mode::Write);
+  mark_writer();
+  open_all(world, false);
+  cut_all(whole);
+}
+
+/// Closes the file and opens it again: all that HDF5 keeps of an open file in memory goes.
+void RunWriter::Impl::reopen(const World& world) {
+  for_each_column([](Column& c) { c = Column(); });
+  series.clear();
+  motion.clear();
+  display = FrameDisplay();
+  lists = FrameLists();
+  sensors = FrameSensors();
+  count = h5::Dataset();
+  file.reset();
+  go_on_after(world, frames);
 }
 
 void RunWriter::Impl::add_series(const StepReport& report, int steps, std::span<const BodySample> samples) {
@@ -178,7 +203,6 @@ void RunWriter::Impl::flush() {
   lists.flush();
   sensors.flush();
   file->flush();
-  const auto frames = static_cast<std::int64_t>(times.size());
   count.overwrite(&frames, Type::Int64);
   file->flush();
   flush_cost = seconds_since(start);
@@ -187,7 +211,19 @@ void RunWriter::Impl::flush() {
 
 void RunWriter::Impl::write_xdmf() {
   const Clock::time_point start = Clock::now();
-  write_whole((fs::path(folder) / "run.xdmf").string(), xdmf_text(display.xdmf(), times));
+  const XdmfModel& model = display.xdmf();
+  const std::int64_t most = std::max<std::int64_t>(1, kXdmfGrids / static_cast<std::int64_t>(model.bodies.size() + 1));
+  write_whole((fs::path(folder) / "run.xdmf").string(), [&](std::ostream& out) {
+    out << xdmf_head();
+    for (std::int64_t first = 0; first < frames; first += most) {
+      const auto from = static_cast<std::uint64_t>(first),
+                 n = static_cast<std::uint64_t>(std::min(most, frames - first));
+      XdmfFrames some{from, static_cast<std::size_t>(frames), std::vector<double>(n), display.xdmf_rows(from, n)};
+      time.set().read(some.times.data(), n, from, n, Type::Float64);
+      out << xdmf_frames(model, some);
+    }
+    out << xdmf_tail();
+  });
   xdmf_cost = seconds_since(start);
   last_xdmf = Clock::now();
 }
@@ -201,16 +237,13 @@ RunWriter::RunWriter(const std::string& folder, const World& world, const RunInf
 RunWriter::RunWriter(const std::string& folder, const World& world, std::int64_t frame)
     : impl_(std::make_unique<Impl>()) {
   impl_->folder = folder;
-  impl_->file = std::make_unique<h5::File>((fs::path(folder) / "run.h5").string(), h5::File::Mode::Write);
-  impl_->mark_writer();
-  impl_->open_all(world, false);
-  impl_->cut_all(frame + 1);
+  impl_->go_on_after(world, frame + 1);
 }
 
 RunWriter::~RunWriter() = default;
 RunWriter::RunWriter(RunWriter&&) noexcept = default;
 
-std::int64_t RunWriter::frames() const { return static_cast<std::int64_t>(impl_->times.size()); }
+std::int64_t RunWriter::frames() const { return impl_->frames; }
 
 void RunWriter::add(const World& world, const StepReport& frame, int steps, std::span<const BodySample> samples) {
   impl_->add(world, frame, steps, samples, world.contacts(), world.active_tiles(), find_sensors(world));
@@ -225,7 +258,7 @@ void RunWriter::Impl::add(const World& world, const StepReport& frame, int steps
                           std::span<const ContactSample> contacts, std::span<const std::pair<TileKey, double>> tiles,
                           const Sensors* read) {
   const State& state = world.state();
-  const bool first = times.empty();
+  const bool first = frames == 0;
   time.append_value(state.time);
   step.append_value(state.step);
   q.append(state.q.data(), 1);
@@ -234,12 +267,16 @@ void RunWriter::Impl::add(const World& world, const StepReport& frame, int steps
   display.add(world);
   lists.add(state, frame, contacts, tiles);
   sensors.add(read);
-  times.push_back(state.time);
+  ++frames;
   // Slow frames are flushed one by one; fast ones together, so that flushing stays a small part of the time.
   if (first || seconds_since(last_flush) > std::min(kFlushSeconds, flush_cost / kFlushShare)) flush();
   if (first || seconds_since(last_xdmf) > std::max(kXdmfSeconds, xdmf_cost / kXdmfShare)) {
     flush();
     write_xdmf();
+  }
+  if (frames % kReopenFrames == 0) {
+    flush();
+    reopen(world);
   }
 }
 

@@ -33,10 +33,11 @@ double since(Clock::time_point t) { return std::chrono::duration<double>(Clock::
 class Rate {
  public:
   double add(double wall, int steps) {
-    marks_.push_back({wall, steps_ += steps});
-    while (marks_.size() > 2 && marks_.back().wall - marks_.front().wall > 10.0) marks_.pop_front();
-    const double span = marks_.back().wall - marks_.front().wall;
-    return span > 0.0 ? static_cast<double>(marks_.back().steps - marks_.front().steps) / span : 0.0;
+    steps_ += steps;
+    if (wall - marks_.back().wall > 0.1) marks_.push_back({wall, steps_});
+    while (marks_.size() > 2 && wall - marks_.front().wall > 10.0) marks_.pop_front();
+    const double span = wall - marks_.front().wall;
+    return span > 0.0 ? static_cast<double>(steps_ - marks_.front().steps) / span : 0.0;
   }
 
  private:

@@ -48,23 +48,24 @@ void poses(std::string& out, const XdmfModel& model, std::size_t frame, std::siz
 }
 
 /// A frame of a surface that changes: rows of its lists of triangles and of vertices.
-void changing(std::string& out, const XdmfModel::Item& b, std::size_t frame) {
-  const auto rows = [&](const char* list, const char* column, const std::vector<std::int64_t>& offset) {
+void changing(std::string& out, const XdmfModel::Item& b, const XdmfFrames::Rows& r, std::size_t i) {
+  const auto count = [&](const std::vector<std::int64_t>& offset) { return offset[i + 1] - offset[i]; };
+  const auto rows = [&](const char* list, const char* column, const std::vector<std::int64_t>& offset,
+                        std::int64_t all) {
     return fmt::format("Format=\"HDF\">run.h5:/display/{}/{}/{}|{} 0:1 1:{} 3:{} 3</DataItem>", b.index, list, column,
-                       offset[frame], offset[frame + 1] - offset[frame], offset.back());
+                       offset[i], count(offset), all);
   };
-  const auto count = [&](const std::vector<std::int64_t>& offset) { return offset[frame + 1] - offset[frame]; };
   fmt::format_to(std::back_inserter(out),
                  "<Topology TopologyType=\"Triangle\" NumberOfElements=\"{0}\"><DataItem Dimensions=\"{0} 3\" "
                  "NumberType=\"Int\" Precision=\"4\" {1}</Topology><Geometry GeometryType=\"XYZ\"><DataItem "
                  "Dimensions=\"{2} 3\" NumberType=\"Float\" Precision=\"4\" {3}</Geometry>",
-                 count(b.cell_offset), rows("triangles", "corner", b.cell_offset), count(b.vertex_offset),
-                 rows("vertices", "position", b.vertex_offset));
+                 count(r.cells), rows("triangles", "corner", r.cells, r.all_cells), count(r.vertices),
+                 rows("vertices", "position", r.vertices, r.all_vertices));
 }
 
 /// False in frames in which there is nothing to show: readers do not take empty grids.
-bool shown(const XdmfModel::Item& b, std::size_t frame) {
-  return b.changing ? b.cell_offset[frame + 1] > b.cell_offset[frame] : b.vertices > 0;
+bool shown(const XdmfModel::Item& b, const XdmfFrames::Rows& r, std::size_t i) {
+  return b.changing ? r.cells[i + 1] > r.cells[i] : b.vertices > 0;
 }
 
 }  // namespace
@@ -92,32 +93,39 @@ std::string xml_escaped(const std::string& text) {
   return out;
 }
 
-std::string xdmf_text(const XdmfModel& model, std::span<const double> times) {
-  std::string out =
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n"
-      "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
-  for (std::size_t f = 0; f < times.size(); ++f) {
+std::string xdmf_head() {
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"3.0\">\n<Domain>\n"
+         "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+}
+
+std::string xdmf_frames(const XdmfModel& model, const XdmfFrames& frames) {
+  std::string out;
+  for (std::size_t i = 0; i < frames.times.size(); ++i) {
+    const std::size_t f = frames.first + i;
     fmt::format_to(std::back_inserter(out),
                    "<Grid Name=\"frame {}\" GridType=\"Collection\" CollectionType=\"Spatial\"><Time Value=\"{}\"/>\n",
-                   f, times[f]);
-    for (const XdmfModel::Item& b : model.bodies) {
-      if (!shown(b, f)) continue;
+                   f, frames.times[i]);
+    for (std::size_t item = 0; item < model.bodies.size(); ++item) {
+      const XdmfModel::Item& b = model.bodies[item];
+      const XdmfFrames::Rows& rows = frames.rows[item];
+      if (!shown(b, rows, i)) continue;
       out += "<Grid Name=\"" + xml_escaped(b.name) + "\">";
       if (b.changing) {
-        changing(out, b, f);
+        changing(out, b, rows, i);
       } else {
         topology(out, model, b);
         out += "<Geometry GeometryType=\"XYZ\">" +
-               frame_item("/display/positions", 4, f, times.size(), b.first_vertex, b.vertices, model.positions, 3) +
+               frame_item("/display/positions", 4, f, frames.all, b.first_vertex, b.vertices, model.positions, 3) +
                "</Geometry>";
       }
       out += "</Grid>\n";
     }
-    if (model.pieces > 0) poses(out, model, f, times.size());
+    if (model.pieces > 0) poses(out, model, f, frames.all);
     out += "</Grid>\n";
   }
-  out += "</Grid>\n</Domain>\n</Xdmf>\n";
   return out;
 }
+
+std::string xdmf_tail() { return "</Grid>\n</Domain>\n</Xdmf>\n"; }
 
 }  // namespace brim

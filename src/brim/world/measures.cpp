@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <limits>
 #include <numbers>
 
 #include "brim/body/changing_surface.h"
 #include "brim/body/posed_display.h"
-#include "brim/core/error.h"
 #include "brim/math/svd3.h"
-#include "brim/world/report_fields.h"
 
 namespace brim {
 
@@ -29,48 +27,13 @@ Mat3 best_rotation(std::span<const Vec3f> a, std::span<const Vec3f> b) {
   return polar_rotation(H);
 }
 
-using WorldMetric = double (*)(const StepReport&);
-
-/// Metrics of the world that are the largest of a value over the window.
-const std::map<std::string, WorldMetric>& largest_metrics() {
-  static const std::map<std::string, WorldMetric> table = {
-      {"worst_overlap", [](const StepReport& r) { return r.worst_overlap; }},
-      {"max_speed", [](const StepReport& r) { return r.max_speed; }},
-      {"kinetic_energy", [](const StepReport& r) { return r.kinetic_energy; }},
-      {"momentum_error", [](const StepReport& r) { return r.momentum_error; }},
-      {"angular_error", [](const StepReport& r) { return r.angular_error; }},
-      {"contacts", [](const StepReport& r) { return static_cast<double>(r.contacts); }},
-  };
-  return table;
-}
-
-/// Metrics of the world at the end of the window.
-const std::map<std::string, WorldMetric>& final_metrics() {
-  static const std::map<std::string, WorldMetric> table = {
-      {"final_speed", [](const StepReport& r) { return r.max_speed; }},
-      {"final_kinetic_energy", [](const StepReport& r) { return r.kinetic_energy; }},
-      {"stiffness", [](const StepReport& r) { return r.stiffness; }},
-  };
-  return table;
-}
-
-const std::vector<std::string> kOtherWorldMetrics = {
-    "energy_rise",   "energy_growth", "momentum_change", "angular_momentum_change",
-    "contact_share", "cg_iterations", "substeps",        "step_seconds",
-    "warnings",      "failed_steps",  "particles",       "sensor"};
-const std::vector<std::string> kBodyMetrics = {
-    "position_x",   "position_y", "position_z", "displacement", "displacement_x",  "displacement_y",  "displacement_z",
-    "tilt_degrees", "speed",      "speed_kept", "acceleration", "contact_force_x", "contact_force_y", "contact_force_z",
-    "lowest",       "highest",    "drift",      "impulse_x",    "impulse_y",       "impulse_z"};
-
-bool about_bodies(const std::string& metric) {
-  return std::find(kBodyMetrics.begin(), kBodyMetrics.end(), metric) != kBodyMetrics.end();
+/// True when an expectation is about a body.
+bool asks_about(const Expectation& e, const std::string& body, bool movable) {
+  return MetricFold::about_bodies(e.metric) && (e.body.empty() ? movable : concerns(e.body, body));
 }
 
 /// @param up  cosine, R_zz of a rotation
 double angle_to_vertical(double up) { return std::acos(std::clamp(up, -1.0, 1.0)) * 180.0 / std::numbers::pi; }
-
-double total_energy(const StepReport& r) { return r.kinetic_energy + r.potential_energy + r.contact_energy; }
 
 }  // namespace
 
@@ -83,16 +46,12 @@ bool concerns(const std::string& wanted, const std::string& name) {
 }
 
 std::vector<std::string> Measures::metrics() {
-  std::vector<std::string> all = kOtherWorldMetrics;
-  for (const auto& [name, unused] : largest_metrics()) all.push_back(name);
-  for (const auto& [name, unused] : final_metrics()) all.push_back(name);
-  all.insert(all.end(), kBodyMetrics.begin(), kBodyMetrics.end());
+  std::vector<std::string> all = MetricFold::metrics();
   all.insert(all.end(), ShownMetric::names().begin(), ShownMetric::names().end());
   return all;
 }
 
-Measures::Measures(const World& world, std::vector<Expectation> expectations, double end)
-    : expectations_(std::move(expectations)), end_(end) {
+Measures::Measures(const World& world, std::vector<Expectation> expectations, double end) : end_(end) {
   const auto count = static_cast<std::size_t>(world.body_count());
   posed_.resize(count);
   VertexRanges ranges;
@@ -108,18 +67,39 @@ Measures::Measures(const World& world, std::vector<Expectation> expectations, do
       // A surface that changes keeps no vertices by which a turn could be told.
       if (posed_[b].vertices == nullptr && !changing_surface(body)) display_now(body, start_[b]);
     }
-    const auto asks = [&](const Expectation& e) {
-      return about_bodies(e.metric) && (e.body.empty() ? movable : concerns(e.body, body.name()));
-    };
-    if (std::any_of(expectations_.begin(), expectations_.end(), asks)) watched_.push_back({body.name(), b, movable});
+    if (std::ranges::any_of(expectations, [&](const Expectation& e) { return asks_about(e, body.name(), movable); }))
+      watched_.push_back({body.name(), b, movable});
   }
-  for (const Expectation& e : expectations_) {
+  for (Expectation& e : expectations) {
     asks_momentum_ = asks_momentum_ || e.metric == "momentum_change" || e.metric == "angular_momentum_change";
-    shown_of_.push_back(ShownMetric::knows(e.metric) ? static_cast<int>(shown_.size()) : -1);
-    if (shown_of_.back() >= 0) shown_.emplace_back(world, e);
-    sensed_of_.push_back(e.metric == "sensor" ? static_cast<int>(sensed_.size()) : -1);
-    if (sensed_of_.back() >= 0) sensed_.emplace_back(world, e);
+    Asked asked;
+    if (ShownMetric::knows(e.metric)) {
+      asked.shown = static_cast<int>(shown_.size());
+      shown_.emplace_back(world, e);
+    } else if (e.metric == "sensor") {
+      asked.sensed = static_cast<int>(sensed_.size());
+      sensed_.emplace_back(world, e);
+    }
+    for (std::size_t i = 0; i < watched_.size(); ++i)
+      if (asks_about(e, watched_[i].name, watched_[i].movable)) asked.watched.push_back(i);
+    asked.expectation = std::move(e);
+    asked.fold = new_fold(asked);
+    asked_.push_back(std::move(asked));
   }
+}
+
+std::unique_ptr<MetricFold> Measures::new_fold(const Asked& a) const {
+  if (a.shown >= 0) {
+    const auto i = static_cast<std::size_t>(a.shown);
+    return MetricFold::of_shown(shown_[i], i);
+  }
+  if (a.sensed >= 0) {
+    const auto i = static_cast<std::size_t>(a.sensed);
+    return MetricFold::of_sensor(sensed_[i], i);
+  }
+  const std::string& metric = a.expectation.metric;
+  return MetricFold::about_bodies(metric) ? MetricFold::of_bodies(metric, a.watched)
+                                          : MetricFold::of_world(metric, particles_);
 }
 
 void Measures::sample_posed(const Body& body, const Posed& posed, BodySample& s) const {
@@ -174,12 +154,12 @@ void Measures::restore(const World& world, const StepReport& frame, int steps, s
 
 void Measures::keep(const World& world, const StepReport& frame, int steps, std::size_t warnings,
                     std::span<const BodySample> bodies) {
-  Frame f;
+  MeasuredFrame f;
+  f.index = frames_++;
   f.report = frame;
   f.report.pairs.clear();
-  f.report.pairs.shrink_to_fit();
+  f.report.links.clear();
   f.report.warnings.clear();
-  f.report.warnings.shrink_to_fit();
   f.steps = steps;
   f.warnings = warnings;
   for (const Watched& w : watched_) f.bodies.push_back(bodies[w.body]);
@@ -190,166 +170,67 @@ void Measures::keep(const World& world, const StepReport& frame, int steps, std:
     f.momentum += world.body(b).linear_momentum(world.v(b));
     f.angular += world.body(b).angular_momentum(world.v(b));
   }
-  frames_.push_back(std::move(f));
+  if (f.index == 0) first_ = f;
+  if (f.index == 1) {
+    slack_ = 1e-3 * (f.report.time - first_.report.time);
+    take(first_);
+  }
+  if (f.index > 0) take(f);
+  last_ = std::move(f);
 }
 
-Measures::Window Measures::window(const Expectation& e) const {
-  const double to = std::isfinite(e.to) ? e.to : end_;
-  // Times are sums of steps: a thousandth of a frame forgives their rounding.
-  const double slack = frames_.size() > 1 ? 1e-3 * (frames_[1].report.time - frames_[0].report.time) : 0.0;
-  Window w;
-  w.reached = !frames_.empty() && frames_.back().report.time >= to - slack;
-  while (w.first + 1 < frames_.size() && frames_[w.first].report.time < e.from - slack) ++w.first;
-  w.last = frames_.empty() ? 0 : frames_.size() - 1;
-  while (w.last > w.first && frames_[w.last].report.time > to + slack) --w.last;
-  return w;
+/// Adds a frame to the windows that it lies in. A window has at least the first frame that is not before it.
+void Measures::take(const MeasuredFrame& frame) {
+  for (Asked& a : asked_) {
+    const bool inside = a.begun ? frame.report.time <= end_of(a.expectation) + slack_
+                                : frame.report.time >= a.expectation.from - slack_;
+    if (inside) a.fold->add(frame);
+    a.begun = a.begun || inside;
+  }
 }
 
-double Measures::world_metric(const std::string& metric, const Window& w) const {
-  if (metric == "particles") return particles_;
-  if (const auto it = final_metrics().find(metric); it != final_metrics().end())
-    return it->second(frames_[w.last].report);
-  if (const auto it = largest_metrics().find(metric); it != largest_metrics().end()) {
-    double largest = -std::numeric_limits<double>::infinity();
-    for (std::size_t i = w.first; i <= w.last; ++i) {
-      const double x = it->second(frames_[i].report);
-      // Not-a-number must not hide behind a comparison.
-      if (std::isnan(x)) return x;
-      largest = std::max(largest, x);
-    }
-    return largest;
-  }
-  if (metric == "momentum_change") return (frames_[w.last].momentum - frames_[w.first].momentum).norm();
-  if (metric == "angular_momentum_change") return (frames_[w.last].angular - frames_[w.first].angular).norm();
-  if (metric == "energy_growth") {
-    double growth = 0.0, least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = std::min(std::max<std::size_t>(w.first, 1), w.last); i <= w.last; ++i) {
-      const double now = total_energy(frames_[i].report);
-      if (std::isnan(now)) return now;
-      least = std::min(least, now);
-      growth = std::max(growth, now - least);
-    }
-    return growth;
-  }
-  if (metric == "energy_rise") {
-    // The first frame has no report of its own: the energy of the run's start is that after the first.
-    const std::size_t first = std::min(std::max<std::size_t>(w.first, 1), w.last);
-    double rise = 0.0;
-    for (std::size_t i = first; i <= w.last; ++i)
-      rise = std::max(rise, total_energy(frames_[i].report) - total_energy(frames_[first].report));
-    return rise;
-  }
-  double above = 0.0, below = 0.0, sum = 0.0, most = 0.0;
-  for (std::size_t i = w.first; i <= w.last; ++i) {
-    const Frame& f = frames_[i];
-    if (metric == "contact_share") {
-      above += contact_seconds(f.report);
-      below += f.report.wall;
-    } else if (metric == "cg_iterations") {
-      above += f.report.cg_iterations;
-      below += f.report.solves;
-    } else if (metric == "step_seconds") {
-      above += f.report.wall;
-      below += f.steps;
-    } else if (metric == "substeps") {
-      if (f.steps > 0) most = std::max(most, static_cast<double>(f.report.substeps) / f.steps);
-    } else if (metric == "warnings") {
-      sum += static_cast<double>(f.warnings);
-    } else if (metric == "failed_steps") {
-      sum += f.report.ok ? 0.0 : 1.0;
-    } else {
-      throw ProgrammingError("no such metric: " + metric);
-    }
-  }
-  if (metric == "substeps") return most;
-  if (metric == "warnings" || metric == "failed_steps") return sum;
-  return below > 0.0 ? above / below : 0.0;
-}
-
-double Measures::shown_metric(std::size_t index, const Window& w) const {
-  std::vector<double> values;
-  for (std::size_t i = w.first; i <= w.last; ++i) values.push_back(frames_[i].shown[index]);
-  return shown_[index].over(values);
-}
-
-double Measures::sensor_metric(std::size_t index, const Window& w) const {
-  std::vector<SensorMetric::Pair> values;
-  for (std::size_t i = w.first; i <= w.last; ++i) values.push_back(frames_[i].sensed[index]);
-  return sensed_[index].over(values);
-}
-
-double Measures::body_metric(const std::string& metric, std::size_t i, const Window& w) const {
-  const BodySample &a = frames_[w.first].bodies[i], &b = frames_[w.last].bodies[i];
-  const Vec3 moved = b.center - a.center;
-  const auto axis = [&] { return metric.back() - 'x'; };
-  if (metric.starts_with("position_")) return b.center[axis()];
-  if (metric == "displacement") return moved.norm();
-  if (metric.starts_with("displacement_")) return moved[axis()];
-  if (metric == "tilt_degrees") return b.tilt_degrees;
-  if (metric == "speed") return b.velocity.norm();
-  if (metric == "speed_kept") return b.velocity.norm() / a.velocity.norm();
-  if (metric == "acceleration") {
-    const double time = frames_[w.last].report.time - frames_[w.first].report.time;
-    return (b.velocity - a.velocity).norm() / time;
-  }
-  double lowest = a.lowest, highest = a.highest, force = 0.0, drift = 0.0, impulse = 0.0;
-  for (std::size_t f = w.first; f <= w.last; ++f) {
-    const BodySample& s = frames_[f].bodies[i];
-    lowest = std::min(lowest, s.lowest);
-    highest = std::max(highest, s.highest);
-    if (metric.starts_with("contact_force_")) force += s.force[axis()];
-    drift = std::max(drift, (s.center - a.center).norm());
-    if (f > w.first && metric.starts_with("impulse_"))
-      impulse += s.force[axis()] * (frames_[f].report.time - frames_[f - 1].report.time);
-  }
-  if (metric == "lowest") return lowest;
-  if (metric == "highest") return highest;
-  if (metric == "drift") return drift;
-  if (metric.starts_with("impulse_")) return impulse;
-  if (metric.starts_with("contact_force_")) return force / static_cast<double>(w.last - w.first + 1);
-  throw ProgrammingError("no such metric: " + metric);
-}
-
-Finding Measures::find(std::size_t expectation) const {
-  const Expectation& e = expectations_[expectation];
+Finding Measures::find(const Asked& a) const {
+  const Expectation& e = a.expectation;
   Finding finding;
   finding.expectation = e;
-  const Window w = window(e);
-  finding.reached = w.reached;
-  if (frames_.empty()) return finding;
+  if (frames_ == 0) {
+    finding.reached = false;
+    return finding;
+  }
+  finding.reached = last_.report.time >= end_of(e) - slack_;
+  std::unique_ptr<MetricFold> last_frame;
+  if (!a.begun) {  // the last frame speaks for a window that the run did not reach
+    last_frame = new_fold(a);
+    last_frame->add(last_);
+  }
+  const std::vector<double> values = (a.begun ? a.fold : last_frame)->values();
   const auto within = [&](double x) { return x >= e.min && x <= e.max; };
-  if (!about_bodies(e.metric)) {
-    const int shown = shown_of_[expectation], sensed = sensed_of_[expectation];
-    finding.value = shown >= 0    ? shown_metric(static_cast<std::size_t>(shown), w)
-                    : sensed >= 0 ? sensor_metric(static_cast<std::size_t>(sensed), w)
-                                  : world_metric(e.metric, w);
-    if (shown >= 0) finding.body = e.body;
-    if (sensed >= 0) finding.body = e.reading.sensor + "." + e.reading.channel;
-    finding.ok = w.reached && within(finding.value);
+  if (!MetricFold::about_bodies(e.metric)) {
+    finding.value = values[0];
+    if (a.shown >= 0) finding.body = e.body;
+    if (a.sensed >= 0) finding.body = e.reading.sensor + "." + e.reading.channel;
+    finding.ok = finding.reached && within(finding.value);
     return finding;
   }
   // Of several bodies the one nearest to (or farthest beyond) a bound speaks for all.
   double least_margin = std::numeric_limits<double>::infinity();
-  bool all = true, any = false;
-  for (std::size_t i = 0; i < watched_.size(); ++i) {
-    if (e.body.empty() ? !watched_[i].movable : !concerns(e.body, watched_[i].name)) continue;
-    const double x = body_metric(e.metric, i, w);
-    const double margin = std::min(x - e.min, e.max - x);
+  bool all = true;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double x = values[i], margin = std::min(x - e.min, e.max - x);
     all = all && within(x);
-    if (!any || !(margin >= least_margin)) {
+    if (i == 0 || !(margin >= least_margin)) {
       least_margin = margin;
       finding.value = x;
-      finding.body = watched_[i].name;
+      finding.body = watched_[a.watched[i]].name;
     }
-    any = true;
   }
-  finding.ok = w.reached && any && all;
+  finding.ok = finding.reached && !values.empty() && all;
   return finding;
 }
 
 std::vector<Finding> Measures::findings() const {
   std::vector<Finding> all;
-  for (std::size_t i = 0; i < expectations_.size(); ++i) all.push_back(find(i));
+  for (const Asked& a : asked_) all.push_back(find(a));
   return all;
 }
 

@@ -1,29 +1,21 @@
 #pragma once
 
-#include <functional>
+#include <cmath>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "brim/math/types.h"
+#include "brim/world/body_sample.h"
 #include "brim/world/expectation.h"
+#include "brim/world/metric_fold.h"
 #include "brim/world/sense/sensor_metric.h"
 #include "brim/world/shown_metric.h"
 #include "brim/world/vertex_range.h"
 #include "brim/world/world.h"
 
 namespace brim {
-
-/// Where a body is and how it moves, the same for every kind.
-struct BodySample {
-  Vec3 center = Vec3::Zero();          ///< [m] mean of the display's vertices
-  Vec3 velocity = Vec3::Zero();        ///< [m/s] of the centre of mass; zero for bodies of infinite mass
-  Vec3 force = Vec3::Zero();           ///< [N] sum of contact forces on the body in the last sub-step
-  double lowest = 0.0, highest = 0.0;  ///< [m] least and largest z of the display's vertices
-  double tilt_degrees = 0.0;  ///< between the body's vertical at the start and the vertical now; the rotation is the
-                              ///< best fit of all vertices (Kabsch 1976)
-};
 
 /// An expectation and what became of it.
 struct Finding {
@@ -47,12 +39,13 @@ struct Finding {
 ///     angular_momentum_change
 ///   of what a body shows: those of ShownMetric
 ///   of what a sensor reads: sensor
-/// The schema of scenes says what each is (schema/scene.schema.json).
+/// The schema of scenes says what each is (schema/scene.schema.json). Of the frames nothing is kept but the last: every
+/// metric is found as they come.
 /// Tests: tests/world/measures_test.cpp
 class Measures {
  public:
   /// @param world         before the first step
-  /// @param expectations  what will be asked; only the bodies they name are kept over time
+  /// @param expectations  what will be asked; only the bodies they name are watched
   /// @param end           [s] end of the windows that have none
   Measures(const World& world, std::vector<Expectation> expectations, double end);
 
@@ -74,19 +67,13 @@ class Measures {
   static std::vector<std::string> metrics();
 
  private:
-  struct Frame {
-    StepReport report;  ///< without its lists
-    int steps = 1;
-    std::size_t warnings = 0;
-    std::vector<BodySample> bodies;          ///< of the kept ones
-    std::vector<double> shown;               ///< shape (shown_)
-    std::vector<SensorMetric::Pair> sensed;  ///< shape (sensed_)
-    Vec3 momentum = Vec3::Zero();            ///< [kg m/s] of all movable bodies, where asked for
-    Vec3 angular = Vec3::Zero();             ///< [kg m²/s] about the origin, likewise
-  };
-  struct Window {
-    std::size_t first = 0, last = 0;
-    bool reached = true;
+  /// An expectation and its metric over the window so far.
+  struct Asked {
+    Expectation expectation;
+    std::unique_ptr<MetricFold> fold;
+    bool begun = false;                ///< the window has a frame
+    int shown = -1, sensed = -1;       ///< index into shown_ or sensed_ of metrics that are there, -1 of others
+    std::vector<std::size_t> watched;  ///< of metrics about bodies: those concerned, indices into watched_
   };
   struct Watched {
     std::string name;
@@ -103,26 +90,24 @@ class Measures {
   void sample_vertices(const Body& body, std::span<const Vec3f> start, BodySample& s);
   void keep(const World& world, const StepReport& frame, int steps, std::size_t warnings,
             std::span<const BodySample> bodies);
-  Window window(const Expectation& e) const;
-  double world_metric(const std::string& metric, const Window& w) const;
-  double shown_metric(std::size_t index, const Window& w) const;
-  double sensor_metric(std::size_t index, const Window& w) const;
-  double body_metric(const std::string& metric, std::size_t watched, const Window& w) const;
-  Finding find(std::size_t expectation) const;
+  void take(const MeasuredFrame& frame);
+  double end_of(const Expectation& e) const { return std::isfinite(e.to) ? e.to : end_; }
+  std::unique_ptr<MetricFold> new_fold(const Asked& asked) const;
+  Finding find(const Asked& asked) const;
 
-  std::vector<Expectation> expectations_;
+  std::vector<Asked> asked_;
   double end_;
+  double slack_ = 0.0;  ///< [s] by which a frame may miss the ends of a window: times are sums of steps
   std::vector<Watched> watched_;
   std::vector<Posed> posed_;               ///< shape (bodies)
   std::vector<std::vector<Vec3f>> start_;  ///< display positions at the start, of other movable bodies, shape (bodies)
   std::vector<Vec3f> scratch_;
   std::vector<BodySample> samples_;
-  std::vector<Frame> frames_;
+  std::int64_t frames_ = 0;
+  MeasuredFrame first_, last_;  ///< the first is taken when the second tells how long a frame is
   double particles_ = 0.0;
   std::vector<ShownMetric> shown_;
-  std::vector<int> shown_of_;  ///< index into shown_ or -1, shape (expectations)
   std::vector<SensorMetric> sensed_;
-  std::vector<int> sensed_of_;  ///< likewise into sensed_
   bool asks_momentum_ = false;
 };
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "brim/body/changing_surface.h"
 #include "brim/core/error.h"
@@ -31,10 +30,6 @@ int find_body(const World& world, const std::string& name) {
   for (int b = 0; b < world.body_count(); ++b)
     if (world.body(b).name() == name) return b;
   throw InputError(fmt::format("there is no body \"{}\"; this metric must name one", name));
-}
-
-double mean(std::span<const double> values) {
-  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
 }  // namespace
@@ -70,15 +65,10 @@ double ShownMetric::now(const World& world) const {
   return surface_level(shown_by(world.body(other_)), width_, &body) - lowest;
 }
 
-double ShownMetric::over(std::span<const double> values) const {
-  // Not-a-number must not hide behind a comparison.
-  if (std::ranges::any_of(values, [](double x) { return std::isnan(x); }))
-    return std::numeric_limits<double>::quiet_NaN();
-  if (metric_ == "leak") return std::ranges::max(values);
-  if (metric_ == "front") return values.back();
-  if (metric_ == "volume_kept")
-    return *std::ranges::max_element(values, {}, [](double x) { return std::abs(x - 1.0); });
-  return mean(values);
+NumberFold::Take ShownMetric::take() const {
+  if (metric_ == "leak") return NumberFold::Take::Largest;
+  if (metric_ == "front") return NumberFold::Take::Last;
+  return metric_ == "volume_kept" ? NumberFold::Take::FarthestFromOne : NumberFold::Take::Mean;
 }
 
 }  // namespace brim

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <span>
 #include <string>
 #include <vector>
 
 #include "brim/world/display_measures.h"
 #include "brim/world/expectation.h"
+#include "brim/world/number_fold.h"
 #include "brim/world/world.h"
 
 namespace brim {
@@ -29,8 +29,8 @@ class ShownMetric {
 
   /// The value in the world's present state.
   double now(const World& world) const;
-  /// @param values  of the frames of a window, at least one
-  double over(std::span<const double> values) const;
+  /// How the values of a window's frames become one.
+  NumberFold::Take take() const;
 
  private:
   std::string metric_;

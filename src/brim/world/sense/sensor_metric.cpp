@@ -1,12 +1,21 @@
 #include "brim/world/sense/sensor_metric.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "brim/core/error.h"
 #include "brim/world/sense/sensors.h"
 
 namespace brim {
+
+namespace {
+
+NumberFold::Take take_of(const std::string& word) {
+  using Take = NumberFold::Take;
+  if (word == "last") return Take::Last;
+  if (word == "least") return Take::Least;
+  if (word == "largest") return Take::Largest;
+  return word == "sum" ? Take::SumAfterFirst : Take::Mean;
+}
+
+}  // namespace
 
 SensorMetric::Place SensorMetric::find(const World& world, const Expectation::Reading& r) {
   const Sensors* sensors = find_sensors(world);
@@ -19,7 +28,7 @@ SensorMetric::Place SensorMetric::find(const World& world, const Expectation::Re
 }
 
 SensorMetric::SensorMetric(const World& world, const Expectation& e)
-    : take_(e.take), reading_(find(world, e.reading)), ratio_(!e.over.sensor.empty()) {
+    : take_(take_of(e.take)), reading_(find(world, e.reading)), ratio_(!e.over.sensor.empty()) {
   if (ratio_) over_ = find(world, e.over);
 }
 
@@ -29,22 +38,9 @@ SensorMetric::Pair SensorMetric::now(const World& world) const {
   return {at(reading_), ratio_ ? at(over_) : 1.0};
 }
 
-double SensorMetric::taken(std::span<const Pair> values, std::size_t which) const {
-  if (take_ == "last") return values.back()[which];
-  double sum = 0.0, least = values[0][which], largest = least;
-  const std::size_t first = take_ == "sum" ? 1 : 0;  // a frame's reading speaks of the time before it
-  for (std::size_t i = first; i < values.size(); ++i) {
-    const double x = values[i][which];
-    if (std::isnan(x)) return x;  // must not hide behind a comparison
-    sum += x, least = std::min(least, x), largest = std::max(largest, x);
-  }
-  if (take_ == "least") return least;
-  if (take_ == "largest") return largest;
-  return take_ == "sum" ? sum : sum / static_cast<double>(values.size());
-}
-
-double SensorMetric::over(std::span<const Pair> values) const {
-  return ratio_ ? taken(values, 0) / taken(values, 1) : taken(values, 0);
+void SensorMetric::Fold::add(const Pair& frame) {
+  reading_.add(frame[0]);
+  over_.add(frame[1]);
 }
 
 }  // namespace brim

@@ -1,9 +1,9 @@
 #pragma once
 
 #include <array>
-#include <span>
 
 #include "brim/world/expectation.h"
+#include "brim/world/number_fold.h"
 #include "brim/world/world.h"
 
 namespace brim {
@@ -18,17 +18,28 @@ class SensorMetric {
   /// The two readings of the frame that ended last; the second is 1 where there is no ratio.
   using Pair = std::array<double, 2>;
   Pair now(const World& world) const;
-  /// @param values  of the frames of a window, at least one
-  double over(std::span<const Pair> values) const;
+
+  /// The metric over the frames of a window, taken in one after another.
+  class Fold {
+   public:
+    Fold(NumberFold::Take take, bool ratio) : reading_(take), over_(take), ratio_(ratio) {}
+    void add(const Pair& frame);
+    double value() const { return ratio_ ? reading_.value() / over_.value() : reading_.value(); }
+
+   private:
+    NumberFold reading_, over_;
+    bool ratio_;
+  };
+  /// Over no frame yet.
+  Fold fold() const { return {take_, ratio_}; }
 
  private:
   struct Place {
     std::size_t sensor = 0, channel = 0;
   };
   static Place find(const World& world, const Expectation::Reading& reading);
-  double taken(std::span<const Pair> values, std::size_t which) const;
 
-  std::string take_;
+  NumberFold::Take take_;
   Place reading_, over_;
   bool ratio_ = false;
 };
