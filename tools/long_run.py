@@ -21,6 +21,10 @@ import tempfile
 import time
 from pathlib import Path
 
+import with_numpy
+
+with_numpy.need("numpy", "h5py")
+
 STEPS_PER_FRAME = 100
 MOST_BYTES = 300.0  # that a recorded frame may keep; the run's own list of times has 8
 MOST_DRIFT = 1e-4  # [m]
