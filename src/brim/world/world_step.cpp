@@ -26,6 +26,7 @@ void World::Impl::start() {
     part_h.push_back(std::ldexp(h0, level));
     p.h = part_h.back();
   }
+  filter.meet(std::span(bodies).first(count()));
   laws.start(parts, state.v, first_v, given, h0);
   follow_edits();
   if (options.sleep) sleep.start(bodies);
