@@ -56,6 +56,7 @@ LOOKS = {
     "rope_post": (90, []),
     "three_sheets": (50, []),
     "water_drop": (60, ["--frame", "34"]),
+    "wind_field": (0, ["--frame", "200", "--camera", "-70,8"]),
     "wired_kinds": (30, ["--camera", "-62,10"]),
     "wrecking_ball": (100, ["--frame", "75", "--camera", "-35,18"]),
 }
