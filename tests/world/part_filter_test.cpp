@@ -218,6 +218,7 @@ TEST(PartFilter, WhatCarriesNoRegionIsRefused) {
   World other(options({apart("fluid", "ground", west)}));
   other.add(pool());
   EXPECT_THROW(other.stiffness(), InputError);
+  EXPECT_THROW(other.step(), InputError) << "it is not begun by half";
 }
 
 }  // namespace

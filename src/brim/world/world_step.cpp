@@ -11,6 +11,7 @@ namespace brim {
 
 void World::Impl::start() {
   if (started) return;
+  filter.meet(std::span(bodies).first(count()));  // may refuse: then nothing is begun
   started = true;
   double h0 = options.voxel_size;
   if (h0 == 0.0) {
@@ -26,7 +27,6 @@ void World::Impl::start() {
     part_h.push_back(std::ldexp(h0, level));
     p.h = part_h.back();
   }
-  filter.meet(std::span(bodies).first(count()));
   laws.start(parts, state.v, first_v, given, h0);
   follow_edits();
   if (options.sleep) sleep.start(bodies);
