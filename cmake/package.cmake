@@ -13,7 +13,14 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)  # asks dpkg-shlibdeps which packages hold the libraries that are linked
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-numpy, nodejs")
+# What a program that links the static library needs; tools/check_packages.sh builds one from them on a bare system.
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libeigen3-dev, libtbb-dev, libfmt-dev, libassimp-dev, libhdf5-dev, libtinyxml2-dev, zlib1g-dev")
+if(BRIM_HAS_OPENVDB)
+  string(APPEND CPACK_DEBIAN_PACKAGE_SUGGESTS ", libopenvdb-dev")
+endif()
+if(BRIM_HAS_GDCM)
+  string(APPEND CPACK_DEBIAN_PACKAGE_SUGGESTS ", libgdcm-dev")
+endif()
 set(CPACK_DEBIAN_PACKAGE_DESCRIPTION "simulator of bodies of any kind in contact
  Rigid and articulated bodies, elastic solids, cloth, rods, grains, fluids and
  volumes of voxels touch each other through a grid of densities. The program

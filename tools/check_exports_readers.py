@@ -10,9 +10,12 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Callable
 
-import numpy as np
+import with_numpy
 
-from run_file import RunFile
+with_numpy.need("numpy", "h5py")
+import numpy as np  # noqa: E402
+
+from run_file import RunFile  # noqa: E402
 
 PYTHON = "/usr/bin/python3"  # the one for which Debian's packages are installed
 TOOLS = pathlib.Path(__file__).resolve().parent

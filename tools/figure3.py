@@ -17,7 +17,10 @@ import os
 import pathlib
 import sys
 
-import numpy as np
+import with_numpy
+
+with_numpy.need("numpy")
+import numpy as np  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs/levels.md"

@@ -13,10 +13,13 @@ import os
 import subprocess
 import sys
 
-import numpy as np
+import with_numpy
 
-from fluid_measures import Particles, immersed
-from run_file import RunFile
+with_numpy.need("numpy", "h5py")
+import numpy as np  # noqa: E402
+
+from fluid_measures import Particles, immersed  # noqa: E402
+from run_file import RunFile  # noqa: E402
 
 SPACING, SIDE, DEPTH = 0.05, 0.7, 0.4
 

@@ -16,9 +16,12 @@ import os
 import re
 import sys
 
-import numpy as np
+import with_numpy
 
-from run_file import RunFile
+with_numpy.need("numpy", "h5py")
+import numpy as np  # noqa: E402
+
+from run_file import RunFile  # noqa: E402
 
 GRAVITY = 9.81
 MARTIN_AND_MOYCE = [(0.832, 1.217), (1.219, 1.474), (1.997, 2.292), (2.547, 2.995), (3.345, 4.134), (4.034, 4.944)]

@@ -14,6 +14,9 @@ import resource
 import subprocess
 import sys
 
+import with_numpy
+
+with_numpy.need("numpy", "h5py")
 os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402

@@ -21,6 +21,10 @@ import tempfile
 import time
 from pathlib import Path
 
+import with_numpy
+
+with_numpy.need("numpy", "h5py")
+
 STEPS_PER_FRAME = 10
 MOST_BYTES = 40.0  # that a recorded frame may keep: over 60,000 frames 2.4 MB, by which resident memory varies by itself
 MOST_DRIFT = 1e-4  # [m]

@@ -28,10 +28,12 @@ LOOKS = {
     "chain_drape": (100, []),
     "cloth_pour": (40, ["--surface", "all", "--colour", "water=#4f9fd0,cloth=#e2a03f"]),
     "constraint_stack": (60, ["--contacts", "forces"]),
+    "ct_cloth": (40, ["--camera", "-62,20"]),
     "ct_head": (40, ["--camera", "-62,20,0.8"]),
     "dam_break": (30, ["--surface", "all", "--camera", "-68,20,4.2"]),
     "dam_large": (34, ["--surface", "all", "--camera", "-68,22,4.5"]),
     "drape": (70, []),
+    "edited_kinds": (0, ["--frame", "45"]),
     "grain_heap": (60, []),
     "grid_float": (120, []),
     "gripper": (120, []),
@@ -54,6 +56,8 @@ LOOKS = {
     "rope_post": (90, []),
     "three_sheets": (50, []),
     "water_drop": (60, ["--frame", "34"]),
+    "wind_field": (0, ["--frame", "200", "--camera", "-70,8"]),
+    "wired_kinds": (30, ["--camera", "-62,10"]),
     "wrecking_ball": (100, ["--frame", "75", "--camera", "-35,18"]),
 }
 

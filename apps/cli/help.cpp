@@ -61,7 +61,7 @@ void add_help(CLI::App& app, int& code) {
     const CLI::App* about = name->empty() ? &app : find_command(app, *name);
     if (!about) throw InputError(no_command(app, *name));
     // help() would go on to the command that was given, which is this one.
-    const std::string usage = about == &app ? "" : "brim " + *name;
+    const std::string usage = about == &app ? "brim" : "brim " + *name;
     std::fputs(about->get_formatter()->make_help(about, usage, CLI::AppFormatMode::Normal).c_str(), stdout);
     code = kGood;
   });

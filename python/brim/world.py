@@ -28,6 +28,20 @@ def _names(bodies: Body | str | list[Body | str]) -> str | list[str]:
     return [_name(body) for body in bodies] if isinstance(bodies, (list, tuple)) else _name(bodies)
 
 
+def _air(function: Callable[[float, Array], Any]) -> Callable[[float, Array], Array]:
+    """The same with its value broadcast to the shape of the places, and checked."""
+    def air(t: float, x: Array) -> Array:
+        try:
+            velocity = np.broadcast_to(np.asarray(function(t, x), dtype=np.float64), x.shape)
+        except (ValueError, TypeError) as error:
+            name = getattr(function, "__name__", "field")
+            raise ValueError(f"{name}: its value cannot be broadcast to shape {x.shape}: {error}") from None
+        if not np.isfinite(velocity).all():
+            raise ValueError(f"{getattr(function, '__name__', 'field')}: gave a velocity that is not finite")
+        return np.ascontiguousarray(velocity)
+    return air
+
+
 class StepError(RuntimeError):
     """A step whose solve failed; the state is that before the failed sub-step. ``report`` says what happened."""
 
@@ -206,17 +220,26 @@ class World:
         bodies: handles, names, stems of copies or patterns with * and ?. keys: of an entry of "forces" in a scene file: force
         [N], torque [N m], acceleration [m/s^2], gravity_scale, damping [1/s], point, region, wind, attractor, scale, name.
 
+        The field of a wind may be a function of yours, ``wind={"field": f}``: f(t, x) -> velocity of the air [m/s] at the places
+        x [m], shape (n, 3), or what broadcasts to it. It is called once a sub-step and body, with the middles of all triangles,
+        and is not in saved scenes.
+
         @raises InputError for what a scene file could not say either; nothing is added then
         """
         name = keys.pop("name", None) or f"force_{len(self._core.head().get('forces', [])) + 1}"
-        self._core.wire("forces", {"name": name, "bodies": [_name(body) for body in bodies], **keys})
+        field = None
+        if callable(keys.get("wind", {}).get("field")):
+            keys["wind"] = dict(keys["wind"])
+            field = _air(keys["wind"].pop("field"))
+        self._core.wire("forces", {"name": name, "bodies": [_name(body) for body in bodies], **keys}, field)
 
-    def set_touch(self, a: Body | str, b: Body | str, touch: bool = False) -> None:
+    def set_touch(self, a: Body | str, b: Body | str, touch: bool = False, **keys: Any) -> None:
         """Says whether bodies touch, over all that was said before: as an entry of "filters" in a scene file.
 
-        a, b: handles, names, stems of copies, patterns with * and ?, or groups
+        a, b: handles, names, stems of copies, patterns with * and ?, or groups. keys: ``region`` and ``to_region``, a part of a and
+        of b alone, where the matter is now.
         """
-        self._core.wire("filters", {"between": [_name(a), _name(b)], "touch": touch})
+        self._core.wire("filters", {"between": [_name(a), _name(b)], "touch": touch, **keys})
 
     def set_gravity(self, gravity: Any) -> None:
         """From the next step on [m/s^2], shape (3,). It is part of a saved state, but not of a saved scene."""

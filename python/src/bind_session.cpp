@@ -155,7 +155,7 @@ void bind_session(py::module_& m) {
       .def("give_surface", &give_surface)
       .def("give_tets", &give_tets)
       .def("give_volume", &give_volume)
-      .def("wire", &Session::wire)
+      .def("wire", &Session::wire, py::arg("list"), py::arg("entry"), py::arg("field") = py::none())
       .def("detach", &Session::detach)
       .def("set_drive", &Session::set_drive)
       .def("detached",

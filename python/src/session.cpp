@@ -19,6 +19,7 @@
 #include "brim/world/report_fields.h"
 #include "brim/world/sense/sensors.h"
 #include "json_of.h"
+#include "wind_of.h"
 
 namespace brim::python {
 
@@ -205,7 +206,7 @@ int Session::add_own(const py::dict& given, const py::object& author, const py::
   return number;
 }
 
-int Session::wire(const std::string& list, const py::dict& given) {
+int Session::wire(const std::string& list, const py::dict& given, const py::object& field) {
   const Busy busy(*this);
   const Json entry = json_of(given, "");
   const bool named = entry.contains("name") && entry["name"].is_string();
@@ -221,6 +222,12 @@ int Session::wire(const std::string& list, const py::dict& given) {
   document.root[list] = Json::array({entry});
   const std::string made_up = document.file;
   int number = -1;
+  WindField air;
+  if (!field.is_none()) {
+    if (!entry.contains("wind")) throw InputError(what + ": a field of air is of a wind");
+    air = wind_of(field, caller_);
+    served_ = true;
+  }
   in_words(made_up, what, [&] {
     const Scene scene = check_scene(std::move(document));
     read_mirrors();
@@ -235,7 +242,11 @@ int Session::wire(const std::string& list, const py::dict& given) {
       else if (list == "sensors")
         number = node.placed([&] { return add_sensor(*world_, read_sensor(node, &root.at("groups").json())); });
       else
-        number = node.placed([&] { return world_->apply(read_force(node)); });
+        number = node.placed([&] {
+          AppliedForce force = read_force(node);
+          if (air) force.wind->field = air;
+          return world_->apply(force);
+        });
     });
   });
   head_[list].push_back(entry);

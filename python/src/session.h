@@ -45,7 +45,8 @@ class Session {
   /// Adds an entry of "attachments", "joints", "forces", "filters" or "sensors" by way of the scene's own reader;
   /// nothing when it is refused.
   /// @return its number in the world, -1 of a filter  @throws InputError
-  int wire(const std::string& list, const py::dict& entry);
+  /// @param field  of a force's wind: (t, x) -> velocities, both of shape (n, 3), or None
+  int wire(const std::string& list, const py::dict& entry, const py::object& field);
   void detach(int attachment);
   void set_drive(int attachment, double position, double velocity);
   void set_gravity(const std::array<double, 3>& gravity);

@@ -92,6 +92,46 @@ class Links(unittest.TestCase):
             again.step()
         self.assertEqual(world.hash, again.hash)
 
+    def test_wind_may_be_a_function_of_time_and_place(self):
+        def world_with(**wind):
+            world = brim.World(gravity=(0, 0, 0))
+            vertices, triangles = sheet_arrays()
+            sheet = world.add("cloth", name="sheet", vertices=vertices, triangles=triangles, areal_density=5.0)
+            world.apply_force(sheet, wind=wind)
+            return world, sheet
+
+        asked = []
+
+        def field(t, x):
+            asked.append((t, x.shape))
+            return [0, 0, 3.0]
+
+        world, sheet = world_with(field=field)
+        uniform, same = world_with(velocity=(0, 0, 3.0))
+        for _ in range(3):
+            world.step()
+            uniform.step()
+        np.testing.assert_array_equal(sheet.q, same.q)
+        self.assertGreater(sheet.linear_momentum[2], 0)
+        self.assertEqual(asked[0], (0.0, (len(sheet_arrays()[1]), 3)))
+        # What it raises, and what is of no use, reaches the caller.
+        world, sheet = world_with(field=lambda t, x: 1 / 0)
+        with self.assertRaises(ZeroDivisionError):
+            world.step()
+        world, sheet = world_with(field=lambda t, x: np.zeros((5, 3)))
+        with self.assertRaisesRegex(ValueError, "cannot be broadcast"):
+            world.step()
+        world, sheet = world_with(field={"velocity": ["0", "0", "U"], "constants": {"U": 3}})
+        for _ in range(3):
+            world.step()
+        np.testing.assert_array_equal(sheet.q, same.q)
+
+    def test_a_part_of_a_body_may_be_told_not_to_touch(self):
+        world, ball = ball_world(height=0.3)
+        world.set_touch("floor", ball, region={"kind": "sphere", "center": (0, 0, 0), "radius": 1})
+        world.run(frames=30).all()
+        self.assertLess(ball.q[2], -0.2)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -9,6 +9,7 @@
 
 #include "brim/core/error.h"
 #include "brim/scene/scene.h"
+#include "support/sensing.h"
 
 namespace brim {
 namespace {
@@ -96,6 +97,55 @@ TEST_F(Include, MistakesAreSaidWhereTheyStand) {
   const char* const turned =
       R"([{"file": "turned.json", "transform": {"rotation": {"axis": [0, 0, 1], "degrees": 9}}}])";
   EXPECT_NE(message_of(turned).find("move it, not turn it"), std::string::npos) << message_of(turned);
+}
+
+TEST_F(Include, SensorsRegionsOfFiltersAndFieldsOfAirComeAlong) {
+  write("parts/plate.json", R"({"brim": 1, "name": "plate", "frames": 1,
+    "bodies": [
+      {"kind": "obstacle", "name": "plate", "shape": {"kind": "box", "size": [1, 1, 0.2]}, "transform": {"position": [0, 0, -0.1]}},
+      {"kind": "rigid", "name": "ball", "shape": {"kind": "sphere", "radius": 0.2}, "transform": {"position": [0.2, 0, 0.19]}}],
+    "groups": {"things": ["ball"]},
+    "filters": [{"between": ["plate", "things"], "region": {"kind": "sphere", "center": [5, 0, 0], "radius": 0.1}}],
+    "attachments": [{"name": "string", "body": "ball", "point": [0.2, 0, 0.19], "stiffness": 1}],
+    "forces": [{"name": "vortex", "wind": {"field": {"velocity": ["-y", "x", "0"], "transform": {"position": [1, 0, 0]}}}}],
+    "sensors": [
+      {"name": "weight", "kind": "force", "body": "plate", "with": ["things"], "region": {"kind": "sphere", "center": [0.2, 0, 0], "radius": 0.3}},
+      {"name": "map", "kind": "pressure", "body": ["plate"], "grid": {"origin": [-0.5, -0.5, 0], "x": [1, 0, 0], "y": [0, 1, 0]}},
+      {"name": "height", "kind": "distance", "body": "ball", "point": [0.2, 0, 0.19], "to": "plate", "to_point": [0.2, 0, 0]},
+      {"name": "pull", "kind": "link", "link": "string"}]})");
+  const Scene s = scene_of(R"([{"file": "parts/plate.json", "prefix": "l_",
+      "transform": {"position": [10, 0, 0], "rotation": {"axis": [0, 0, 1], "degrees": 90}}},
+    {"file": "parts/plate.json", "prefix": "r_", "transform": {"position": [-10, 0, 0]}}])");
+  const Json& root = s.document->root;
+  const auto vec = [](const Json& v) { return Vec3(v[0].get<double>(), v[1].get<double>(), v[2].get<double>()); };
+  ASSERT_EQ(root["sensors"].size(), 8u);
+  const Json &weight = root["sensors"][0], &map = root["sensors"][1], &height = root["sensors"][2];
+  EXPECT_EQ(weight["name"], "l_weight");
+  EXPECT_EQ(weight["body"], "l_plate");
+  EXPECT_EQ(weight["with"], Json::parse(R"(["l_things"])"));
+  EXPECT_NEAR((vec(weight["region"]["center"]) - Vec3(10, 0.2, 0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((vec(weight["about"]) - Vec3(10, 0, 0)).norm(), 0.0, 1e-12) << "the origin of its own scene";
+  EXPECT_NEAR((vec(map["grid"]["origin"]) - Vec3(10.5, -0.5, 0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((vec(map["grid"]["x"]) - Vec3(0, 1, 0)).norm(), 0.0, 1e-12);
+  EXPECT_EQ(height["to"], "l_plate");
+  EXPECT_EQ(root["sensors"][3]["link"], "l_string");
+  EXPECT_EQ(root["sensors"][7]["link"], "r_string");
+  EXPECT_NEAR((vec(root["filters"][0]["region"]["center"]) - Vec3(10, 5, 0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((vec(root["forces"][0]["wind"]["field"]["transform"]["position"]) - Vec3(10, 1, 0)).norm(), 0.0, 1e-12);
+  World world = build_world(s);
+  for (int i = 0; i < 30; ++i) world.step();
+  // The two do the same, turned, and their sensors read the same.
+  const auto expect_same = [&](const std::string& sensor, const std::string& channel, double least, double tolerance) {
+    const double l = testing::reading(world, "l_" + sensor, channel),
+                 r = testing::reading(world, "r_" + sensor, channel);
+    EXPECT_GT(r, least) << sensor;
+    EXPECT_NEAR(l, r, tolerance * std::abs(r)) << sensor;
+  };
+  expect_same("weight", "normal", 100.0, 1e-3);
+  expect_same("map", "force", 100.0, 1e-3);
+  expect_same("height", "distance", 0.1, 1e-6);
+  const Scene again = parse_scene(s.text, (folder_ / "room.json").string());
+  EXPECT_EQ(again.document->root, root);
 }
 
 TEST_F(Include, WhatIsWiredUpComesAlong) {

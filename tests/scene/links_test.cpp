@@ -97,6 +97,44 @@ TEST(LinkScenes, EveryKindHangsRigidlyFromSpace) {
   }
 }
 
+TEST(LinkScenes, EveryKindFallsThroughAPartThatItDoesNotTouchAndLiesOnTheRest) {
+  PairTable table = standard_pairs();
+  for (const PairKind& upper : table.kinds) {
+    if (fixed(upper)) continue;
+    for (const bool beneath : {true, false}) {
+      Json scene = Json::parse(pair_scene_text(table, table.find("plane"), upper));
+      // The part of the plane that lies beneath the body, or one that is far off.
+      scene["filters"] = {{{"between", {"lower", "upper"}},
+                           {"region", {{"kind", "sphere"}, {"center", {beneath ? 0.0 : 60.0, 0, 0}}, {"radius", 30}}}}};
+      World w = build_world(parse_scene(scene.dump()));
+      std::int64_t contacts = 0;
+      for (int s = 0; s < 12; ++s) {
+        const StepReport r = w.step();
+        ASSERT_TRUE(r.ok) << upper.name;
+        contacts += r.contacts;
+      }
+      EXPECT_EQ(contacts > 0, !beneath) << upper.name;
+    }
+  }
+}
+
+TEST(LinkScenes, ARegionOfAFilterNeedsABodyThatCarriesIt) {
+  PairTable table = standard_pairs();
+  Json scene = Json::parse(pair_scene_text(table, table.find("plane"), table.find("grid_fluid")));
+  scene["filters"] = {{{"between", {"lower", "upper"}}, {"to_region", {{"kind", "all"}}}}};
+  EXPECT_NE(message(scene.dump()).find("carries no region along"), std::string::npos) << message(scene.dump());
+}
+
+TEST(LinkScenes, AListOfAWrongLengthIsSaidWithItsPlace) {
+  for (const char* wiring : {R"("forces": [{"name": "w", "wind": {"velocity": [0, 0]}}])",
+                             R"("joints": [{"name": "j", "body": "b", "kind": "ball", "position": [0, 0]}])"}) {
+    const std::string said = message(R"({"brim": 1, "name": "x", "frames": 1, "bodies": [
+      {"kind": "rigid", "name": "b", "shape": {"kind": "sphere", "radius": 1}}], )" +
+                                     std::string(wiring) + "}");
+    EXPECT_NE(said.find("a list of 2 is not allowed; must have exactly 3 entries"), std::string::npos) << said;
+  }
+}
+
 TEST(LinkScenes, FluidsAreRefused) {
   PairTable table = standard_pairs();
   for (const char* kind : {"particle_fluid", "grid_fluid"}) {

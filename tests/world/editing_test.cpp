@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include "brim/body/articulated/articulated_body.h"
+#include "brim/body/grid_fluid/grid_fluid_body.h"
 #include "brim/core/error.h"
 #include "brim/world/attachment.h"
 #include "brim/world/body_motion.h"
@@ -229,6 +231,94 @@ TEST(Move, ABodyThatIsMovedIsOneThatWasMadeThere) {
       for (std::size_t k = 0; k < a.q(i).size(); ++k) ASSERT_NEAR(a.q(i)[k], b.q(i)[k], 1e-9) << s;
     a.step(), b.step();
   }
+}
+
+/// A pendulum on a base that is fixed to the world at x, turned by r; it swings into a box.
+std::unique_ptr<Body> pendulum(const Vec3& x, const Quat& r) {
+  ArticulatedModel m;
+  LinkModel l;
+  l.name = "bob";
+  l.joint.kind = JointKind::Revolute;
+  l.joint.position = x, l.joint.rotation = r;
+  l.joint.axis = Vec3::UnitY();
+  l.joint.start = -0.6;
+  l.mass = 5.0, l.center_of_mass = Vec3(0, 0, -0.8), l.inertia = 0.1 * Mat3::Identity();
+  LinkShape s;
+  s.shape = make_sphere(0.2);
+  s.pose.translation = Vec3(0, 0, -0.8);
+  s.part.areal_mass = 40.0;
+  l.shapes.push_back(s);
+  m.links.push_back(l);
+  return named<ArticulatedBody>("pendulum", m);
+}
+
+std::unique_ptr<Body> pool(const Vec3& origin) {
+  GridFluidModel m;
+  m.grid.n = {8, 8, 8}, m.grid.dx = 0.1, m.grid.origin = origin;
+  m.distance = [origin](const Vec3& x) { return x.z() - origin.z() - 0.45 - 0.2 * (x.x() - origin.x()); };
+  return named<GridFluidBody>("pool", m);
+}
+
+TEST(Move, AFixedTreeThatIsMovedIsOneThatWasMadeThere) {
+  const Quat turn(Eigen::AngleAxisd(0.7, Vec3::UnitZ()));
+  const Pose by{turn.toRotationMatrix(), Vec3(0.4, -0.3, 0.1)};
+  const auto world = [&](bool moved) {
+    World w(told());
+    w.add(ground(0.5));
+    w.add(moved ? pendulum(by.rotation * Vec3(0, 0, 1) + by.translation, turn)
+                : pendulum(Vec3(0, 0, 1), Quat::Identity()));
+    w.add(box("box", {Vec3(0.4, -0.3, 0.2), turn}, 0.5, 0.4));
+    if (!moved) w.move(1, by);
+    return w;
+  };
+  World a = world(false), b = world(true);
+  State middle;
+  for (int s = 0; s < 60; ++s) {
+    for (int i = 1; i < 3; ++i)
+      for (std::size_t k = 0; k < a.q(i).size(); ++k) ASSERT_NEAR(a.q(i)[k], b.q(i)[k], 1e-7) << s;
+    if (s == 30) middle = a.state();
+    a.step(), b.step();
+  }
+  EXPECT_GT((position(a, 2) - Vec3(0.4, -0.3, 0.2)).head<2>().norm(), 1e-3) << "the box was hit";
+  // Where the base is belongs to the state.
+  World again(told());
+  again.add(ground(0.5));
+  again.add(pendulum(Vec3(0, 0, 1), Quat::Identity()));
+  again.add(box("box", {Vec3(0.4, -0.3, 0.2), turn}, 0.5, 0.4));
+  const State start = again.state();
+  again.set_state(middle);
+  for (int s = 30; s < 60; ++s) again.step();
+  EXPECT_EQ(again.hash(), a.hash());
+  a.set_state(start);
+  World plain(told());
+  plain.add(ground(0.5));
+  plain.add(pendulum(Vec3(0, 0, 1), Quat::Identity()));
+  plain.add(box("box", {Vec3(0.4, -0.3, 0.2), turn}, 0.5, 0.4));
+  for (int s = 0; s < 10; ++s) a.step(), plain.step();
+  EXPECT_EQ(a.hash(), plain.hash()) << "an earlier state takes the base back";
+}
+
+TEST(Move, TheBoxOfAGridFluidIsMovedWithWhatIsInIt) {
+  const Pose by{Mat3::Identity(), Vec3(1.6, -0.8, 0.8)};
+  World a(told()), b(told());
+  a.add(pool(Vec3::Zero())), b.add(pool(by.translation));
+  a.add(ball("ball", {Vec3(2.0, -0.4, 1.5)}, 0.5, 0.15, 400)),
+      b.add(ball("ball", {Vec3(2.0, -0.4, 1.5)}, 0.5, 0.15, 400));
+  for (int s = 0; s < 5; ++s) a.step();  // the ball falls, the pool sloshes where it is
+  World rest(told());
+  rest.add(pool(by.translation));
+  const auto depth = [](const World& w) { return dynamic_cast<const GridFluidBody&>(w.body(0)).volume(); };
+  EXPECT_NEAR(depth(a), depth(rest), 1e-9);
+  a.set_state(b.state());
+  a.move(0, by);
+  for (int s = 0; s < 20; ++s) {
+    for (int i = 0; i < 2; ++i)
+      for (std::size_t k = 0; k < a.q(i).size(); ++k) ASSERT_NEAR(a.q(i)[k], b.q(i)[k], 1e-6) << s;
+    a.step(), b.step();
+  }
+  EXPECT_LT(a.v(1)[2], 0.0);
+  const Pose turn{Quat(Eigen::AngleAxisd(0.1, Vec3::UnitZ())).toRotationMatrix(), Vec3::Zero()};
+  EXPECT_EQ(message([&] { a.move(0, turn); }), "move: 'pool' lies along the axes of the world; it cannot be turned");
 }
 
 TEST(Move, IsRefusedWhereSomethingElseSaysWhereTheBodyIs) {

@@ -13,7 +13,8 @@ Edits some_edits() {
   e.frozen = {2};
   e.materials[3] = {"ice \xc3\xa9", 0.02, 0.3, Response::Constraint};
   e.pairs[{"ice", "rubber"}] = {0.4, 2e5, -1.0, Response::Penalty};
-  e.rules = {{"a*", "b", true}, {"c", "*", false}};
+  e.rules = {{{"a*", "b", true}}, {{"c", "*", false}, 2}};
+  e.bases[4] = {Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX())).toRotationMatrix(), Vec3(1, 2, 3)};
   e.gravity = Vec3(0, 0.1, -1.6);
   e.stiffness = 3e6;
   return e;
@@ -34,6 +35,11 @@ TEST(Edits, ComeBackFromMemoryAsTheyWereAndLeaveTheRestAlone) {
   EXPECT_EQ(e.materials.at(3).response, Response::Constraint);
   EXPECT_EQ(e.pairs.at({"ice", "rubber"}).stiffness, 2e5);
   EXPECT_EQ(*e.gravity, Vec3(0, 0.1, -1.6));
+  EXPECT_EQ(e.bases.at(4).translation, Vec3(1, 2, 3));
+  EXPECT_EQ(e.bases.at(4).rotation, some_edits().bases.at(4).rotation);
+  ASSERT_EQ(e.rules.size(), 2u);
+  EXPECT_EQ(e.rules[0].region, -1);
+  EXPECT_EQ(e.rules[1].region, 2);
   State s;
   s.memory = memory;
   EXPECT_EQ(removed_in(s), (std::vector<int>{1, 4}));

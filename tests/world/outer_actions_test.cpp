@@ -105,6 +105,49 @@ TEST(OuterActions, WindNeverBringsASheetBeyondItsSpeed) {
   EXPECT_GT(w.body(0).carrier_velocity(0, w.v(0)).z(), 17.0);
 }
 
+TEST(OuterActions, AFieldOfAirIsWhatUniformAirWouldBeAtEachPlaceAndTime) {
+  // A vortex of rigid turning, about a ball in its middle: no force, and the torque of its own drag by quadrature.
+  const double spin_of_air = 3.0, rho = 1.2, R = 0.5;
+  const auto heavy_ball = [&] {
+    RigidModel m;
+    m.shape = make_sphere(R);
+    m.mass = 1e6, m.inertia = Mat3::Identity() * 1e6;
+    m.surface = shapes::icosphere(R, 4);
+    m.part.areal_mass = 1e6;
+    return testing::named<RigidBody>("body", m);
+  };
+  {
+    World w(floating());
+    w.add(heavy_ball());
+    AppliedForce f = on("body");
+    f.wind = AppliedForce::Wind{Vec3::Zero(), rho, 1.0, 0.0};
+    f.wind->field = [&](double, std::span<const Vec3> x, std::span<Vec3> u) {
+      for (std::size_t i = 0; i < x.size(); ++i) u[i] += spin_of_air * Vec3(0, 0, 1).cross(x[i]);
+    };
+    w.apply(f);
+    w.step();
+    EXPECT_LT(velocity(w, 0).norm() * 1e6, 1e-3);
+    EXPECT_LT(spin(w, 0).norm() * 1e6, 1e-2) << "air that flows along a surface does not push it";
+  }
+  // Air U (1 + x/L) t along x: the force on the windward half is the integral of ½ ρ D U² t² (1 + x/L)² cos² over it.
+  World w(floating());
+  w.add(heavy_ball());
+  const double U = 4.0, L = 2.0;
+  AppliedForce f = on("body");
+  f.wind = AppliedForce::Wind{Vec3::Zero(), rho, 1.0, 0.0};
+  f.wind->field = [&](double t, std::span<const Vec3> x, std::span<Vec3> u) {
+    for (std::size_t i = 0; i < x.size(); ++i) u[i].x() += t * U * (1.0 + x[i].x() / L);
+  };
+  w.apply(f);
+  run(w, 1.0);
+  const double p0 = w.body(0).linear_momentum(w.v(0)).x(), t0 = w.state().time;
+  w.step();
+  const double force = (w.body(0).linear_momentum(w.v(0)).x() - p0) / (w.state().time - t0);
+  // With x = −R c, dA = 2 π R² dc:  ∫_0^1 (1 − R c/L)² c² 2 π R² dc
+  const double a = R / L, integral = 2.0 * std::numbers::pi * R * R * (1.0 / 3.0 - 2.0 * a / 4.0 + a * a / 5.0);
+  EXPECT_NEAR(force, 0.5 * rho * U * U * t0 * t0 * integral, 0.01 * force);
+}
+
 TEST(OuterActions, AnAttractorOfPowerOneIsASpringAboutItsCenter) {
   World w(floating());
   w.add(ball("ball", {Vec3(0.5, 0, 0)}));

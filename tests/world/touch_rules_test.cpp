@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <random>
 
 #include "brim/core/error.h"
@@ -40,6 +41,52 @@ TEST(TouchRules, TheLastRuleAboutAPairDecidesAsALoopOverAllWouldSay) {
           if ((name_matches(r.a, x) && name_matches(r.b, y)) || (name_matches(r.a, y) && name_matches(r.b, x)))
             touch = r.touch;
         EXPECT_EQ(rules.touch(rules.sides(x), 0, rules.sides(y), 1), touch) << "trial " << trial << " " << x << y;
+      }
+  }
+}
+
+TEST(TouchRules, OfRulesAboutPartsTheLastOneAboutAContactDecides) {
+  std::mt19937 random(4);
+  const std::vector<std::string> names = {"a", "b", "c.1"}, words = {"a", "b", "c", "*"};
+  const auto west = [](const Vec3& x) { return x.x() < 0.0; };
+  const auto low = [](const Vec3& x) { return x.z() < 0.0; };
+  for (int trial = 0; trial < 300; ++trial) {
+    TouchRules rules;
+    std::vector<TouchRule> list;
+    for (int i = 0; i < 6; ++i) {
+      TouchRule r{words[random() % words.size()], words[random() % words.size()], random() % 2 == 0};
+      if (random() % 2 == 0) r.region_a = west;
+      if (random() % 3 == 0) r.region_b = low;
+      list.push_back(r);
+      rules.add(r, i);
+    }
+    for (const std::string& x : names)
+      for (const std::string& y : names) {
+        const TouchRules::Sides sx = rules.sides(x), sy = rules.sides(y);
+        bool any = false;
+        for (const double east : {-1.0, 1.0})
+          for (const double up : {-1.0, 1.0}) {
+            const Vec3 at(east, 0, up);
+            const auto lies = [&](const std::function<bool(const Vec3&)>& region) { return !region || region(at); };
+            bool touch = true;
+            for (const TouchRule& r : list)
+              if (lies(r.region_a) && lies(r.region_b) &&
+                  ((name_matches(r.a, x) && name_matches(r.b, y)) || (name_matches(r.a, y) && name_matches(r.b, x))))
+                touch = r.touch;
+            const bool found = rules.touch_there(sx, sy, [&](int i, bool) {
+              return lies(list[static_cast<std::size_t>(i)].region_a) &&
+                     lies(list[static_cast<std::size_t>(i)].region_b);
+            });
+            EXPECT_EQ(found, touch) << "trial " << trial << " " << x << y;
+            any = any || touch;
+            if (rules.about_parts(sx, sy) == 0) {
+              EXPECT_EQ(rules.touch(sx, 0, sy, 1), touch) << "trial " << trial << " " << x << y;
+            }
+          }
+        // A pair of which some contact may touch is looked at.
+        if (any) {
+          EXPECT_TRUE(rules.touch(sx, 0, sy, 1)) << "trial " << trial << " " << x << y;
+        }
       }
   }
 }

@@ -21,6 +21,9 @@ import traceback
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 sys.path.insert(0, str(HERE.parent))
+import with_numpy  # noqa: E402
+
+with_numpy.need("numpy", "h5py")
 from validate import page  # noqa: E402
 from validate.experiments import every  # noqa: E402,F401
 from validate.experiment import REGISTRY  # noqa: E402

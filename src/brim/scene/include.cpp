@@ -20,8 +20,8 @@ constexpr std::size_t kMaxIncludes = 8, kMaxFiles = 1000;
 /// Keys of an included scene that say nothing about its bodies.
 const std::set<std::string> kOfTheWhole = {"$schema",         "brim",     "name",  "description", "world", "frames",
                                            "steps_per_frame", "duration", "expect"};
-const std::set<std::string> kTaken = {"bodies",  "materials",   "pairs",  "groups",
-                                      "filters", "attachments", "joints", "forces"};
+const std::set<std::string> kTaken = {"bodies",      "materials", "pairs",  "groups", "filters",
+                                      "attachments", "joints",    "forces", "sensors"};
 
 /// The files that are being read, each by the one before, and how many there were.
 struct Reading {
@@ -72,7 +72,10 @@ class Merger {
     if (from_->root.contains("pairs")) pairs();
     bodies();
     groups();
-    entries("filters", [&](Json& filter, const Node&) { prefix_all(filter, "between"); });
+    entries("filters", [&](Json& filter, const Node& written) {
+      prefix_all(filter, "between");
+      if (entry_.has("transform")) move_link(filter, entry_.at("transform"), written);
+    });
     for (const char* list : {"attachments", "joints"})
       entries(list, [&](Json& link, const Node& written) {
         for (const char* key : {"name", "body", "to"}) prefix_one(link, key);
@@ -83,6 +86,13 @@ class Merger {
       prefix_all(force, "bodies");
       if (!force.contains("bodies") || force["bodies"].empty()) force["bodies"] = movable();
       if (entry_.has("transform")) move_link(force, entry_.at("transform"), written);
+    });
+    entries("sensors", [&](Json& sensor, const Node& written) {
+      for (const char* key : {"name", "body", "with", "to", "link"}) {
+        prefix_one(sensor, key);
+        prefix_all(sensor, key);
+      }
+      if (entry_.has("transform")) move_link(sensor, entry_.at("transform"), written);
     });
   }
 

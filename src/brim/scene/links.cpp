@@ -7,6 +7,7 @@
 #include "brim/scene/motion.h"
 #include "brim/scene/sensors.h"
 #include "brim/scene/validate.h"
+#include "brim/scene/wind_field.h"
 #include "brim/world/world.h"
 
 namespace brim {
@@ -42,9 +43,15 @@ void check_names_differ(const Node& list) {
 std::vector<TouchRule> read_filter(const Node& filter, const Json* groups) {
   std::vector<TouchRule> rules;
   const Node between = filter.at("between");
+  TouchRule rule;
+  rule.touch = filter.boolean("touch");
+  if (filter.has("region")) rule.region_a = read_region(filter.at("region"));
+  if (filter.has("to_region")) rule.region_b = read_region(filter.at("to_region"));
   for (const std::string& a : names_of(between.at(std::size_t{0}).string(), groups))
-    for (const std::string& b : names_of(between.at(std::size_t{1}).string(), groups))
-      rules.push_back({a, b, filter.boolean("touch")});
+    for (const std::string& b : names_of(between.at(std::size_t{1}).string(), groups)) {
+      rule.a = a, rule.b = b;
+      rules.push_back(rule);
+    }
   return rules;
 }
 
@@ -124,6 +131,7 @@ AppliedForce read_force(const Node& n) {
   if (n.has("wind")) {
     const Node w = n.at("wind");
     f.wind = AppliedForce::Wind{w.vec3("velocity"), w.number("density"), w.number("drag"), w.number("lift")};
+    if (w.has("field")) f.wind->field = read_wind_field(w.at("field"));
   }
   if (n.has("attractor")) {
     const Node a = n.at("attractor");
@@ -172,6 +180,10 @@ void wire_up(const Node& root, World& world) {
     n.placed([&] { world.apply(read_force(n)); });
   }
   add_sensors(root, world);
+  // What a filter's region cannot be about is said now, and not by the first step.
+  for (std::size_t i = 0; i < root.at("filters").size(); ++i)
+    if (const Node n = root.at("filters").at(i); n.has("region") || n.has("to_region"))
+      n.placed([&] { static_cast<void>(world.stiffness()); });
 }
 
 }  // namespace brim

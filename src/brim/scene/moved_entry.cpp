@@ -17,23 +17,34 @@ class Mover {
 
   void entry(Json& body, const Node& written) const {
     if (turns_) need_free(body, written);
-    Json& transform = body["transform"];
-    if (transform.is_null()) transform = Json::object();
-    if (transform.is_object()) pose(transform);
+    pose(body["transform"]);
     for (const char* key : {"velocity", "angular_velocity"}) direction(body, key);
     if (body.contains("keyframes")) keyframes(body["keyframes"]);
     if (body.contains("constraints") && body["constraints"].is_array())
       for (Json& c : body["constraints"])
         if (c.is_object()) constraint(c);
   }
-  /// The keys of attachments, joints and forces are not at odds with each other.
+  /// The keys of filters, attachments, joints, forces and sensors are not at odds with each other.
   void link(Json& link, const Node& written) const {
-    if (turns_ && link.contains("region") && is_box(link["region"])) refuse(written, "a region that is a box lies");
-    for (const char* key : {"point", "to_point", "position"}) point(link, key);
+    for (const char* key : {"region", "to_region"}) {
+      if (!link.contains(key)) continue;
+      if (turns_ && is_box(link[key])) refuse(written, "a region that is a box lies");
+      region(link[key]);
+    }
+    // Torque is about the origin of the scene that is included.
+    if (link.value("kind", Json()) == "force" && !link.contains("about")) link["about"] = Json::array({0, 0, 0});
+    for (const char* key : {"point", "to_point", "position", "about"}) point(link, key);
     for (const char* key : {"axis", "force", "torque", "acceleration"}) direction(link, key);
-    if (link.contains("region")) region(link["region"]);
     if (link.contains("keyframes")) keyframes(link["keyframes"]);
-    if (link.contains("wind") && link["wind"].is_object()) direction(link["wind"], "velocity");
+    if (link.contains("grid") && link["grid"].is_object()) {
+      point(link["grid"], "origin");
+      for (const char* side : {"x", "y"}) direction(link["grid"], side);
+    }
+    if (link.contains("wind") && link["wind"].is_object()) {
+      Json& wind = link["wind"];
+      direction(wind, "velocity");
+      if (wind.contains("field") && wind["field"].is_object()) pose(wind["field"]["transform"]);
+    }
     if (link.contains("attractor") && link["attractor"].is_object()) {
       Json& attractor = link["attractor"];
       if (!attractor.contains("center")) attractor["center"] = Json::array({0, 0, 0});
@@ -65,6 +76,8 @@ class Mover {
   }
 
   void pose(Json& transform) const {
+    if (transform.is_null()) transform = Json::object();
+    if (!transform.is_object()) return;
     if (!transform.contains("position")) transform["position"] = Json::array({0, 0, 0});
     point(transform, "position");
     if (turns_)

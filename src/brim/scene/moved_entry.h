@@ -11,7 +11,8 @@ namespace brim {
 /// @throws InputError  when a rotation meets what lies along the axes of the world: repeats, upright boxes, grid fluids
 void move_entry(Json& body, const Node& transform, const Node& written);
 
-/// Likewise an entry of "attachments", "joints" or "forces": its points, regions, directions and imposed motions.
+/// Likewise an entry of "filters", "attachments", "joints", "forces" or "sensors": its points, regions, directions,
+/// grids and imposed motions.
 void move_link(Json& link, const Node& transform, const Node& written);
 
 }  // namespace brim

@@ -286,7 +286,8 @@ class SceneReader {
       each("bodies", [&](const Node& body) { bodies.check(body); });
       const bool all = !errors_.touches("/bodies");
       if (all) part("/filters", [&] { scene.world.touch_rules = read_filters(root_); });
-      if (all) part("/attachments", [&] { check_wiring(root_); });
+      if (all && !errors_.touches("/joints") && !errors_.touches("/forces"))
+        part("/attachments", [&] { check_wiring(root_); });
       if (all) part("/timeline", [&] { check_timeline(root_, scene); });
       std::set<std::string> sensors;
       if (!errors_.touches("/groups"))

@@ -60,14 +60,17 @@ std::vector<int> bodies_of(const Node& name, const World& world) {
   return numbers;
 }
 
-void need_movable(const Node& name, const std::string& verb, const Body& body) {
+void need_movable(const Node& name, const std::string& verb, const Body& body, const Mat3& R) {
   const auto* movable = dynamic_cast<const Movable*>(&body);
   if (movable != nullptr && movable->driven())
     throw name.error(fmt::format("\"{}\" follows keyframes; it cannot be changed by \"{}\"", body.name(), verb));
   if (verb != "move") return;
-  if (movable == nullptr) throw name.error(fmt::format("\"{}\" ({}) cannot be moved", body.name(), body.kind()));
-  if (const std::string why = movable->bound(); !why.empty())
-    throw name.error(fmt::format("\"{}\" {}; it cannot be moved", body.name(), why));
+  if (const std::string why = refuses_move(body, R); !why.empty())
+    throw name.error(fmt::format("\"{}\" {}", body.name(), why));
+}
+
+Mat3 rotation_of(const Node& entry) {
+  return entry.has("rotation") ? read_rotation(entry.at("rotation")).toRotationMatrix() : Mat3::Identity();
 }
 
 /// The edit of one body.
@@ -88,7 +91,7 @@ std::function<void(World&, int)> edit_of(const Node& entry, const std::string& v
       w.set_velocity(b, v, s);
     };
   const Vec3 offset = vector_or_zero(entry, "offset");
-  const Mat3 R = entry.has("rotation") ? read_rotation(entry.at("rotation")).toRotationMatrix() : Mat3::Identity();
+  const Mat3 R = rotation_of(entry);
   return [offset, R](World& w, int b) {
     const Vec3 middle = middle_of(w.body(b));
     w.move(b, {R, R == Mat3::Identity() ? offset : Vec3(middle - R * middle + offset)});
@@ -112,7 +115,7 @@ std::function<void(World&)> read_edit(const Node& entry, const Scene& scene, con
   const Node name = entry.at(verb.c_str());
   const std::vector<int> numbers = bodies_of(name, world);
   if (verb == "freeze" || verb == "move")
-    for (const int b : numbers) need_movable(name, verb, world.body(b));
+    for (const int b : numbers) need_movable(name, verb, world.body(b), rotation_of(entry));
   return [numbers, word = name.string(), verb, edit = edit_of(entry, verb, scene)](World& w) {
     bool any = false;
     for (const int b : numbers)

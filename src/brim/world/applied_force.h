@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,10 @@ namespace brim {
 struct NumberKey {
   double time = 0.0, value = 1.0;
 };
+
+/// A velocity of air that varies over space and time: adds what it is at places x, [m], to `velocity`, [m/s], of the
+/// same shape (n). Called on the stepping thread, once per body and sub-step, with the middles of all its triangles.
+using WindField = std::function<void(double time, std::span<const Vec3> x, std::span<Vec3> velocity)>;
 
 /// What acts on bodies from outside besides gravity (docs/links.md). Forces are constant over a sub-step, as gravity
 /// is.
@@ -40,6 +45,7 @@ struct AppliedForce {
     Vec3 velocity = Vec3::Zero();   ///< [m/s] of the air
     double density = 1.2;           ///< [kg/m³]
     double drag = 1.0, lift = 0.0;  ///< [-] coefficients
+    WindField field{};              ///< added to the velocity
   };
   std::optional<Wind> wind{};
 

@@ -1,8 +1,12 @@
 #include "brim/world/body_motion.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "brim/body/changing_surface.h"
+#include "brim/body/movable.h"
+#include "brim/body/movable_base.h"
 
 namespace brim {
 
@@ -23,6 +27,26 @@ Vec3 middle_of(const Body& body) {
   Vec3 sum = Vec3::Zero();
   for (const Vec3f& p : x) sum += p.cast<double>();
   return x.empty() ? sum : Vec3(sum / static_cast<double>(x.size()));
+}
+
+bool moves_by_base(const Body& body) {
+  const auto* movable = dynamic_cast<const Movable*>(&body);
+  return dynamic_cast<const MovableBase*>(&body) != nullptr && (movable == nullptr || *movable->bound() != '\0');
+}
+
+std::string refuses_move(const Body& body, const Mat3& R) {
+  const auto* movable = dynamic_cast<const Movable*>(&body);
+  if (movable != nullptr && movable->driven()) return "follows keyframes; it cannot be moved";
+  if (moves_by_base(body)) {
+    const std::string why = dynamic_cast<const MovableBase&>(body).refuses_turn(R);
+    if (why.empty()) return why;
+    return why + (R == Mat3::Identity() ? "; it cannot be moved" : "; it cannot be turned");
+  }
+  if (movable == nullptr)
+    return fmt::format("({}) has no place of its own; bodies whose author chose the coordinates are moved by their q",
+                       body.kind());
+  const std::string why = movable->bound();
+  return why.empty() ? why : why + "; it cannot be moved";
 }
 
 }  // namespace brim

@@ -14,6 +14,7 @@
 #include "brim/world/averaged_raster.h"
 #include "brim/world/fill_stage.h"
 #include "brim/world/pair_laws.h"
+#include "brim/world/part_filter.h"
 
 namespace brim {
 
@@ -127,6 +128,7 @@ void ContactStage::find(std::span<const WorldPart> parts, std::span<const double
   parallel_for(work_count_, [&](std::size_t i) {
     if (static_cast<double>(found) > most) return;
     search(work_[i]);
+    if (candidates_[work_[i].candidate].by_part) work_[i].finds.engulfed = 0;
     found += static_cast<std::int64_t>(work_[i].finds.contacts.size());
   });
   if (static_cast<double>(found) > most) refuse_crowd("contacts", most, options.memory_limit);
@@ -222,7 +224,7 @@ void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<c
   for (const auto& [pa, pb] : touching_) {
     const WorldPart &a = parts[pa], &b = parts[pb];
     if (!may_touch(a, b) || fills(a, b)) continue;
-    const bool held = rigid_.any() && rigid_.holds(pa, pb);
+    const bool held = rigid_.any() && rigid_.holds(pa, pb) && !PartFilter::concerns(a, b);
     const Aabb &box_a = held ? rigid_.box(pa) : outline_[pa].box, &box_b = held ? rigid_.box(pb) : outline_[pb].box;
     if (!box_a.overlaps(box_b)) continue;
     const Aabb region = box_a.intersection(box_b);
@@ -244,6 +246,7 @@ void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<c
     c.pair = ContactPair{pa, pb, h, ramp * h, margin, 0, 0};
     c.region = region;
     c.level = level;
+    c.by_part = PartFilter::concerns(a, b);
     c.tiles.clear(), c.octants.clear();
     c.layer_a = access_[pa].is_solid() ? -1 : layer_of(pa, h, level, region);
     c.layer_b = access_[pb].is_solid() ? -1 : layer_of(pb, h, level, region);

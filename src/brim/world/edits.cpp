@@ -15,7 +15,7 @@ namespace {
 constexpr double kEditsMark = -0.75;
 
 /// Words of records.
-enum Word : int { kNone, kRemoved, kFrozen, kGravity, kStiffness, kMaterial, kPair, kRule };
+enum Word : int { kNone, kRemoved, kFrozen, kGravity, kStiffness, kMaterial, kPair, kRule, kBase };
 
 /// Writes records.
 class RecordWriter {
@@ -68,7 +68,7 @@ std::size_t size_in(std::span<const double> memory) {
 }
 
 Word word_of(double x) {
-  return x >= 1.0 && x <= static_cast<double>(kRule) ? static_cast<Word>(static_cast<int>(x)) : kNone;
+  return x >= 1.0 && x <= static_cast<double>(kBase) ? static_cast<Word>(static_cast<int>(x)) : kNone;
 }
 
 /// Calls f(word, reader) for the records of a memory that begins with edits.
@@ -113,10 +113,18 @@ void Edits::take(std::vector<double>& memory, int bodies) {
       const std::string a = r.text(), b = r.text();
       const bool sane = std::isfinite(p.friction) && p.stiffness >= 0.0 && std::isfinite(p.stiffness);
       if (r.good() && sane && p.restitution <= 1.0) pairs[{a, b}] = p;
+    } else if (word == kBase) {
+      const int b = r.whole(0, bodies - 1);
+      Pose base;
+      for (double& x : base.translation) x = r.number();
+      for (double& x : base.rotation.reshaped()) x = r.number();
+      if (r.good() && base.translation.allFinite() && base.rotation.isUnitary(1e-6)) bases[b] = base;
     } else if (word == kRule) {
       TouchRule rule;
       rule.touch = r.whole(0, 1) == 1, rule.a = r.text(), rule.b = r.text();
-      if (r.good()) rules.push_back(rule);
+      const bool good = r.good();
+      const double region = r.number();  // only of those that have one
+      if (good) rules.push_back({rule, r.good() && region >= 0.0 && region < 1e6 ? static_cast<int>(region) : -1});
     }
   });
   memory.erase(memory.begin(), memory.begin() + static_cast<std::ptrdiff_t>(size_in(memory)));
@@ -142,12 +150,22 @@ void Edits::keep(std::vector<double>& memory) const {
       w.number(b), w.number(m.friction), w.number(m.restitution), w.number(static_cast<double>(m.response));
       w.text(m.name);
     });
+  for (const auto& [b, base] : bases)
+    record(kBase, [&] {
+      w.number(b);
+      for (const double x : base.translation) w.number(x);
+      for (const double x : base.rotation.reshaped()) w.number(x);
+    });
   for (const auto& [names, p] : pairs)
     record(kPair, [&] {
       w.number(p.friction), w.number(p.stiffness), w.number(p.restitution), w.number(static_cast<double>(p.response));
       w.text(names.first), w.text(names.second);
     });
-  for (const TouchRule& rule : rules) record(kRule, [&] { w.number(rule.touch), w.text(rule.a), w.text(rule.b); });
+  for (const auto& [rule, region] : rules)
+    record(kRule, [&] {
+      w.number(rule.touch), w.text(rule.a), w.text(rule.b);
+      if (region >= 0) w.number(region);
+    });
   if (head.size() == 2) return;
   head[1] = static_cast<double>(head.size() - 2);
   memory.insert(memory.begin(), head.begin(), head.end());

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "brim/raster/shape.h"
 #include "brim/world/world.h"
 
 namespace brim {
@@ -19,8 +20,14 @@ namespace brim {
 struct Edits {
   std::set<int> removed, frozen;      ///< bodies
   std::map<int, Material> materials;  ///< of all parts of a body
+  std::map<int, Pose> bases;          ///< where those of bodies are against the start (MovableBase)
   std::map<std::pair<std::string, std::string>, PairMaterial> pairs;
-  std::vector<TouchRule> rules;  ///< after those of the options
+  /// A rule, without its regions: with what the world's PartFilter knows them by.
+  struct Rule {
+    TouchRule rule;
+    int region = -1;
+  };
+  std::vector<Rule> rules;  ///< after those of the options
   std::optional<Vec3> gravity;
   std::optional<double> stiffness;  ///< [Pa]
 

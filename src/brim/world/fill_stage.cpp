@@ -8,6 +8,7 @@
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/math/ramp.h"
+#include "brim/world/part_filter.h"
 
 namespace brim {
 
@@ -43,7 +44,7 @@ bool fills(const WorldPart& a, const WorldPart& b) {
 }
 
 void FillStage::find(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts,
-                     const WorldOptions& options, ContactSet& set) {
+                     const WorldOptions& options, PartFilter& filter, ContactSet& set) {
   filler_.assign(bodies.size(), {});
   first_ = set.size();
   contact_.clear(), seen_.clear();
@@ -68,6 +69,10 @@ void FillStage::find(std::span<const std::unique_ptr<Body>> bodies, std::span<co
         find_in_solid(*solid, parts[o].body->bounds(parts[o].index).inflated(reach), *filler.body);
       else
         find_on_grid(parts[o], h, box, *filler.body);
+      if (PartFilter::concerns(parts[f], parts[o]))
+        std::erase_if(found_, [&](const Found& s) {
+          return !filter.touch(parts[f], parts[o], places[s.element] - s.distance * s.n);
+        });
       if (found_.empty()) continue;
       const bool fluid_first = f < o;
       ContactPair pair{static_cast<std::int32_t>(std::min(f, o)),

@@ -13,6 +13,8 @@
 
 namespace brim {
 
+class PartFilter;
+
 /// Contacts of bodies that fill what solids leave (Filling): one for each element within reach of a surface, answered
 /// by the body's pressure in the common solve. A surface is known by its distance, of solids from themselves, of all
 /// else from the density that they write on the grid.
@@ -22,8 +24,9 @@ namespace brim {
 class FillStage {
  public:
   /// Finds the contacts, appends them to the set, pair after pair, and tells them to the bodies.
+  /// @param filter  leaves out those that rules about parts of bodies keep from touching
   void find(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts,
-            const WorldOptions& options, ContactSet& set);
+            const WorldOptions& options, PartFilter& filter, ContactSet& set);
   /// Takes the state at the start of the step: pressures and rates, which response is told for friction.
   /// @param velocity_a, velocity_b  [m/s] matter of each part at all contacts
   void begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,

@@ -134,7 +134,7 @@ int OuterActions::add(const AppliedForce& given, std::span<const std::unique_ptr
 }
 
 void OuterActions::add_wind(const AppliedForce& given, double scale, Action& action, const WorldPart& part,
-                            std::span<const double> v, double dt, std::span<double> Q) const {
+                            std::span<const double> v, double time, double dt, std::span<double> Q) const {
   const Body& body = *part.body;
   const auto x = action.points.positions();
   std::vector<std::int32_t> source(x.size());
@@ -146,13 +146,14 @@ void OuterActions::add_wind(const AppliedForce& given, double scale, Action& act
   std::vector<Vec3f> shown(body.display().vertices);
   body.display_positions(shown);
   const Display& display = body.display();
-  AppliedForce::Wind wind = *given.wind;
-  wind.velocity *= scale;
+  const AppliedForce::Wind& wind = *given.wind;
+  std::vector<Vec3> flow(x.size(), wind.velocity);
+  if (wind.field) wind.field(time, x, flow);
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Triangle& t = display.triangles[i];
     const Vec3 a = shown[t[0]].cast<double>(), b = shown[t[1]].cast<double>(), c = shown[t[2]].cast<double>();
     Vec3 facing = 0.5 * (b - a).cross(c - a);
-    const Vec3 air = wind.velocity - u[i];
+    const Vec3 air = scale * flow[i] - u[i];
     // Air pushes what faces it: both sides of a sheet, of a closed surface its windward side.
     const double into = facing.dot(air);
     if (display.two_sided)
@@ -201,7 +202,7 @@ std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Bo
         action.points.follow(part, qb);
         image.assign(n, 0.0);
         if (given.wind) {
-          add_wind(given, scale, action, part, vb, dt, image);
+          add_wind(given, scale, action, part, vb, time, dt, image);
           add(dt);
         } else {
           const auto x = action.points.positions();

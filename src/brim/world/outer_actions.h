@@ -45,8 +45,9 @@ class OuterActions {
     AppliedForce given;
     std::vector<Action> actions;
   };
+  /// @param scale  of the air's velocity, at the time
   void add_wind(const AppliedForce& given, double scale, Action& action, const WorldPart& part,
-                std::span<const double> v, double dt, std::span<double> Q) const;
+                std::span<const double> v, double time, double dt, std::span<double> Q) const;
 
   std::vector<Entry> entries_;
   std::vector<double> gravity_scale_, impulse_;

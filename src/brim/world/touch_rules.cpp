@@ -39,10 +39,22 @@ bool name_matches(std::string_view wanted, std::string_view name) {
   return wanted == name || is_copy(wanted, name) || matches_pattern(wanted, name);
 }
 
-void TouchRules::add(const TouchRule& rule) {
+void TouchRules::add(const TouchRule& rule, int region) {
   if (rules_.size() == kMost)
     throw InputError(fmt::format("rules of which bodies touch: at most {} are allowed", kMost));
+  if (rule.about_part()) about_parts_ |= std::uint64_t{1} << rules_.size();
   rules_.push_back(rule);
+  regions_.push_back(region);
+}
+
+bool TouchRules::touch_somewhere(std::uint64_t about) const {
+  for (std::uint64_t left = about; left != 0;) {
+    const std::size_t i = last_of(left);
+    const std::uint64_t bit = std::uint64_t{1} << i;
+    if (rules_[i].touch || (about_parts_ & bit) == 0) return rules_[i].touch;
+    left &= ~bit;
+  }
+  return true;
 }
 
 TouchRules::Sides TouchRules::sides(std::string_view name) const {

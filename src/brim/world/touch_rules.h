@@ -3,26 +3,34 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
+#include <functional>
 #include <set>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "brim/math/types.h"
+
 namespace brim {
 
 /// Says whether bodies of two names touch. A name may have * for any characters and ? for one; the stem of numbered
-/// copies ("box" for box.0, box.1, ...) stands for all of them.
+/// copies ("box" for box.0, box.1, ...) stands for all of them. With a region it is about the contacts on that part of
+/// a body alone: on the matter that was there when the rule and the body were first both there.
 struct TouchRule {
   std::string a, b;
   bool touch = false;
+  std::function<bool(const Vec3&)> region_a{}, region_b{};  ///< [m] of places; nothing: all of it
+
+  bool about_part() const { return region_a || region_b; }
 };
 
 /// True when `wanted` is the name, a stem of it or a pattern of it (TouchRule).
 bool name_matches(std::string_view wanted, std::string_view name);
 
 /// Which bodies touch: rules by name, of which the last one about a pair decides, and pairs of bodies that links keep
-/// from touching. What no rule is about touches. A test is a few instructions.
+/// from touching. What no rule is about touches. A test is a few instructions. Where rules are about parts of bodies,
+/// the last one about a contact decides, which PartFilter asks.
 /// Tests: tests/world/touch_rules_test.cpp
 class TouchRules {
  public:
@@ -32,8 +40,9 @@ class TouchRules {
     std::uint64_t a = 0, b = 0;
   };
 
+  /// @param region  what the caller knows the rule's regions by, where it has some
   /// @throws InputError for more than kMost rules
-  void add(const TouchRule& rule);
+  void add(const TouchRule& rule, int region = -1);
   Sides sides(std::string_view name) const;
   /// Two bodies never touch, whatever the rules say.
   void keep_apart(int body_a, int body_b) { apart_.insert(std::minmax(body_a, body_b)); }
@@ -42,11 +51,39 @@ class TouchRules {
   bool touch(const Sides& x, int body_x, const Sides& y, int body_y) const {
     if (!apart_.empty() && apart_.contains(std::minmax(body_x, body_y))) return false;
     const std::uint64_t about = (x.a & y.b) | (x.b & y.a);
-    return about == 0 || rules_[63 - static_cast<std::size_t>(std::countl_zero(about))].touch;
+    if ((about & about_parts_) != 0) return touch_somewhere(about);
+    return about == 0 || rules_[last_of(about)].touch;
+  }
+
+  /// The rules about parts of two bodies that come after the last one about the whole pair, as bits.
+  std::uint64_t about_parts(const Sides& x, const Sides& y) const {
+    const std::uint64_t about = (x.a & y.b) | (x.b & y.a), whole = about & ~about_parts_;
+    if ((about & about_parts_) == 0) return 0;
+    return whole == 0 ? about : about & about_parts_ & ~((std::uint64_t{2} << last_of(whole)) - 1);
+  }
+  /// Whether a contact of two bodies counts.
+  /// @param inside  (region, exchanged): whether it lies in both regions of a rule, body x being its side a; its side b
+  ///                where they are exchanged
+  template <class Inside>
+  bool touch_there(const Sides& x, const Sides& y, const Inside& inside) const {
+    for (std::uint64_t left = (x.a & y.b) | (x.b & y.a); left != 0;) {
+      const std::size_t i = last_of(left);
+      const std::uint64_t bit = std::uint64_t{1} << i;
+      if ((about_parts_ & bit) == 0 || (((x.a & y.b) & bit) != 0 && inside(regions_[i], false)) ||
+          (((x.b & y.a) & bit) != 0 && inside(regions_[i], true)))
+        return rules_[i].touch;
+      left &= ~bit;
+    }
+    return true;
   }
 
  private:
+  static std::size_t last_of(std::uint64_t bits) { return 63 - static_cast<std::size_t>(std::countl_zero(bits)); }
+  bool touch_somewhere(std::uint64_t about) const;
+
   std::vector<TouchRule> rules_;
+  std::vector<int> regions_;  ///< per rule
+  std::uint64_t about_parts_ = 0;
   std::set<std::pair<int, int>> apart_;
 };
 

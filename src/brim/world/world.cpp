@@ -24,7 +24,8 @@ World::World(WorldOptions options) : impl_(std::make_unique<Impl>()) {
   need("cg_tolerance", options.cg_tolerance, options.cg_tolerance > 0.0 && options.cg_tolerance < 1.0);
   impl_->given = options;
   impl_->options = std::move(options);
-  for (const TouchRule& rule : impl_->options.touch_rules) impl_->rules.add(rule);
+  for (const TouchRule& rule : impl_->options.touch_rules)
+    impl_->rules.add(rule, rule.about_part() ? impl_->filter.add(rule) : -1);
 }
 
 World::~World() = default;

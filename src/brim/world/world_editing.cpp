@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "brim/body/movable.h"
+#include "brim/body/movable_base.h"
 #include "brim/core/error.h"
 #include "brim/world/attachment.h"
 #include "brim/world/body_motion.h"
@@ -106,15 +107,33 @@ PartInfo World::Impl::info_of(const WorldPart& p) const {
   return info;
 }
 
+void World::Impl::set_bases() {
+  for (std::size_t i = 0; i < count(); ++i) {
+    auto* base = dynamic_cast<MovableBase*>(out(i) ? absences.at(i).other.get() : bodies[i].get());
+    if (base == nullptr) continue;
+    const auto moved = edits.bases.find(static_cast<int>(i));
+    base->set_base(moved == edits.bases.end() ? Pose{} : moved->second);
+  }
+  fresh.clear();
+}
+
 void World::Impl::follow_edits() {
+  if (!edits.bases.empty() || bases_moved) set_bases();
+  bases_moved = !edits.bases.empty();
   options.environment.gravity = edits.gravity.value_or(given.environment.gravity);
   options.stiffness = edits.stiffness.value_or(given.stiffness);
   options.pair_materials = given.pair_materials;
   for (const auto& [materials, pair] : edits.pairs) options.pair_materials[materials] = pair;
   options.touch_rules = given.touch_rules;
-  options.touch_rules.insert(options.touch_rules.end(), edits.rules.begin(), edits.rules.end());
   rules = {};
-  for (const TouchRule& rule : options.touch_rules) rules.add(rule);
+  int regions = 0;
+  for (const TouchRule& rule : given.touch_rules) rules.add(rule, rule.about_part() ? regions++ : -1);
+  for (const Edits::Rule& edit : edits.rules) {
+    if (edit.region >= filter.size()) continue;  // a rule that this world has not been told
+    const TouchRule rule = edit.region < 0 ? edit.rule : filter.rule(edit.region);
+    options.touch_rules.push_back(rule);
+    rules.add(rule, edit.region);
+  }
   keep_apart();
   const auto absent = [&](const WorldPart& p) { return out(static_cast<std::size_t>(p.body_index)); };
   double coarsest = 0.0;
@@ -196,18 +215,20 @@ void World::move(int b, const Pose& by) {
   if (!by.translation.allFinite() || !by.rotation.allFinite() ||
       !(by.rotation * by.rotation.transpose()).isApprox(Mat3::Identity(), 1e-6) || by.rotation.determinant() < 0.0)
     refuse("must be moved by finite numbers and a rotation");
-  const auto* movable = dynamic_cast<const Movable*>(&body);
-  if (movable == nullptr)
-    refuse(fmt::format("({}) has no place of its own; bodies whose author chose the coordinates are moved by their q",
-                       body.kind()));
-  if (movable->driven()) refuse("follows keyframes; it cannot be moved");
-  if (const std::string why = movable->bound(); !why.empty()) refuse(why + "; it cannot be moved");
+  if (const std::string why = refuses_move(body, by.rotation); !why.empty()) refuse(why);
   w.start();
   for (std::size_t l = 0; l < w.links.size(); ++l)
     if (const auto [i, j] = w.links.bodies(l); !w.links.broken(l) && (i == b || j == b))
       refuse(fmt::format("is held by '{}'; detach it first", w.links.attachment(l).name));
   w.wake_around(*this, b);
-  movable->move(by, w.q(static_cast<std::size_t>(b)), w.v(static_cast<std::size_t>(b)));
+  if (moves_by_base(body)) {
+    w.edit([&](Edits& edits) {
+      Pose& base = edits.bases[b];
+      base = {by.rotation * base.rotation, by.rotation * base.translation + by.translation};
+    });
+    return;
+  }
+  dynamic_cast<const Movable&>(body).move(by, w.q(static_cast<std::size_t>(b)), w.v(static_cast<std::size_t>(b)));
   w.show_whole();
   w.update_bodies();
 }
@@ -280,7 +301,16 @@ void World::set_gravity(const Vec3& gravity) {
 void World::set_touch(const TouchRule& rule) {
   TouchRules more = impl_->rules;
   more.add(rule);  // throws where there are too many
-  impl_->edit([&](Edits& edits) { edits.rules.push_back(rule); });
+  int region = -1;
+  if (rule.about_part()) {
+    impl_->start();
+    impl_->update_bodies();
+    PartFilter with = impl_->filter;
+    region = with.add(rule);
+    with.meet(std::span(impl_->bodies).first(impl_->count()));  // throws where it cannot be
+    impl_->filter = std::move(with);
+  }
+  impl_->edit([&](Edits& edits) { edits.rules.push_back({rule, region}); });
   for (int i = 0; i < body_count(); ++i) wake(i);
 }
 

@@ -18,6 +18,7 @@
 #include "brim/world/links.h"
 #include "brim/world/outer_actions.h"
 #include "brim/world/pair_laws.h"
+#include "brim/world/part_filter.h"
 #include "brim/world/sleep.h"
 #include "brim/world/touch_rules.h"
 #include "brim/world/watcher.h"
@@ -42,6 +43,7 @@ struct World::Impl {
   PairLaws laws;
   Sleep sleep;
   TouchRules rules;
+  PartFilter filter;  ///< of the rules with regions: those of the options first, then as set_touch was told
   Links links;
   OuterActions actions;
   bool has_space = false;  ///< the last body and part stand for space
@@ -104,6 +106,8 @@ struct World::Impl {
   /// Brings all removed bodies back for a moment, so that the state is that of all; leave_out takes them out again.
   void bring_back();
   void leave_out();
+  bool bases_moved = false;  ///< some base may lie elsewhere than at the start
+  void set_bases();
   /// Takes the edits over into options, rules and parts.
   void follow_edits();
   /// Joins the state with what was removed, for others to see.

@@ -11,6 +11,7 @@ namespace brim {
 
 void World::Impl::start() {
   if (started) return;
+  filter.meet(std::span(bodies).first(count()));  // may refuse: then nothing is begun
   started = true;
   double h0 = options.voxel_size;
   if (h0 == 0.0) {

@@ -49,9 +49,10 @@ bool World::Impl::wake_touched() {
 void World::Impl::find_contacts(double dt, StepReport& report) {
   do {
     stage.find(parts, state.v, first_v, dt, options, report);
-    levels.shift().apply(stage.contacts());
     const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Detect)]);
-    fill.find(bodies, parts, options, stage.contacts());
+    if (filter.size() > 0) filter.moved(), filter.apply(parts, stage.contacts());
+    levels.shift().apply(stage.contacts());
+    fill.find(bodies, parts, options, filter, stage.contacts());
   } while (sleep.on() && wake_touched());
 }
 

@@ -5,6 +5,7 @@
 #include "brim/body/articulated/tree_map.h"
 #include "brim/body/distance_bound.h"
 #include "brim/body/movable.h"
+#include "brim/body/movable_base.h"
 #include "brim/body/outer_forces.h"
 #include "brim/body/posed_display.h"
 #include "brim/body/posed_shape.h"
@@ -23,7 +24,8 @@ class ArticulatedBody final : public Body,
                               public PosedDisplay,
                               public OuterForces,
                               public Restless,
-                              public Movable {
+                              public Movable,
+                              public MovableBase {
  public:
   /// @throws InputError for what Tree refuses, and for a joint that moves nothing with mass
   explicit ArticulatedBody(ArticulatedModel model);
@@ -39,6 +41,10 @@ class ArticulatedBody final : public Body,
   /// The free root takes all links along: its coordinates are the first, and the world's own.
   void move(const Pose& by, std::span<double> q, std::span<double> v) const override { move_frame(by, q, v); }
   const char* bound() const override { return tree_.floating() ? "" : "is fixed to the world by its base"; }
+  const char* refuses_turn(const Mat3&) const override {
+    return tree_.has_free() ? "has a free joint beside others that join it to the world" : "";
+  }
+  void set_base(const Pose& from_start) override { tree_.set_base(from_start); }
 
   void add_forces(const Environment& env, std::span<double> Q) const override;
   void apply_mass(std::span<const double> x, std::span<double> y) const override;

@@ -69,6 +69,8 @@ Tree::Tree(const ArticulatedModel& model) {
     const bool free = l.kind == JointKind::Free;  // its coordinates are the world's own
     l.frame_rotation = free ? Mat3::Identity() : m.joint.rotation.normalized().toRotationMatrix();
     l.frame_position = free ? Vec3::Zero() : m.joint.position;
+    l.start_frame = {l.frame_rotation, l.frame_position};
+    has_free_ = has_free_ || free;
     l.axis = m.joint.axis.normalized();
     l.mass = m.mass, l.com = m.center_of_mass, l.inertia = m.inertia;
     l.armature = free ? 0.0 : m.joint.armature;
@@ -78,6 +80,14 @@ Tree::Tree(const ArticulatedModel& model) {
   }
   if (nv_ == 0) throw InputError("articulated body: no joint can move; a fixed thing is an obstacle");
   floating_ = roots == 1 && links_[0].kind == JointKind::Free;
+}
+
+void Tree::set_base(const Pose& from_start) {
+  for (Link& l : links_) {
+    if (l.parent != -1) continue;
+    l.frame_rotation = from_start.rotation * l.start_frame.rotation;
+    l.frame_position = from_start.rotation * l.start_frame.translation + from_start.translation;
+  }
 }
 
 void Tree::place(std::span<const double> q, TreePose& pose) const {

@@ -45,6 +45,7 @@ class Tree {
     std::size_t q0 = 0, v0 = 0;
     Mat3 frame_rotation;  ///< of the joint in the parent
     Vec3 frame_position;
+    Pose start_frame;  ///< the same before any set_base
     Vec3 axis;
     double mass = 0.0;
     Vec3 com;
@@ -63,6 +64,10 @@ class Tree {
   const std::vector<int>& block_sizes() const { return blocks_; }
   /// True when the tree hangs on the world by one free joint: it then has a momentum to keep.
   bool floating() const { return floating_; }
+  /// True when some link is joined to the world by a free joint, so that its coordinates are the world's own.
+  bool has_free() const { return has_free_; }
+  /// Sets the frames of what is joined to the world from x at the start to R x + t. Only of trees without free joints.
+  void set_base(const Pose& from_start);
 
   /// Links' places. Quaternions may have any length.
   void place(std::span<const double> q, TreePose& pose) const;
@@ -90,7 +95,7 @@ class Tree {
   std::vector<int> blocks_;
   std::size_t nq_ = 0, nv_ = 0;
   double mass_ = 0.0;
-  bool floating_ = false;
+  bool floating_ = false, has_free_ = false;
 };
 
 /// Inertia of a link at its origin.

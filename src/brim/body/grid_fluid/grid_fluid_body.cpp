@@ -24,7 +24,8 @@ void need(const char* what, double value, bool good) {
 
 }  // namespace
 
-GridFluidBody::GridFluidBody(GridFluidModel model) : model_(std::move(model)), level_(model_.grid) {
+GridFluidBody::GridFluidBody(GridFluidModel model)
+    : model_(std::move(model)), start_origin_(model_.grid.origin), level_(model_.grid) {
   const MacGrid& g = model_.grid;
   need("cell size [m]", g.dx, g.dx > 0.0 && std::isfinite(g.dx));
   for (int a = 0; a < 3; ++a) need("number of cells along an axis", g.n[a], g.n[a] >= 1 && g.n[a] <= 4096);
@@ -50,7 +51,8 @@ GridFluidBody::GridFluidBody(GridFluidModel model) : model_(std::move(model)), l
 }
 
 void GridFluidBody::initial_state(std::span<double> q, std::span<double> v) const {
-  const MacGrid& g = model_.grid;
+  MacGrid g = model_.grid;
+  g.origin = start_origin_;
   const auto phi = q.first(g.cells());
   for_places(g.n, [&](int i, int j, int k) { phi[g.cell(i, j, k)] = model_.distance(g.cell_center(i, j, k)); });
   for (const double p : phi)
@@ -67,6 +69,12 @@ void GridFluidBody::initial_state(std::span<double> q, std::span<double> v) cons
       const int f = g.face(a, i, j, k);
       if (wet.kind[f] == Kind::Free) v[f] = model_.velocity(g.face_position(a, i, j, k))[a];
     });
+}
+
+void GridFluidBody::set_base(const Pose& from_start) {
+  model_.grid.origin = start_origin_ + from_start.translation;
+  level_.set_origin(model_.grid.origin);
+  phi_.clear();  // what was found for the last place is found again
 }
 
 void GridFluidBody::take_level_set(std::span<const double> phi) {

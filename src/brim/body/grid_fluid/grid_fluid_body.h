@@ -10,6 +10,7 @@
 #include "brim/body/grid_fluid/momentum_keeper.h"
 #include "brim/body/grid_fluid/pressure_projection.h"
 #include "brim/body/grid_fluid/wet_faces.h"
+#include "brim/body/movable_base.h"
 #include "brim/body/restless.h"
 #include "brim/body/walled.h"
 
@@ -34,13 +35,17 @@ struct GridFluidModel {
 /// volume of every wet cell, so conjugate gradients never leave these, and pressure, contact and all solids are solved
 /// together. After it: the level set is moved, and shifted along its normal by what moving it has lost.
 /// The box's closed sides let fluid slip.
-class GridFluidBody final : public Body, public Walled, public ChangingSurface, public Restless {
+class GridFluidBody final : public Body, public Walled, public ChangingSurface, public Restless, public MovableBase {
  public:
   /// @throws InputError for a grid without cells, or numbers out of range
   explicit GridFluidBody(GridFluidModel model);
 
   std::string_view kind() const override { return "grid_fluid"; }
   bool restless() const override { return true; }
+  const char* refuses_turn(const Mat3& R) const override {
+    return R == Mat3::Identity() ? "" : "lies along the axes of the world";
+  }
+  void set_base(const Pose& from_start) override;
   std::size_t q_size() const override { return model_.grid.cells() + 1; }
   std::size_t v_size() const override { return model_.grid.faces(); }
   void initial_state(std::span<double> q, std::span<double> v) const override;
@@ -100,6 +105,7 @@ class GridFluidBody final : public Body, public Walled, public ChangingSurface, 
   bool slips() const { return model_.material.friction == 0.0; }
 
   GridFluidModel model_;
+  Vec3 start_origin_;       ///< [m] of the grid
   double cell_mass_ = 0.0;  ///< [kg] of a full cell
   double start_volume_ = 0.0;
   PartInfo part_;

@@ -42,6 +42,9 @@ class LevelSet {
     std::copy(scratch_.begin(), scratch_.end(), phi.begin());
   }
 
+  /// Takes over that the box lies elsewhere. @param origin  [m] its low corner
+  void set_origin(const Vec3& origin) { grid_.origin = origin; }
+
   /// Volume inside, [m³]: each cell near the surface counts the part of it behind the plane φ + s + ∇φ·(x − c) = 0.
   /// @param s  [m] added to φ  @param area  [m²] of the surface, −dV/ds
   double volume(std::span<const double> phi, double s, double& area) const;

@@ -6,38 +6,14 @@
 #include <vector>
 
 #include "brim/math/types.h"
-#include "brim/raster/shape.h"
 #include "brim/world/sense/sensor_model.h"
+#include "brim/world/start_places.h"
 #include "brim/world/step_report.h"
 
 namespace brim {
 
 class Body;
 class World;
-
-/// Places of a body's matter when a sensor was added, found again wherever it is now: exactly on solids, elsewhere that
-/// of the nearest vertex the body shows, which is as fine as its mesh.
-/// Tests: tests/world/sense/force_sensor_test.cpp
-class StartPlaces {
- public:
-  /// @param body  as it is now
-  explicit StartPlaces(const Body& body);
-  /// Where the matter at x was, [m]. @param part  of the body
-  Vec3 of(int part, const Vec3& x);
-  /// Forgets where vertices are: the body has moved.
-  void moved() { known_ = false; }
-
- private:
-  void sort_vertices();
-
-  const Body& body_;
-  std::vector<Pose> pose_;    ///< of solids, shape (parts)
-  std::vector<Vec3f> start_;  ///< of the vertices of others
-  std::vector<Vec3f> now_;
-  double cell_ = 0.0;                                                      ///< [m]
-  std::unordered_map<std::uint64_t, std::vector<std::int32_t>> vertices_;  ///< by cell
-  bool known_ = false;
-};
 
 /// The contacts that a sensor is about, seen from the side of its bodies.
 class ContactSelection {

@@ -1,0 +1,82 @@
+#include "brim/world/part_filter.h"
+
+#include <algorithm>
+
+#include "brim/core/parallel.h"
+#include "brim/world/space.h"
+
+namespace brim {
+
+int PartFilter::add(const TouchRule& rule) {
+  rules_.push_back(rule);
+  return size() - 1;
+}
+
+void PartFilter::meet(std::span<const std::unique_ptr<Body>> bodies) {
+  // Bodies that are met at one time share their places.
+  std::map<int, std::shared_ptr<StartPlaces>> fresh;
+  for (int r = 0; r < size(); ++r)
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      const TouchRule& rule = this->rule(r);
+      const std::string& name = bodies[b]->name();
+      const bool asked = (rule.region_a && name_matches(rule.a, name)) || (rule.region_b && name_matches(rule.b, name));
+      const std::pair<int, int> at(r, static_cast<int>(b));
+      if (!asked || places_.contains(at) || dynamic_cast<const Space*>(bodies[b].get()) != nullptr) continue;
+      std::shared_ptr<StartPlaces>& places = fresh[at.second];
+      if (!places) places = std::make_shared<StartPlaces>(*bodies[b]);
+      places_[at] = places;
+    }
+}
+
+void PartFilter::moved() {
+  for (const auto& [at, places] : places_) places->moved();
+}
+
+void PartFilter::follow(const WorldPart& part) {
+  for (const auto& [at, places] : places_)
+    if (at.second == part.body_index) places->follow();
+}
+
+bool PartFilter::in_region(int region, bool side_b, const WorldPart& part, const Vec3& x) {
+  const auto& inside = side_b ? rule(region).region_b : rule(region).region_a;
+  if (!inside) return true;
+  const auto places = places_.find({region, part.body_index});
+  return places != places_.end() && inside(places->second->of(part.index, x));
+}
+
+bool PartFilter::touch(const WorldPart& a, const WorldPart& b, const Vec3& x) {
+  return a.rules->touch_there(a.sides, b.sides, [&](int region, bool exchanged) {
+    return in_region(region, exchanged, a, x) && in_region(region, !exchanged, b, x);
+  });
+}
+
+void PartFilter::apply(std::span<const WorldPart> parts, ContactSet& set) {
+  const auto of = [&](std::int32_t p) -> const WorldPart& { return parts[static_cast<std::size_t>(p)]; };
+  counts_.assign(set.size(), 1);
+  bool any = false;
+  for (const ContactPair& pair : set.pairs) {
+    const WorldPart &a = of(pair.part_a), &b = of(pair.part_b);
+    if (!concerns(a, b)) continue;
+    follow(a), follow(b);
+    parallel_for(
+        pair.end - pair.begin, [&](std::size_t i) { counts_[pair.begin + i] = touch(a, b, set.point[pair.begin + i]); },
+        64);
+    any = any || std::find(counts_.begin() + static_cast<std::ptrdiff_t>(pair.begin),
+                           counts_.begin() + static_cast<std::ptrdiff_t>(pair.end),
+                           0) != counts_.begin() + static_cast<std::ptrdiff_t>(pair.end);
+  }
+  if (!any) return;
+  ContactSet kept;
+  kept.engulfed = set.engulfed;
+  for (ContactPair pair : set.pairs) {
+    const std::size_t first = kept.size();
+    for (std::size_t c = pair.begin; c < pair.end; ++c)
+      if (counts_[c] != 0) kept.append(set, c, set.point[c], set.depth[c]);
+    if (kept.size() == first && concerns(of(pair.part_a), of(pair.part_b))) continue;
+    pair.begin = first, pair.end = kept.size();
+    kept.pairs.push_back(pair);
+  }
+  std::swap(set, kept);
+}
+
+}  // namespace brim
