@@ -112,6 +112,7 @@ TEST(GridFluidBody, SloshingKeepsVolumeAndGainsNoEnergy) {
     EXPECT_NEAR(fluid_of(w).volume(), volume, 0.002 * volume);
   }
   EXPECT_GT(moving, 2.0);
+  RecordProperty("energy_gain", std::to_string((most - first) / moving));
   EXPECT_LT(most - first, 0.15 * moving);
   EXPECT_LT(fluid_of(w).divergence(w.v(0)), 1e-5);
 }
