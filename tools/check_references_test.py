@@ -17,7 +17,11 @@ class CheckReferences(unittest.TestCase):
         for name, text in {
             "dev": "cmd_test() {\n}\n",
             "docs/page.md": "",
-            "apps/cli/run.cpp": 'app.add_subcommand("run", "runs");\n',
+            "apps/cli/run.cpp": 'app.add_subcommand("run", "runs");\ncommand->add_flag("--check", check, "holds");\n',
+            "apps/cli/values.cpp": 'command.add_option("--set", set, "for several commands");\n',
+            "apps/cli/view.cpp": 'app.add_subcommand("view", "shows");\ncommand->add_option("--port", port, "");\n',
+            "tools/plot.py": 'parser.add_argument("--frames")\n',
+            "scenes/bounce.json": "{}",
             "tests/io/file_test.cpp": "TEST(Reader, ReadsFiles) {\nTEST_F(Other, Thing) {\n",
             "bench/speed_bench.cpp": "",
             "src/brim/io/file.h": "",
@@ -32,12 +36,16 @@ class CheckReferences(unittest.TestCase):
     def test_what_is_there_passes(self):
         self.assertEqual(self.problems("`tests/io/file_test.cpp`, `src/brim/io/file.h`, `brim/io/file.h`, `./dev test`, "
                                        "`brim run`, `build/release/bench/speed_bench`, `build/release/tests/test_io`, "
-                                       "`--gtest_filter='Reader.*:Other.Thing-*Slow*'`, `tests/<layer>/NAME_test.cpp`"), [])
+                                       "`--gtest_filter='Reader.*:Other.Thing-*Slow*'`, `tests/<layer>/NAME_test.cpp`, "
+                                       "`brim run a.json --check --set x=1`, `brim view out | x --none`, `...ReadsFiles`, "
+                                       "`test_io --gtest_filter=Reader.*`, `tools/plot.py --frames 3`, `Scene_bounce`"), [])
 
     def test_each_kind_of_name_is_found_missing(self):
         for text in ("`tests/io/none_test.cpp`", "`brim/io/none.h`", "`./dev tset`", "`brim rum x.json`",
                      "`build/release/bench/none_bench`", "`build/release/tests/test_none`",
-                     "`--gtest_filter=Reader.*:None.*`"):
+                     "`--gtest_filter=Reader.*:None.*`", "`test_map --gtest_filter=Reader.*`", "`...ReadsNothing*`",
+                     "`brim run a.json --port 3`", "`brim view out --chek`", "`tools/plot.py --steps 3`",
+                     "`./dev test` and `Scene_bouncy`"):
             found = self.problems("\n" + text + "\n")
             self.assertEqual(len(found), 1, f"{text}: {found}")
             self.assertTrue(found[0].startswith("docs/page.md:2: "), found)

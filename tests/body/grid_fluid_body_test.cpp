@@ -95,7 +95,7 @@ TEST(GridFluidBody, VorticesDecayAsTaylorAndGreenFound) {
   EXPECT_GT(std::log2(coarse / fine), 0.9);  // the splitting of the step is of first order
 }
 
-TEST(GridFluidBody, SloshingKeepsVolumeAndGainsNoEnergy) {
+TEST(GridFluidBody, SloshingKeepsVolumeAndGainsFewPercentOfEnergy) {
   const double dx = 1.0 / 16.0;
   GridFluidModel m = pool({16, 4, 16}, dx, 0.0);
   m.distance = [](const Vec3& x) { return x.z() - 0.5 - 0.2 * (x.x() - 0.5); };
@@ -112,7 +112,9 @@ TEST(GridFluidBody, SloshingKeepsVolumeAndGainsNoEnergy) {
     EXPECT_NEAR(fluid_of(w).volume(), volume, 0.002 * volume);
   }
   EXPECT_GT(moving, 2.0);
-  EXPECT_LT(most - first, 0.15 * moving);
+  RecordProperty("energy_gain", std::to_string((most - first) / moving));
+  // None, by theory: 5.3 % as measured, and as much at half and a quarter of the step (docs/bodies/grid_fluid.md).
+  EXPECT_LT(most - first, 0.06 * moving);
   EXPECT_LT(fluid_of(w).divergence(w.v(0)), 1e-5);
 }
 

@@ -35,6 +35,27 @@ TEST(LevelSet, VolumeUnderALevelPlaneIsExact) {
   }
 }
 
+TEST(LevelSet, CenterOfMassUnderAPlaneIsThatOfThePrism) {
+  LevelSet level(kGrid);
+  const double volume = std::pow(kGrid.dx, 3);
+  const auto first_moment = [&](double slope, double height) {
+    const auto phi = sampled(
+        kGrid, [&](const Vec3& x) { return (x.z() - height - slope * x.x()) / std::sqrt(1.0 + slope * slope); });
+    double sum = 0.0;
+    for_places(kGrid.n, [&](int i, int j, int k) {
+      sum += level.fraction(phi, i, j, k) * kGrid.cell_center(i, j, k).z() + level.moment(phi, i, j, k).z();
+    });
+    return sum * volume;
+  };
+  // ∫ (z² − 1/4)/2 over the unit square, z = height + slope x.
+  const auto exact = [](double slope, double height) { return 0.5 * (height * height + slope * slope / 12.0 - 0.25); };
+  for (const double height : {-0.21, 0.0, 0.0123, 0.3})
+    EXPECT_NEAR(first_moment(0.0, height), exact(0.0, height), 1e-12);
+  for (const double height : {-0.1, 0.0, 0.0123})
+    for (const double slope : {0.1, 0.2, 0.4})
+      EXPECT_NEAR(first_moment(slope, height), exact(slope, height), 2e-5) << slope << " " << height;
+}
+
 TEST(LevelSet, MakingADistanceTwiceChangesNothingMore) {
   LevelSet level(kGrid);
   auto phi = sampled(kGrid, [](const Vec3& x) { return std::max(x.z() - 0.1, 0.2 - (x - Vec3(0, 0, 0.02)).norm()); });

@@ -142,6 +142,27 @@ TEST(Constraint, PairsOfThePenaltyResponseAndEmptyPairsHaveNoPoints) {
   EXPECT_FALSE(rows.travels_apart());
 }
 
+TEST(Constraint, NodesWithoutADirectionMakeNoRowsBetweenSoftParts) {
+  // Two bodies in one place: gradients cancel, and the search for patches must end.
+  const double h = 0.1;
+  const auto ball = make_sphere(0.6);
+  const auto half_space = make_half_space();
+  const Touching t(*ball, {Mat3::Identity(), Vec3(0, 0, 0.55)}, *half_space, plane_pose(Vec3::UnitZ(), Vec3::Zero()), h,
+                   3 * h, 0.4);
+  ConstraintPair law;
+  law.constrained = true, law.stiff = false;
+  Constraint rows;
+  for (const double none : {0.0, std::numeric_limits<double>::quiet_NaN()}) {
+    std::vector<Vec3> normals(t.contacts.size(), Vec3::Constant(none));
+    rows.gather(t.contacts, normals, std::vector<ConstraintPair>{law}, {});
+    EXPECT_EQ(rows.points().size(), 0u);
+    // Those that have one still do.
+    std::fill(normals.begin(), normals.begin() + static_cast<std::ptrdiff_t>(normals.size() / 2), Vec3::UnitZ());
+    rows.gather(t.contacts, normals, std::vector<ConstraintPair>{law}, {});
+    EXPECT_GT(rows.points().size(), 0u);
+  }
+}
+
 TEST(Constraint, TargetsByHand) {
   const double h = 0.1;
   const auto ball = make_sphere(0.6);

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "brim/world/sense/sensors.h"
+#include "support/worlds.h"
 
 namespace brim::testing {
 
@@ -24,3 +25,18 @@ inline Vec3 reading_of_axes(const World& w, const std::string& sensor, const std
 }
 
 }  // namespace brim::testing
+
+/// The names that tests of sensors use: `using namespace testing::sensing;`
+namespace brim::testing::sensing {
+
+using testing::ball;
+using testing::box;
+using testing::ground;
+using testing::options_at;
+using testing::reading;
+using testing::reading_of_axes;
+using testing::run;
+using testing::sensor_on;
+using testing::velocity;
+
+}  // namespace brim::testing::sensing

@@ -48,7 +48,7 @@ struct RunResult {
 /// @param world     as built; with plan.resume it is set to the last recorded state
 /// @param progress  called after each frame; false ends the run with all frames kept
 /// @throws InputError  for folders that cannot be used and runs that do not fit
-/// Tests: tests/record/run_test.cpp
+/// Tests: tests/record/run_test.cpp, tests/record/resume_test.cpp, tests/record/run_folder_test.cpp
 RunResult record_run(World& world, const RunPlan& plan, const std::function<bool(const RunProgress&)>& progress);
 
 }  // namespace brim

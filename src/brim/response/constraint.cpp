@@ -140,6 +140,8 @@ void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> n
   // Cells that stay where they are: points then move smoothly, and keep their impulses from step to step.
   std::map<std::array<std::int64_t, 3>, std::vector<std::size_t>> cells;
   for (const std::size_t c : order_) {
+    // Where the surfaces cancel each other nothing says which way to push.
+    if (!(normals[c].squaredNorm() > 0.5)) continue;
     const Vec3 i = (contacts.node[c].cast<double>() / kCell + Vec3::Constant(1e-6)).array().floor();
     cells[{static_cast<std::int64_t>(i.x()), static_cast<std::int64_t>(i.y()), static_cast<std::int64_t>(i.z())}]
         .push_back(c);  // deepest first, as in order_

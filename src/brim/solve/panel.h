@@ -4,7 +4,7 @@
 #include <cstdint>
 
 /// Dense kernels on panels: columns of floats one after another, `stride` apart. The rows are worked on in lanes, each
-/// row by itself, so that wide and narrow instructions give the same bits. Kernels may read and write up to kPanelPad
+/// row by itself, so that wide and narrow instructions give the same bits. Kernels may read and write up to kPad
 /// rows past the last: strides and buffers leave room.
 namespace brim::panel {
 

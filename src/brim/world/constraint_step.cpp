@@ -94,7 +94,8 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
   solve_rows(solve, rows_.velocity_targets(), kMostRefinements, lambda_, change, residual, report);
   // Many points are not swept to the end, but from step to step.
   const bool all_sweeps = !exact_ || most_sweeps() == settings_.max_sweeps;
-  if (residual > (all_sweeps ? kWarn * settings_.tolerance : kLarge))
+  converged_ = !(residual > (all_sweeps ? kWarn * settings_.tolerance : kLarge));
+  if (!converged_)
     report.warnings.push_back(
         {report.time, "no_convergence",
          fmt::format("the constraint rows of {} contacts stopped at relative residual {:.1e}; allow more sweeps", n,

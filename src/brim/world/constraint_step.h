@@ -52,6 +52,8 @@ class ConstraintStep {
   /// @param solve  x = A⁻¹ b  @param delta  Δv, shape (nv)
   /// @return false when a value is not finite
   bool correct(const ImplicitStep::Respond& solve, std::span<double> delta, StepReport& report);
+  /// False where the last correct() ended with a residual that it warned of.
+  bool converged() const { return converged_; }
   /// Mean velocity of the step less that at its end, for the positions; shape (nv), or empty where they are the same.
   std::span<const double> travel() const { return travel_; }
 
@@ -114,7 +116,7 @@ class ConstraintStep {
   std::vector<const RigidFrame*> rigid_;  ///< per body, or null
   RowMemory recall_;
   bool mapped_ = false;  ///< some pair is not rigid: points have maps
-  bool exact_ = true;
+  bool exact_ = true, converged_ = true;
 
   std::vector<Mat3> frame_;   ///< rows n, t1, t2
   std::vector<Vec3> start_;   ///< [m/s] relative velocity at the start, world frame

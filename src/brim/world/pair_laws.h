@@ -21,7 +21,7 @@ bool is_rigid(const WorldPart& p);
 bool meet_by_rigid_rows(const WorldPart& a, const WorldPart& b, const WorldOptions& options);
 
 /// The law of contact between two parts: what the scene, their materials and the loads say together.
-/// Tests: tests/world/world_test.cpp
+/// Tests: tests/world/pair_laws_test.cpp, tests/world/loads_test.cpp
 class PairLaws {
  public:
   /// Chooses the stiffness that the world has at most, from its initial state.
@@ -36,7 +36,8 @@ class PairLaws {
               const WorldOptions& options, std::span<const ContactPair> pairs);
   /// The last pairs, from `first` on, are links: neither response has a law of its own for them.
   void leave_to_links(std::size_t first);
-  /// Says of which materials the scene makes contact softer than five times the matter behind it.
+  /// Says of which materials the scene makes contact softer than five times the matter behind it, or a hundred times
+  /// stiffer than what would be chosen.
   void warn(std::span<const WorldPart> parts, const WorldOptions& options, StepReport& report) const;
   /// How rows would act between two parts.
   ConstraintPair constraint_between(const WorldPart& a, const WorldPart& b, const WorldOptions& options) const;
@@ -46,7 +47,11 @@ class PairLaws {
  private:
   PairMaterial material_of(const PartInfo& a, const PartInfo& b, const WorldOptions& options) const;
 
+  /// [Pa] of a pair for which the scene gives none
+  double chosen_stiffness(const PartInfo& a, const PartInfo& b, double dt) const;
+
   double stiffness_ = 0.0;
+  double chosen_ = 0.0;  ///< [Pa] the largest that the loads ask for
   Loads loads_;
   double loads_width_ = 0.0;  ///< [m] ramp that the stiffness was chosen for
   std::vector<PairState> penalties_;

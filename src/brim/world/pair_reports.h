@@ -5,11 +5,17 @@
 
 #include "brim/contact/contact_set.h"
 #include "brim/world/contact_stage.h"
+#include "brim/world/pair_laws.h"
 
 namespace brim {
 
 /// Warns of pairs of a first step that lie deep within each other.
 void warn_of_start(std::span<const WorldPart> parts, double time, StepReport& report);
+
+/// Warns of loaded pairs under rows whose masses differ by 300 times and more, the light one carrying more than ten
+/// times its own weight: called where the rows of a step did not converge.
+void warn_of_mass_ratio(std::span<const WorldPart> parts, const PairLaws& laws, const WorldOptions& options,
+                        double time, StepReport& report);
 
 /// Writes the totals of every touching pair, the contact samples, and the warnings of contacts near saturation.
 void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const Vec3> normal,

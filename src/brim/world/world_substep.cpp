@@ -181,6 +181,7 @@ double World::Impl::substep(double left, StepReport& report) {
       keep_apart();
     }
     constraints.finish(report, samples, last, state.memory);
+    if (!constraints.empty() && !constraints.converged()) warn_of_mass_ratio(parts, laws, options, state.time, report);
     report.contact_energy = response.energy();
     for (const auto& w : watchers) w->substep(*self, state.time, dt);
   }

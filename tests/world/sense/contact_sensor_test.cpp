@@ -9,13 +9,7 @@
 namespace brim {
 namespace {
 
-using testing::ball;
-using testing::ground;
-using testing::options_at;
-using testing::reading;
-using testing::reading_of_axes;
-using testing::sensor_on;
-using testing::velocity;
+using namespace testing::sensing;
 
 World bouncing(bool rows) {
   WorldOptions o = options_at(0.05);

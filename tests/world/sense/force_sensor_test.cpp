@@ -9,13 +9,7 @@
 namespace brim {
 namespace {
 
-using testing::box;
-using testing::ground;
-using testing::options_at;
-using testing::reading;
-using testing::reading_of_axes;
-using testing::run;
-using testing::sensor_on;
+using namespace testing::sensing;
 
 TEST(ForceSensor, APlateUnderARestingPileReadsItsWeight) {
   World w(options_at(0.1));

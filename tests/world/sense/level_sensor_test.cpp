@@ -10,9 +10,7 @@
 namespace brim {
 namespace {
 
-using testing::options_at;
-using testing::reading;
-using testing::sensor_on;
+using namespace testing::sensing;
 
 SensorModel gauge(const std::string& body, double x, double y, const std::string& name = "gauge") {
   SensorModel m = sensor_on(SensorKind::Level, body, name);

@@ -10,12 +10,7 @@
 namespace brim {
 namespace {
 
-using testing::box;
-using testing::ground;
-using testing::options_at;
-using testing::reading;
-using testing::reading_of_axes;
-using testing::sensor_on;
+using namespace testing::sensing;
 
 TEST(MotionSensor, APointOfARigidBodyMovesByItsVelocityAndSpin) {
   WorldOptions o = options_at(0.1);

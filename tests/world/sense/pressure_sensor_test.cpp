@@ -12,12 +12,7 @@
 namespace brim {
 namespace {
 
-using testing::box;
-using testing::ground;
-using testing::options_at;
-using testing::reading;
-using testing::run;
-using testing::sensor_on;
+using namespace testing::sensing;
 
 SensorModel map_of(const std::string& body, const Vec3& corner, double side, int cells) {
   SensorModel m = sensor_on(SensorKind::Pressure, body, "map");

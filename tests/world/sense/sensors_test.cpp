@@ -12,12 +12,7 @@
 namespace brim {
 namespace {
 
-using testing::box;
-using testing::ground;
-using testing::options_at;
-using testing::reading;
-using testing::run;
-using testing::sensor_on;
+using namespace testing::sensing;
 
 World sensed_world() {
   World w = testing::soft_world_in_rain();

@@ -10,9 +10,7 @@
 namespace brim {
 namespace {
 
-using testing::options_at;
-using testing::reading;
-using testing::sensor_on;
+using namespace testing::sensing;
 
 SensorModel strain_of(const std::string& body) {
   SensorModel m = sensor_on(SensorKind::Strain, body, body);

@@ -23,7 +23,8 @@ double GridFluidBody::potential_energy(const Environment& env) const {
         const int k = static_cast<int>(plane);
         for (int j = 0; j < g.n.y(); ++j)
           for (int i = 0; i < g.n.x(); ++i)
-            s += level_.fraction(phi_, i, j, k) * env.gravity.dot(g.cell_center(i, j, k));
+            s +=
+                env.gravity.dot(level_.fraction(phi_, i, j, k) * g.cell_center(i, j, k) + level_.moment(phi_, i, j, k));
         return s;
       },
       1);

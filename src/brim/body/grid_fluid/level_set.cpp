@@ -117,20 +117,34 @@ double LevelSet::cubic(std::span<const double> phi, const Vec3& x) const {
   return sum;
 }
 
-double LevelSet::fraction(std::span<const double> phi, int i, int j, int k, double s) const {
+template <class F>
+void LevelSet::for_eighths(std::span<const double> phi, int i, int j, int k, double s, const F& f) const {
   const double p = (phi[grid_.cell(i, j, k)] + s) / grid_.dx;
-  if (p > 1.0) return 0.0;  // farther than half the diagonal
-  if (p < -1.0) return 1.0;
+  if (p > 1.0) return;  // farther than half the diagonal
   // Each eighth of the cell counts by the plane through its own middle.
-  const Vec3 g = gradient(phi, i, j, k);
+  const Vec3 g = p < -1.0 ? Vec3::Zero() : gradient(phi, i, j, k);
   const double length = g.norm();
   const double width = length > 1e-9 ? g.lpNorm<1>() / length : 1.0;  // extent of the unit cube along the normal
-  double sum = 0.0;
+  const Vec3 n = length > 1e-9 ? Vec3(g / length) : Vec3::Zero();
   for (int c = 0; c < 8; ++c) {
     const double there = p + 0.25 * ((c & 1 ? g.x() : -g.x()) + (c & 2 ? g.y() : -g.y()) + (c & 4 ? g.z() : -g.z()));
-    sum += std::clamp(0.5 - 2.0 * there / width, 0.0, 1.0);
+    const double share = std::clamp(0.5 - 2.0 * there / width, 0.0, 1.0);
+    const Vec3 at(c & 1 ? 0.25 : -0.25, c & 2 ? 0.25 : -0.25, c & 4 ? 0.25 : -0.25);
+    // From the corner behind the surface, where there is hardly any fluid, to the middle, where all is.
+    f(share, at - 0.25 * width * (1.0 - share) * n);
   }
+}
+
+double LevelSet::fraction(std::span<const double> phi, int i, int j, int k, double s) const {
+  double sum = 0.0;
+  for_eighths(phi, i, j, k, s, [&](double share, const Vec3&) { sum += share; });
   return 0.125 * sum;
+}
+
+Vec3 LevelSet::moment(std::span<const double> phi, int i, int j, int k) const {
+  Vec3 sum = Vec3::Zero();
+  for_eighths(phi, i, j, k, 0.0, [&](double share, const Vec3& x) { sum += share * x; });
+  return 0.125 * grid_.dx * sum;
 }
 
 double LevelSet::volume(std::span<const double> phi, double s, double& area) const {

@@ -50,12 +50,17 @@ class LevelSet {
   double volume(std::span<const double> phi, double s, double& area) const;
   /// The part of a cell that is fluid, [0, 1].
   double fraction(std::span<const double> phi, int i, int j, int k, double s = 0.0) const;
+  /// Share of a cell that is fluid times the way from the cell's centre to that of its fluid, [m].
+  Vec3 moment(std::span<const double> phi, int i, int j, int k) const;
 
   /// Moves the surface along its normal, by at most `most`, so that the volume becomes the wanted one.
   /// @return the shift, [m], positive outwards
   double correct_volume(std::span<double> phi, double wanted, double most) const;
 
  private:
+  /// Calls f(share that is fluid, its centre in the cell's own frame [cells]) for each eighth of a cell that has some.
+  template <class F>
+  void for_eighths(std::span<const double> phi, int i, int j, int k, double s, const F& f) const;
   void find_near(std::span<const double> phi);
   void sweep(std::span<double> phi) const;
   double cubic(std::span<const double> phi, const Vec3& x) const;

@@ -102,7 +102,7 @@ class ParticleBody : public Body, public MotionClusters, public OctantPresence, 
   virtual double elastic_energy() const = 0;
 
  protected:
-  /// @param what  "finite elements 'jelly'", for messages
+  /// @param rest  [m] positions of the particles  @param mass  [kg] of each
   /// @throws InputError  when an option is out of range or names a node that does not exist
   ParticleBody(std::vector<Vec3> rest, std::vector<double> mass, ParticleOptions options);
   /// Adds the inner forces of positions_ to force_ and −∂f/∂x, projected to be positive semi-definite, to stiffness_.

@@ -12,7 +12,7 @@ namespace brim {
 
 /// What to write out of a run, and where to.
 struct ExportRequest {
-  std::string format{};               ///< one of export_formats()
+  std::string format{};               ///< name of one of formats()
   std::string folder{};               ///< made; must not exist, be empty, or (with force) hold an older export
   std::string frames{};               ///< see parse_frames; empty: all
   std::vector<std::string> bodies{};  ///< names, each the name of a body or of all its numbered copies; empty: all
@@ -48,7 +48,7 @@ struct ExportResult {
 /// @param progress  called with (frames done, frames in all); false stops the export, and nothing is left of it
 /// @throws InputError  for what the request names wrongly, folders that hold other things, and files that cannot be
 ///   written
-/// Tests: tests/record/export_test.cpp and tests/record/export_<format>_test.cpp
+/// Tests: tests/record/export_test.cpp, tests/record/export_usda_test.cpp, tests/record/export_readers_test.cpp
 ExportResult export_run(const RunReader& run, const ExportRequest& request, const WorldAt& world_at = {},
                         const std::function<bool(std::int64_t, std::int64_t)>& progress = {});
 

@@ -1,0 +1,77 @@
+#include "brim/world/pair_laws.h"
+
+#include <gtest/gtest.h>
+
+#include "brim/body/fem/fem_body.h"
+#include "support/solids.h"
+#include "support/worlds.h"
+
+/// Warnings of contact that cannot hold what it is given.
+namespace brim {
+namespace {
+
+using testing::box;
+using testing::ground;
+using testing::options_at;
+
+int warnings_of(World& w, const std::string& code, int steps) {
+  int said = 0;
+  for (int s = 0; s < steps; ++s)
+    for (const Warning& warning : w.step().warnings) said += warning.code == code;
+  return said;
+}
+
+TEST(PairLaws, AContactAHundredTimesStifferThanItsLoadsAskForIsTold) {
+  const auto said = [](double stiffness) {
+    WorldOptions o = options_at(0.125);
+    o.stiffness = stiffness;
+    World w(o);
+    w.add(ground(0.5));
+    FemOptions options;
+    options.young = 1e5;
+    w.add(std::make_unique<FemBody>(testing::block(2, 2, 2, 0.25), options));
+    return warnings_of(w, "stiff_contact", 3);
+  };
+  EXPECT_EQ(said(0.0), 0);
+  EXPECT_EQ(said(2e6), 0) << "twenty times the modulus, as it would be chosen";
+  EXPECT_GE(said(1e10), 1);
+}
+
+TEST(PairLaws, APairOfMaterialsThatIsTooStiffIsToldOnce) {
+  WorldOptions o = options_at(0.125);
+  o.pair_materials[{"default", "default"}].stiffness = 1e11;
+  World w(o);
+  w.add(ground(0.5));
+  w.add(box("box", {Vec3(0, 0, 0.5)}));
+  EXPECT_EQ(warnings_of(w, "stiff_contact", 3), 1);
+}
+
+/// Warnings of a box of some mass on one of 1 kg, in half a second.
+int mass_warnings(double mass, Response response) {
+  WorldOptions o = options_at(0.125);
+  o.response = response;
+  World w(o);
+  w.add(ground(0.5));
+  w.add(box("light", {Vec3(0, 0, 0.5)}, 0.5, 1.0, 1.0));
+  w.add(box("heavy", {Vec3(0.05, 0.03, 1.5)}, 0.5, 1.0, mass));
+  return warnings_of(w, "mass_ratio", 30);
+}
+
+TEST(PairLaws, AMassRatioThatRowsDoNotHoldIsTold) {
+  EXPECT_GT(mass_warnings(1e4, Response::Constraint), 0);
+  EXPECT_EQ(mass_warnings(100.0, Response::Constraint), 0);
+  EXPECT_EQ(mass_warnings(1e4, Response::Penalty), 0) << "penalties hold it";
+}
+
+TEST(PairLaws, ALightBoxOnAHeavyOneIsNotTold) {
+  WorldOptions o = options_at(0.125);
+  o.response = Response::Constraint;
+  World w(o);
+  w.add(ground(0.5));
+  w.add(box("heavy", {Vec3(0, 0, 0.5)}, 0.5, 1.0, 1e4));
+  w.add(box("light", {Vec3(0.05, 0.03, 1.5)}, 0.5, 1.0, 1.0));
+  EXPECT_EQ(warnings_of(w, "mass_ratio", 30), 0);
+}
+
+}  // namespace
+}  // namespace brim
