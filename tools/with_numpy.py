@@ -20,7 +20,7 @@ def need(*modules):
     other = os.path.realpath(DEBIAN) != os.path.realpath(sys.executable) and os.path.exists(DEBIAN)
     if other and subprocess.run([DEBIAN, "-c", "import " + ", ".join(modules)], stderr=subprocess.DEVNULL).returncode == 0:
         os.execv(DEBIAN, [DEBIAN, *sys.orig_argv[1:]])
-    packages = " ".join("python3-" + m for m in missing)
+    packages = " ".join("python3-" + m.lower() for m in missing)
     print(f"{sys.argv[0]}: {sys.executable} has no {' and no '.join(missing)}{', nor has ' + DEBIAN if other else ''} "
           f"(Debian: apt install {packages})", file=sys.stderr)
     sys.exit(3)
