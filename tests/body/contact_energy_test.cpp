@@ -191,7 +191,9 @@ TEST(ContactEnergy, ForceOfEveryKindIsMinusItsDerivative) {
       double work = 0.0, size = 0.0;
       for (std::size_t i = 0; i < d.size(); ++i) work += at.force[i] * d[i], size += std::abs(at.force[i] * d[i]);
       const double slope = -(above - below) / (2 * e);
-      if (trial == 0) EXPECT_NEAR(work / slope, kSlope, 0.05);
+      if (trial == 0) {
+        EXPECT_NEAR(work / slope, kSlope, 0.05);
+      }
       EXPECT_NEAR(work / kSlope, slope, (trial < 4 ? 0.05 : kind.rough) * size / kSlope);
     }
   }

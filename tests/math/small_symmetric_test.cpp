@@ -30,14 +30,13 @@ TEST(SmallSymmetric, AxesAreAnAscendingOrthonormalDecomposition) {
   }
 }
 
-TEST(SmallSymmetric, SolvesAndInverts) {
+TEST(SmallSymmetric, Solves) {
   SCOPED_TRACE(kSeed);
   std::mt19937 rng(kSeed);
   for (int trial = 0; trial < 20; ++trial) {
     const Mat3 m = definite(3, rng, 0.1);
     const Vec3 x(1.0, -2.0, 0.5);
     EXPECT_LT((solve_symmetric(m, m * x) - x).norm(), 1e-12);
-    EXPECT_LT((inverse_symmetric(m) * m - Mat3::Identity()).norm(), 1e-12);
   }
 }
 

@@ -56,8 +56,9 @@ TEST(LinkScenes, EveryKindHoldsToEveryOtherKindWithoutLosingMomentum) {
           // What the maps of each kind can do, as contact has it.
           EXPECT_LT(r.momentum_error, std::max({1e-12, upper.linear, lower.linear})) << what;
           // Maps that say how much torque they lose are held to linear momentum alone.
-          if (!(upper.lever + lower.lever > 0.0) && upper.name != "soft_image")
+          if (!(upper.lever + lower.lever > 0.0) && upper.name != "soft_image") {
             EXPECT_LT(r.angular_error, 1e-9) << what;
+          }
           EXPECT_TRUE(std::isfinite(r.links[0].error)) << what;
           EXPECT_LT(r.links[0].error, 0.1) << what;
           expect_no_warnings(r, what);

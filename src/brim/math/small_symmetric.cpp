@@ -12,8 +12,6 @@ SymmetricAxes symmetric_axes(const Mat3& m) {
 
 Vec3 solve_symmetric(const Mat3& m, const Vec3& b) { return m.ldlt().solve(b); }
 
-Mat3 inverse_symmetric(const Mat3& m) { return m.ldlt().solve(Mat3::Identity()); }
-
 double invert_definite(SmallMatrix& m) {
   const double largest = m.diagonal().maxCoeff();
   if (!(m.diagonal().minCoeff() > 0.0)) return 0.0;

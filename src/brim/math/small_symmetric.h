@@ -16,7 +16,6 @@ SymmetricAxes symmetric_axes(const Mat3& m);
 
 /// x of m x = b. @param m  definite
 Vec3 solve_symmetric(const Mat3& m, const Vec3& b);
-Mat3 inverse_symmetric(const Mat3& m);
 
 /// At most six rows, without memory of its own.
 using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 6, 6>;

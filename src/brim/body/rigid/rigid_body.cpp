@@ -1,5 +1,7 @@
 #include "brim/body/rigid/rigid_body.h"
 
+#include <Eigen/Cholesky>
+
 #include "brim/core/error.h"
 #include "brim/map/rigid_map.h"
 #include "brim/math/rotation.h"
@@ -13,7 +15,7 @@ RigidBody::RigidBody(RigidModel model)
     throw InputError(fmt::format("rigid body: mass is {}, but must be positive and finite [kg]", model_.mass));
   if (!(symmetric_axes(model_.inertia).values.minCoeff() > 0.0))
     throw InputError("rigid body: the inertia tensor is not positive definite; is the solid closed and not empty?");
-  model_inverse_ = inverse_symmetric(model_.inertia);
+  model_inverse_ = model_.inertia.llt().solve(Mat3::Identity());
   reach_ = solid_.reach(model_.center_of_mass);
   display_.vertices = solid_.surface().vertices.size();
   display_.triangles = solid_.surface().triangles;
@@ -45,7 +47,7 @@ void RigidBody::advance(double dt, std::span<double> q, std::span<const double> 
   const Mat3 R = r.toRotationMatrix();
   const Vec3 L = R * (model_.inertia * (R.transpose() * w));
   const Mat3 half = (rotation_from_vector(0.5 * dt * w) * r).toRotationMatrix();
-  const Vec3 mid = half * (model_inverse_ * (half.transpose() * L));
+  const Vec3 mid = half * model_.inertia.llt().solve(half.transpose() * L);
   const Quat next = (rotation_from_vector(dt * mid) * r).normalized();
   q[3] = next.w(), q[4] = next.x(), q[5] = next.y(), q[6] = next.z();
 }
@@ -53,7 +55,8 @@ void RigidBody::advance(double dt, std::span<double> q, std::span<const double> 
 void RigidBody::finish_step(double, double, std::span<double> q, std::span<double> v) {
   const Vec3 L = inertia_ * Vec3(v[3], v[4], v[5]);
   const Mat3 R = Quat(q[3], q[4], q[5], q[6]).toRotationMatrix();
-  const auto spin_of = [&](const Vec3& momentum) -> Vec3 { return R * (model_inverse_ * (R.transpose() * momentum)); };
+  const Eigen::LLT<Mat3> inverse(model_.inertia);
+  const auto spin_of = [&](const Vec3& momentum) -> Vec3 { return R * inverse.solve(R.transpose() * momentum); };
   // R is orthogonal only to rounding, with a bias that grows over thousands of steps: correct once by what is missing.
   const Mat3 inertia = R * model_.inertia * R.transpose();
   Vec3 w = spin_of(L);
