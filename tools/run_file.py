@@ -3,9 +3,6 @@
 import os
 from dataclasses import dataclass, field
 
-import with_numpy
-
-with_numpy.need("numpy", "h5py")
 os.environ.setdefault("HDF5_USE_FILE_LOCKING", "FALSE")
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
