@@ -45,12 +45,13 @@ HeldPoints lattice_around(std::span<const Vec3> points, double spacing, double c
   lattice.for_each_tet([&](Tetrahedron t) {
     if (next < wanted.size() && wanted[next] == at++) {
       ++next;
-      for (std::int32_t& n : t) {
-        if (number[static_cast<std::size_t>(n)] < 0) {
-          number[static_cast<std::size_t>(n)] = static_cast<std::int32_t>(held.mesh.vertices.size());
-          held.mesh.vertices.push_back(lattice.position(n));
+      for (std::int32_t& corner : t) {
+        std::int32_t& vertex = number[static_cast<std::size_t>(corner)];
+        if (vertex < 0) {
+          vertex = static_cast<std::int32_t>(held.mesh.vertices.size());
+          held.mesh.vertices.push_back(lattice.position(corner));
         }
-        n = number[static_cast<std::size_t>(n)];
+        corner = vertex;
       }
       held.mesh.tets.push_back(t);
     }
