@@ -79,6 +79,32 @@ TEST(Substeps, AFastEndOfASoftBodyCountsWhereItIs) {
   EXPECT_GE(substeps_of_beam(-1.0, 0.25), 2);
 }
 
+/// Pieces that two soft bars ask for, side by side, whose nodes move along z by `slope` m/s a metre.
+double pieces_of_bars(double slope, double gap) {
+  WorldOptions o = options_at(0.1);
+  const TetMesh mesh = testing::block(24, 1, 1, 0.1);
+  TetMesh beside = mesh;
+  for (Vec3& x : beside.vertices) x.y() += 0.1 + gap;
+  const auto one = testing::named<FemBody>("one", mesh, FemOptions{}),
+             two = testing::named<FemBody>("two", beside, FemOptions{});
+  const std::size_t n = 3 * mesh.vertices.size();
+  const std::vector<WorldPart> parts = {{one.get(), 0, 0, 0.1, one->part(0)}, {two.get(), 1, 0, 0.1, two->part(0)}};
+  const std::vector<std::size_t> first_v = {0, n, 2 * n};
+  std::vector<double> v;
+  for (const TetMesh& m : {mesh, beside})
+    for (const Vec3& x : m.vertices) v.insert(v.end(), {0.0, 0.0, slope * x.x()});
+  return motion_pieces(parts, v, first_v, o, 0.1, 0.0);
+}
+
+TEST(Substeps, MotionThatNeighboursShareDoesNotCount) {
+  // Both bars turn alike, 24 m/s at their far ends. What may meet lies no farther apart along them than two clusters of
+  // three cells at most and the cell beyond which nothing meets.
+  const double asked = pieces_of_bars(10.0, 0.0);
+  EXPECT_GT(asked, 1.0);
+  EXPECT_LE(asked, 10.0 * (2.0 * 0.3 + 0.1) * 0.1 / 0.1 + 1e-9);
+  EXPECT_EQ(pieces_of_bars(10.0, 0.5), 1.0);
+}
+
 TEST(Substeps, ThickSoftPartsMayMoveFartherThanThinOnes) {
   WorldOptions o = options_at(0.1);
   const auto block = testing::named<FemBody>("block", testing::block(2, 2, 2, 0.3), FemOptions{});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "brim/body/motion_clusters.h"
 #include "brim/core/parallel.h"
@@ -36,8 +37,19 @@ double most_pieces(std::span<const WorldPart> parts, std::span<const double> v, 
   return (fastest + second) * time / (options.max_motion_voxels * h);
 }
 
-/// Clusters of one piece of work.
-constexpr std::size_t kEntriesOfWork = 256;
+/// Clusters of one piece of work, and pairs of them.
+constexpr std::size_t kEntriesOfWork = 256, kPairsOfWork = 64;
+
+struct Cluster {
+  const MotionCluster* bounds;
+  std::size_t place;                 ///< among those of its part
+  std::vector<MotionCluster> finer;  ///< itself where there are none
+};
+struct FastPair {
+  double bound;      ///< pieces, at most
+  double per_speed;  ///< [s/m] pieces for a relative speed
+  std::int32_t a, b;
+};
 
 }  // namespace
 
@@ -58,12 +70,17 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
   std::vector<std::vector<MotionCluster>> clusters(parts.size());
   std::vector<std::vector<Aabb>> swept(parts.size());
   const double wide = std::ldexp(0.5 * options.ramp_voxels, coarsest_level(parts));
+  const auto velocities = [&](const WorldPart& part) {
+    return v.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
+  };
+  std::vector<std::uint8_t> whole(parts.size(), 0);
   parallel_for(parts.size(), [&](std::size_t p) {
     const WorldPart& part = parts[p];
-    const auto vb = v.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
+    const auto vb = velocities(part);
     if (const auto* moving = dynamic_cast<const MotionClusters*>(part.body))
       moving->motion_clusters(part.index, vb, clusters[p]);
     if (clusters[p].empty()) {
+      whole[p] = 1;
       const Vec3 mean = part.body->carrier_velocity(part.index, vb);
       clusters[p].push_back(
           {part.body->bounds(part.index), {mean, mean}, part.body->relative_speed_bound(part.index, vb)});
@@ -77,18 +94,19 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
     }
   });
   std::vector<Aabb> boxes;
-  std::vector<const MotionCluster*> motion;
+  std::vector<Cluster> cluster;
   std::vector<std::int32_t> part;
   for (std::size_t p = 0; p < parts.size(); ++p) {
     boxes.insert(boxes.end(), swept[p].begin(), swept[p].end());
-    for (const MotionCluster& c : clusters[p]) motion.push_back(&c);
+    for (std::size_t c = 0; c < clusters[p].size(); ++c) cluster.push_back({&clusters[p][c], c, {}});
     part.resize(boxes.size(), static_cast<std::int32_t>(p));
   }
   BoxSweep sweep;
   sweep.build(boxes, part);
-  std::vector<double> most_of((boxes.size() + kEntriesOfWork - 1) / kEntriesOfWork, 1.0);
+  // Pairs of clusters that ask for more than one piece, by bounds that are far from sharp.
+  std::vector<std::vector<FastPair>> fast_of((boxes.size() + kEntriesOfWork - 1) / kEntriesOfWork);
   parallel_blocks(boxes.size(), kEntriesOfWork, [&](std::size_t begin, std::size_t end) {
-    double& pieces = most_of[begin / kEntriesOfWork];
+    std::vector<FastPair>& fast = fast_of[begin / kEntriesOfWork];
     std::vector<std::int32_t> partners;
     std::int32_t last_a = -1, last_b = -1;  // neighbours in the order are often of the same two parts
     double per_speed = 0.0;                 // [s/m]
@@ -102,13 +120,55 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
           const WorldPart &a = parts[last_a], &b = parts[last_b];
           per_speed = may_touch(a, b) ? time / motion_limit(a, b, options) : 0.0;
         }
-        if (per_speed > 0.0) pieces = std::max(pieces, relative_speed(*motion[own], *motion[j]) * per_speed);
+        const double pieces =
+            per_speed > 0.0 ? relative_speed(*cluster[own].bounds, *cluster[j].bounds) * per_speed : 0.0;
+        if (pieces > 1.0) fast.push_back({pieces, per_speed, own, j});
       }
     }
   });
-  double pieces = 1.0;
-  for (const double p : most_of) pieces = std::max(pieces, p);
-  return pieces;
+  std::vector<FastPair> fast;
+  for (const auto& f : fast_of) fast.insert(fast.end(), f.begin(), f.end());
+  if (fast.empty()) return 1.0;
+
+  // They are looked at more closely, by finer clusters: those with the largest bounds first, until no bound exceeds
+  // what has been found.
+  std::vector<std::uint8_t> wanted(cluster.size(), 0);
+  for (const FastPair& f : fast) wanted[f.a] = wanted[f.b] = 1;
+  parallel_for(
+      cluster.size(),
+      [&](std::size_t k) {
+        if (!wanted[k]) return;
+        const WorldPart& p = parts[part[k]];
+        Cluster& c = cluster[k];
+        if (!whole[part[k]])
+          dynamic_cast<const MotionClusters&>(*p.body).finer_clusters(p.index, c.place, velocities(p), c.finer);
+        for (MotionCluster& fine : c.finer)
+          if (!is_fixed(p)) fine.deviation += change;
+        if (c.finer.empty()) c.finer.push_back(*c.bounds);
+      },
+      16);
+  std::sort(fast.begin(), fast.end(), [](const FastPair& x, const FastPair& y) {
+    return std::tie(y.bound, x.a, x.b) < std::tie(x.bound, y.a, y.b);
+  });
+  const auto closer = [&](std::span<const FastPair> pairs, double pieces) {
+    for (const FastPair& f : pairs) {
+      if (f.bound <= pieces) break;
+      const double reach = wide * (parts[part[f.a]].h + parts[part[f.b]].h);
+      for (const MotionCluster& a : cluster[f.a].finer)
+        for (const MotionCluster& b : cluster[f.b].finer)
+          if (const double n = relative_speed(a, b) * f.per_speed; n > pieces && may_meet(a, b, reach, time))
+            pieces = n;
+    }
+    return pieces;
+  };
+  const std::size_t some = std::min(fast.size(), kPairsOfWork);
+  const double found = closer(std::span(fast).first(some), 1.0);
+  const auto rest = std::span(fast).subspan(some);
+  std::vector<double> most_of((rest.size() + kPairsOfWork - 1) / kPairsOfWork, found);
+  parallel_blocks(rest.size(), kPairsOfWork, [&](std::size_t begin, std::size_t end) {
+    most_of[begin / kPairsOfWork] = closer(rest.subspan(begin, end - begin), found);
+  });
+  return std::max(found, most_of.empty() ? 1.0 : *std::max_element(most_of.begin(), most_of.end()));
 }
 
 double choose_substep(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,

@@ -17,6 +17,7 @@ class LineContact final : public ParticleContact {
   LineContact(std::vector<Segment> segments, double radius) : segments_(std::move(segments)), radius_(radius) {}
 
   double reach() const override { return radius_; }
+  Elements elements() const override { return of(segments_); }
   bool thin() const override { return true; }
   void presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
                 std::vector<TileKey>& out) const override;

@@ -180,7 +180,7 @@ void ParticleBody::set_contact(std::unique_ptr<const ParticleContact> contact, P
   if (immobile()) part_.areal_mass = 0.0;
   part_.material = options_.material;
   display_.vertices = rest_.size();
-  clusters_.build(rest_, stiffness_);
+  if (contact_) clusters_.build(rest_, contact_->elements());
 }
 
 Aabb ParticleBody::bounds(int) const { return contact_ ? box_.inflated(contact_->reach()) : box_; }
@@ -224,6 +224,11 @@ double ParticleBody::relative_speed_bound(int, std::span<const double> v) const 
 
 void ParticleBody::motion_clusters(int, std::span<const double> v, std::vector<MotionCluster>& out) const {
   if (contact_) clusters_.measure(x_, v, contact_->reach(), out);
+}
+
+void ParticleBody::finer_clusters(int, std::size_t cluster, std::span<const double> v,
+                                  std::vector<MotionCluster>& out) const {
+  clusters_.measure_finer(cluster, x_, v, contact_->reach(), out);
 }
 
 double ParticleBody::mass() const {

@@ -9,7 +9,7 @@
 #include "brim/body/movable.h"
 #include "brim/body/octant_presence.h"
 #include "brim/body/outer_forces.h"
-#include "brim/body/particles/node_clusters.h"
+#include "brim/body/particles/element_clusters.h"
 #include "brim/body/particles/particle_contact.h"
 #include "brim/math/block_matrix.h"
 
@@ -78,6 +78,8 @@ class ParticleBody : public Body, public MotionClusters, public OctantPresence, 
   Vec3 carrier_velocity(int p, std::span<const double> v) const override;
   double relative_speed_bound(int p, std::span<const double> v) const override;
   void motion_clusters(int p, std::span<const double> v, std::vector<MotionCluster>& out) const override;
+  void finer_clusters(int p, std::size_t cluster, std::span<const double> v,
+                      std::vector<MotionCluster>& out) const override;
 
   double mass() const override;
   double kinetic_energy(std::span<const double> v) const override;
@@ -124,7 +126,7 @@ class ParticleBody : public Body, public MotionClusters, public OctantPresence, 
   Aabb box_;                     // of x_
   std::vector<double> impulse_;  // [N s] scratch of finish_step
   std::unique_ptr<const ParticleContact> contact_;
-  NodeClusters clusters_;
+  ElementClusters clusters_;
   PartInfo part_;
 };
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -20,6 +22,12 @@ class ParticleContact {
   virtual ~ParticleContact() = default;
   /// How far matter reaches beyond the box of the particles, [m].
   virtual double reach() const = 0;
+  /// Elements that hold all matter: particles of each, one after the other. None where each particle is one by itself.
+  struct Elements {
+    std::span<const std::int32_t> node;
+    int per_element = 1;
+  };
+  virtual Elements elements() const { return {}; }
   /// True where the particles lie along a surface or a line: matrices of such bodies are cheap to factor.
   virtual bool thin() const { return false; }
   virtual void presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
@@ -31,6 +39,12 @@ class ParticleContact {
                          std::span<DensityBlock> out) const = 0;
   virtual void make_map(std::span<const Vec3> x, std::span<const Vec3> points, std::span<const std::int32_t> sources,
                         std::unique_ptr<Map>& map) const = 0;
+
+ protected:
+  template <std::size_t n>
+  static Elements of(const std::vector<std::array<std::int32_t, n>>& element) {
+    return {{element.empty() ? nullptr : element.front().data(), n * element.size()}, static_cast<int>(n)};
+  }
 };
 
 }  // namespace brim

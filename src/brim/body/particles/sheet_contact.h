@@ -16,6 +16,7 @@ class SheetContact final : public ParticleContact {
       : triangles_(std::move(triangles)), patches_(triangles_), thickness_(thickness) {}
 
   double reach() const override { return 0.5 * thickness_; }
+  Elements elements() const override { return of(triangles_); }
   bool thin() const override { return true; }
   void presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
                 std::vector<TileKey>& out) const override;

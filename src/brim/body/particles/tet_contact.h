@@ -15,6 +15,7 @@ class TetContact final : public ParticleContact {
   explicit TetContact(const TetMesh& mesh);
 
   double reach() const override { return 0.0; }
+  Elements elements() const override { return of(tets_); }
   void presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
                 std::vector<TileKey>& out) const override;
   void octant_presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
