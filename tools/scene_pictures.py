@@ -48,6 +48,7 @@ LOOKS = {
     "incline_slide": (60, ["--camera", "-90,8", "--contacts", "forces"]),
     "incline_slip": (60, ["--camera", "-90,8", "--contacts", "forces"]),
     "incline_stick": (60, ["--camera", "-90,8", "--contacts", "forces"]),
+    "joined_kinds": (40, ["--camera", "-62,16"]),
     "levels": (60, ["--camera", "-75,18", "--contacts", "voxels"]),
     "mass_ratio": (120, ["--contacts", "forces"]),
     "meshless_drop": (60, []),

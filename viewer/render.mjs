@@ -199,6 +199,7 @@ async function main() {
     if (job.colours) await browser.evaluate(`brim.app.panel.setColours(${JSON.stringify(job.colours)})`);
     if (job.surface) await browser.evaluate(`brim.app.panel.setSurfaces(${JSON.stringify(job.surface)})`);
     if (job.tiles) await browser.evaluate('brim.app.panel.setTiles(true)');
+    if (job.links === false) await browser.evaluate('brim.app.panel.setLinks(false)');
     if (job.slice)
       await browser.evaluate(`brim.app.showSlice(${JSON.stringify(job.slice)}).then(() => true)`);
     const picture = async (f) => Buffer.from(await browser.evaluate(`brim.app.png(${f})`), 'base64');

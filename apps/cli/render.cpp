@@ -28,7 +28,7 @@ struct RenderOptions {
   std::string run, out, size = "1280x720", camera = "fit", contacts, slice, surface, colour;
   long long frame = 0;
   double fps = 0.0;  ///< 0: the run's own
-  bool tiles = false;
+  bool tiles = false, no_links = false;
 };
 
 /// Numbers between separators. @throws InputError  with the given text when there is anything else
@@ -159,6 +159,7 @@ int render(const RenderOptions& options) {
                     {"camera", pose},
                     {"contacts", options.contacts},
                     {"tiles", options.tiles},
+                    {"links", !options.no_links},
                     {"slice", slice},
                     {"colours", colours},
                     {"surface", surface_wish(options.surface)},
@@ -191,6 +192,7 @@ void add_render(CLI::App& app, int& code) {
                       "show particles as the surface around them: all, or names of bodies separated by commas");
   command->add_option("--colour", options->colour, "colours of bodies: NAME=#rrggbb, several between commas");
   command->add_flag("--tiles", options->tiles, "show active tiles");
+  command->add_flag("--no-attachments", options->no_links, "leave out attachments and joints");
   command->add_option("--fps", options->fps, "frames per second of a film; without it, the run plays in its own time")
       ->check(CLI::PositiveNumber);
   command->callback([options, &code] { code = render(*options); });

@@ -1,5 +1,6 @@
 #include "server/recorded_run.h"
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -55,6 +56,20 @@ void add_pairs(const std::vector<PairReport>& pairs, ArrayMessage& message) {
   message.add("pairs/friction", friction.data(), pairs.size());
   message.add("pairs/overlap", overlap.data(), pairs.size());
   message.add("pairs/pressure", pressure.data(), pairs.size());
+}
+
+/// Where attachments and joints have their ends.
+void add_link_ends(const std::vector<RecordedEnd>& ends, ArrayMessage& message) {
+  std::vector<std::int32_t> link;
+  std::vector<float> a, b;
+  for (const RecordedEnd& e : ends) {
+    link.push_back(e.link);
+    a.insert(a.end(), e.a.data(), e.a.data() + 3);
+    b.insert(b.end(), e.b.data(), e.b.data() + 3);
+  }
+  message.add("links/link", link.data(), ends.size());
+  message.add("links/a", a.data(), ends.size(), 3);
+  message.add("links/b", b.data(), ends.size(), 3);
 }
 
 bool same_process(const ProcessMark& a, const ProcessMark& b) {
@@ -184,6 +199,10 @@ Json RecordedRun::info() {
   for (const RecordedSensor& sensor : record.sensors())
     sensors.push_back(
         {{"name", sensor.name}, {"kind", sensor.kind}, {"channels", sensor.channels}, {"units", sensor.units}});
+  Json links = Json::array();
+  const std::vector<std::string> link_names = reader_->link_names(), link_kinds = reader_->link_kinds();
+  for (std::size_t i = 0; i < std::min(link_names.size(), link_kinds.size()); ++i)
+    links.push_back({{"name", link_names[i]}, {"kind", link_kinds[i]}});
   Json warnings = Json::array();
   for (const Warning& w : warnings_) warnings.push_back({{"time", w.time}, {"code", w.code}, {"message", w.message}});
   Progress end;
@@ -200,6 +219,7 @@ Json RecordedRun::info() {
           {"parts", parts},
           {"warnings", warnings},
           {"sensors", sensors},
+          {"links", links},
           {"summary", read_json(folder_ / "summary.json")}};
 }
 
@@ -262,6 +282,7 @@ std::string RecordedRun::frame(std::int64_t frame) {
   message.add("tiles/key", key.data(), step.size(), 3);
   message.add("tiles/step", step.data(), step.size());
   add_pairs(reader_->pairs(frame), message);
+  add_link_ends(reader_->link_ends(frame), message);
   return message.bytes();
 }
 

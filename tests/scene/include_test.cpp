@@ -188,6 +188,56 @@ TEST_F(Include, WhatIsWiredUpComesAlong) {
   EXPECT_EQ(again.document->root, root);
 }
 
+TEST_F(Include, EditsOfATimelineComeAlong) {
+  write("parts/toss.json", R"({"brim": 1, "name": "toss", "frames": 1, "world": {"time_step": 0.01},
+    "materials": {"ice": {"friction": 0.01}},
+    "bodies": [
+      {"kind": "rigid", "name": "ball", "shape": {"kind": "sphere", "radius": 0.1}, "transform": {"position": [0, 0, 1]}},
+      {"kind": "rigid", "name": "brick", "shape": {"kind": "box", "size": [0.4, 0.2, 0.1]}, "transform": {"position": [1, 0, 1]}},
+      {"kind": "rigid", "name": "lamp", "shape": {"kind": "sphere", "radius": 0.1}, "transform": {"position": [2, 0, 1]}}],
+    "attachments": [{"name": "string", "body": "lamp", "point": [2, 0, 1.1]}],
+    "timeline": [
+      {"at": 0.02, "freeze": "b*"},
+      {"at": 0.04, "move": "brick", "offset": [0.5, 0, 0], "rotation": {"axis": [1, 0, 0], "degrees": 90}},
+      {"at": 0.06, "thaw": "b*"},
+      {"at": 0.06, "set_velocity": "ball", "velocity": [1, 0, 0], "angular_velocity": [0, 2, 0]},
+      {"at": 0.06, "set_material": "ball", "material": "ice"},
+      {"at": 0.06, "detach": "string"},
+      {"at": 0.06, "gravity": [0, 0, 0]}]})");
+  const Scene s = scene_of(R"([{"file": "parts/toss.json", "prefix": "l_",
+      "transform": {"position": [10, 0, 0], "rotation": {"axis": [0, 0, 1], "degrees": 90}}},
+    {"file": "parts/toss.json", "prefix": "r_"}])");
+  const Json& list = s.document->root["timeline"];
+  const auto vec = [](const Json& v) { return Vec3(v[0].get<double>(), v[1].get<double>(), v[2].get<double>()); };
+  ASSERT_EQ(list.size(), 12u) << "gravity is of the world, which stays behind";
+  EXPECT_EQ(list[0]["freeze"], "l_b*");
+  EXPECT_EQ(list[1]["move"], "l_brick");
+  EXPECT_NEAR((vec(list[1]["offset"]) - Vec3(0, 0.5, 0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((vec(list[3]["velocity"]) - Vec3(0, 1, 0)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((vec(list[3]["angular_velocity"]) - Vec3(-2, 0, 0)).norm(), 0.0, 1e-12);
+  EXPECT_EQ(list[4]["material"], "l_ice");
+  EXPECT_EQ(list[5]["detach"], "l_string");
+  EXPECT_EQ(list[7]["offset"], Json::parse("[0.5, 0, 0]"));
+  World world = build_world(s);
+  while (world.state().time < 0.3) world.step();
+  // The two do the same, one of them turned.
+  const Mat3 R = rotation_from_vector(Vec3(0, 0, 0.5 * std::numbers::pi)).toRotationMatrix();
+  const int left = 1, right = 4;  // after the floor
+  for (int b = 0; b < 3; ++b) {
+    SCOPED_TRACE(world.body(right + b).name());
+    const Vec3 l(world.q(left + b).data()), r(world.q(right + b).data());
+    EXPECT_NEAR((l - R * r - Vec3(10, 0, 0)).norm(), 0.0, 1e-6);
+    const Quat ql(world.q(left + b)[3], world.q(left + b)[4], world.q(left + b)[5], world.q(left + b)[6]),
+        qr(world.q(right + b)[3], world.q(right + b)[4], world.q(right + b)[5], world.q(right + b)[6]);
+    EXPECT_NEAR((ql.toRotationMatrix() - R * qr.toRotationMatrix()).norm(), 0.0, 1e-6);
+  }
+  EXPECT_NEAR(world.q(right)[0], 0.24, 0.02) << "the ball was pushed";
+  EXPECT_NEAR(world.q(right + 1)[0], 1.5, 1e-3) << "the brick was moved";
+  EXPECT_LT(world.q(right + 2)[2], 0.9) << "the lamp fell";
+  const Scene again = parse_scene(s.text, (folder_ / "room.json").string());
+  EXPECT_EQ(again.document->root, s.document->root);
+}
+
 TEST_F(Include, MistakesInWhatIsWiredUpAreSaidWhereTheyStand) {
   const std::string body =
       R"({"brim": 1, "bodies": [{"kind": "rigid", "name": "a", "shape": {"kind": "sphere", "radius": 1}}],

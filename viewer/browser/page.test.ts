@@ -73,7 +73,7 @@ describe.skipIf(!chromiumPath)('the page', () => {
     await close(o);
   });
 
-  test('hides and recolours bodies, shows contacts and tiles, and lists touching pairs', async () => {
+  test('hides and recolours bodies, shows contacts, tiles and attachments, and lists touching pairs', async () => {
     const o = await open(browser);
     await o.page.evaluate(() => window.brim.app.showFrame(130));
     await o.page.getByRole('button', { name: 'hide crate' }).click();
@@ -82,12 +82,15 @@ describe.skipIf(!chromiumPath)('the page', () => {
     await o.page.keyboard.press('c');
     await o.page.keyboard.press('c');
     await o.page.keyboard.press('t');
+    expect(await o.page.evaluate(() => window.brim.app.picture.links.object.visible)).toBe(true);
+    await o.page.getByLabel(/what holds bodies/).uncheck();
     const state = await o.page.evaluate(() => ({
       style: window.brim.app.panel.contactStyle,
       tiles: window.brim.app.picture.tiles.object.visible,
+      links: window.brim.app.picture.links.object.visible,
       looks: window.brim.app.panel.looks.map((l) => [l.visible, l.colour]),
     }));
-    expect([state.style, state.tiles]).toEqual(['forces', true]);
+    expect([state.style, state.tiles, state.links]).toEqual(['forces', true, false]);
     expect(state.looks[1]![0]).toBe(false);
     expect(state.looks[2]![1]).toBe('#ff0000');
     expect(await o.page.locator('.pairs tbody tr').allInnerTexts()).toHaveLength(2);

@@ -351,6 +351,7 @@ export function fakeRun(frames = 180, complete = true): FakeRun {
         parts: [partOf(index)],
       })),
       parts: bodies.map((b, body) => ({ name: b.name, body, voxelSize: 0.05 })),
+      links: [{ name: 'thread', kind: 'point' }],
       warnings: [
         {
           time: 0.38,
@@ -393,6 +394,9 @@ export function fakeRun(frames = 180, complete = true): FakeRun {
         array('tiles/key', s.key, 3),
         array('tiles/step', new Float32Array(s.key.length / 3).fill(s.step)),
         ...pairArrays(s.c),
+        array('links/link', new Int32Array([0])),
+        array('links/a', (s.positions[2] as Float32Array<ArrayBuffer>).slice(0, 3), 3),
+        array('links/b', new Float32Array([0, 0, 1.4]), 3),
       );
       return encodeArrays(arrays);
     },

@@ -63,6 +63,7 @@ export class App {
       },
       contacts: (style, scale) => this.picture.setContacts(style, scale),
       tiles: (on) => this.picture.setTiles(on),
+      links: (on) => this.picture.setLinks(on),
       slice: () => void this.slicing.refresh(),
     });
     this.slicing = new Slicing(this.picture, this.panel);

@@ -1,9 +1,10 @@
 /** The picture of a run: bodies, contacts and tiles on the stage, for one frame at a time. */
 import * as THREE from 'three';
-import { contactSteps, type BodyInfo, type Frame, type RunInfo, type Topology } from './run';
+import { contactSteps, type BodyInfo, type Frame, type LinkInfo, type RunInfo, type Topology } from './run';
 import { makeBodyView, type BodyView } from './scene/body_view';
 import { boxOf, framing } from './scene/bounds';
 import { ContactView, type ContactStyle } from './scene/contact_view';
+import { LinkView } from './scene/link_view';
 import { defaultColours } from './scene/palette';
 import { Stage } from './scene/stage';
 import { SliceView } from './scene/slice_view';
@@ -29,6 +30,7 @@ export class Picture {
   readonly stage: Stage;
   contacts: ContactView | undefined;
   readonly tiles = new TileView();
+  readonly links = new LinkView();
   readonly slice = new SliceView();
   private cut = true; // bodies are cut open where the slice is
   colours: string[] = [];
@@ -36,12 +38,13 @@ export class Picture {
   private views: BodyView[] = [];
   private bodies: BodyInfo[] = [];
   private parts: RunInfo['parts'] = [];
+  private linkInfos: LinkInfo[] = [];
   private positions: (Float32Array | undefined)[] = [];
   private fixedBoxes: THREE.Box3[] = [];
 
   constructor(canvas: HTMLCanvasElement) {
     this.stage = new Stage(canvas);
-    this.stage.scene.add(this.tiles.object, this.slice.object);
+    this.stage.scene.add(this.tiles.object, this.links.object, this.slice.object);
     this.stage.beforeDraw = () => this.slice.face(this.stage.camera.position);
   }
 
@@ -55,6 +58,7 @@ export class Picture {
     if (this.contacts) this.stage.scene.remove(this.contacts.object);
     this.bodies = run.bodies;
     this.parts = run.parts;
+    this.linkInfos = run.links ?? [];
     this.colours = defaultColours(run.bodies);
     this.contacts = new ContactView((part) => run.bodies[run.parts[part]?.body ?? -1]?.fixed ?? false);
     this.stage.scene.add(this.contacts.object);
@@ -131,6 +135,7 @@ export class Picture {
     }
     this.refreshContacts();
     this.tiles.update(frame.tiles);
+    this.links.update(frame.links, this.linkInfos, this.stage.radius);
     this.stage.invalidate();
   }
 
@@ -185,6 +190,12 @@ export class Picture {
   setTiles(on: boolean): void {
     this.tiles.object.visible = on;
     if (this.shown) this.tiles.update(this.shown.tiles);
+    this.stage.invalidate();
+  }
+
+  setLinks(on: boolean): void {
+    this.links.object.visible = on;
+    if (this.shown) this.links.update(this.shown.links, this.linkInfos, this.stage.radius);
     this.stage.invalidate();
   }
 

@@ -30,6 +30,20 @@ export interface SensorInfo {
   units: string[];
 }
 
+/** An attachment or joint. */
+export interface LinkInfo {
+  name: string;
+  kind: 'point' | 'region' | 'fixed' | 'ball' | 'hinge' | 'slider';
+}
+
+/** Points that attachments and joints hold; of a hinge or slider the first two lie on its axis. */
+export interface LinkEnds {
+  count: number;
+  link: Int32Array; // (n) which of RunInfo.links, in rising order
+  a: Float32Array; // (n, 3) [m] on its first body
+  b: Float32Array; // (n, 3) [m] on the other one, or in space
+}
+
 export interface RunInfo {
   name: string;
   scene: string;
@@ -41,6 +55,7 @@ export interface RunInfo {
   bodies: BodyInfo[];
   parts: { name: string; body: number; voxelSize?: number }[];
   sensors?: SensorInfo[];
+  links?: LinkInfo[];
   warnings: Warning[];
   summary: Record<string, unknown>;
 }
@@ -91,6 +106,7 @@ export interface Frame {
   contacts: Contacts;
   tiles: { key: Int32Array; step: Float32Array }; // (n, 3), (n) [m]
   pairs: PairTotal[];
+  links: LinkEnds;
   bytes: number;
 }
 
@@ -110,6 +126,7 @@ export function frameFromArrays(index: number, arrays: NamedArray[], bytes: numb
     if (a.name === 'positions') positions.set(a.body, a.data as Float32Array);
     else if (a.name === 'triangles') cells.set(a.body, a.data as Int32Array);
   const position = floats(arrays, 'contacts/position');
+  const link = ints(arrays, 'links/link');
   return {
     index,
     positions,
@@ -124,6 +141,7 @@ export function frameFromArrays(index: number, arrays: NamedArray[], bytes: numb
     },
     tiles: { key: ints(arrays, 'tiles/key'), step: floats(arrays, 'tiles/step') },
     pairs: pairsFromArrays(arrays),
+    links: { count: link.length, link, a: floats(arrays, 'links/a'), b: floats(arrays, 'links/b') },
     bytes,
   };
 }

@@ -3,6 +3,7 @@ import { FrameCache } from '../src/frame_cache';
 import { array } from '../src/codec';
 import { contactSteps, frameFromArrays, type Frame } from '../src/run';
 import { roundLength } from '../src/scene/ground';
+import { linkMarks } from '../src/scene/link_view';
 import { tileEdges } from '../src/scene/tile_view';
 import { human } from '../src/ui/dom';
 import { appendSeries, plotSpecs, roundUp, squeeze } from '../src/ui/plot_data';
@@ -53,6 +54,31 @@ test('a tile is drawn around its own eight nodes per side', () => {
     [-4.25, -0.25],
   ]);
   expect(positions.length).toBe(12 * 2 * 3);
+});
+
+test('a rod joins the two ends of what is apart, and an axis goes through a hinge', () => {
+  const arrays = [
+    array('links/link', new Int32Array([0, 1, 1, 2])),
+    array('links/a', new Float32Array([0, 0, 1, 2, 0, 0, 3, 0, 0, 5, 5, 5]), 3),
+    array('links/b', new Float32Array([0, 0, 3, 2, 0, 0, 3, 0, 0, 5, 5, 5]), 3),
+  ];
+  const ends = frameFromArrays(0, arrays, 0).links;
+  const kinds = (['point', 'hinge', 'ball'] as const).map((kind) => ({ name: kind, kind }));
+  const { beads, rods } = linkMarks(ends, kinds, 1);
+  expect(rods.map((r) => [r.from.toArray(), r.to.toArray(), r.axis])).toEqual([
+    [[0, 0, 1], [0, 0, 3], false],
+    [[2, 0, 0], [3, 0, 0], true],
+  ]);
+  expect(beads.map((b) => b.toArray())).toEqual([
+    [0, 0, 1],
+    [0, 0, 3],
+    [2.5, 0, 0],
+    [5, 5, 5],
+  ]);
+  // A run from before ends were recorded has none, and an axis that is short for the scene is drawn longer.
+  expect(linkMarks(frameFromArrays(0, [], 0).links, [], 1)).toEqual({ beads: [], rods: [] });
+  const long = linkMarks(ends, kinds, 100).rods[1]!;
+  expect(long.to.x - long.from.x).toBeCloseTo(14);
 });
 
 test('readings of a sensor are drawn together, axis by axis, before all else', () => {

@@ -1,5 +1,6 @@
 #include "brim/record/frame_lists.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "brim/world/attachment.h"
@@ -27,8 +28,24 @@ constexpr ListColumn kLinkColumns[] = {{"force", Type::Float64, 3},
                                        {"coordinate", Type::Float64, 0},
                                        {"effort", Type::Float64, 0},
                                        {"broken", Type::Int32, 0}};
+constexpr ListColumn kEndColumns[] = {{"link", Type::Int32, 0}, {"a", Type::Float32, 3}, {"b", Type::Float32, 3}};
 constexpr ListColumn kMemoryColumns[] = {{"value", Type::Float64, 0}};
 constexpr ListColumn kWarningColumns[] = {{"text", Type::UInt8, 0}};
+
+/// How a run calls what holds.
+std::string kind_of(const Attachment& a) {
+  if (!a.joint) return a.region ? "region" : "point";
+  switch (a.joint->kind) {
+    case JointKind::Revolute:
+      return "hinge";
+    case JointKind::Prismatic:
+      return "slider";
+    case JointKind::Ball:
+      return "ball";
+    default:
+      return "fixed";
+  }
+}
 
 }  // namespace
 
@@ -40,18 +57,27 @@ FrameLists::FrameLists(h5::File& file, const World& world, bool create)
       warnings_(file, "/warnings", kWarningColumns, kTextRows, create) {
   if (create ? world.attachment_count() == 0 : !file.exists("/links")) return;
   links_.emplace(file, "/links", kLinkColumns, kPairRows, create);
+  if (create || file.exists("/link_ends"))  // older runs have none
+    link_ends_.emplace(file, "/link_ends", kEndColumns, kPairRows, create);
   if (!create) return;
-  std::string names;
-  for (int i = 0; i < world.attachment_count(); ++i) names += (i > 0 ? "\n" : "") + world.attachment(i).name;
+  std::string names, kinds;
+  for (int i = 0; i < world.attachment_count(); ++i) {
+    const Attachment& a = world.attachment(i);
+    names += (i > 0 ? "\n" : "") + a.name;
+    kinds += (i > 0 ? "\n" : "") + kind_of(a);
+  }
   file.attribute("/links", "names", names);
+  file.attribute("/links", "kinds", kinds);
 }
 
-void FrameLists::add(const State& state, const StepReport& frame, std::span<const ContactSample> contacts,
+void FrameLists::add(const World& world, const StepReport& frame, std::span<const ContactSample> contacts,
                      std::span<const std::pair<TileKey, double>> tiles) {
   add_contacts(contacts);
   add_tiles(tiles);
   add_pairs(frame.pairs);
   add_links(frame.links);
+  add_link_ends(world);
+  const State& state = world.state();
   memory_.append_rows(0, state.memory.data(), state.memory.size());
   memory_.close_frame(state.memory.size());
   add_warnings(frame.warnings);
@@ -111,6 +137,21 @@ void FrameLists::add_links(const std::vector<LinkReport>& list) {
   links_->close_frame(list.size());
 }
 
+void FrameLists::add_link_ends(const World& world) {
+  if (!link_ends_) return;
+  struct End {
+    std::int32_t link;
+    Vec3f a, b;
+  };
+  std::vector<End> list;
+  for (int i = 0; i < world.attachment_count(); ++i)
+    for (const auto& [a, b] : world.attachment(i).ends) list.push_back({i, a.cast<float>(), b.cast<float>()});
+  link_ends_->append<std::int32_t>(0, list, 1, [](const End& e, std::int32_t* x) { *x = e.link; });
+  link_ends_->append<float>(1, list, 3, [](const End& e, float* x) { std::copy_n(e.a.data(), 3, x); });
+  link_ends_->append<float>(2, list, 3, [](const End& e, float* x) { std::copy_n(e.b.data(), 3, x); });
+  link_ends_->close_frame(list.size());
+}
+
 void FrameLists::add_warnings(const std::vector<Warning>& list) {
   std::string text;
   for (const Warning& w : list)
@@ -125,6 +166,7 @@ template <class Visit>
 void FrameLists::for_each(const Visit& visit) {
   for (RaggedList* list : {&contacts_, &tiles_, &pairs_, &memory_, &warnings_}) visit(*list);
   if (links_) visit(*links_);
+  if (link_ends_) visit(*link_ends_);
 }
 
 void FrameLists::cut(std::uint64_t frames) {

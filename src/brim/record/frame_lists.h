@@ -20,7 +20,7 @@ class FrameLists {
   FrameLists(h5::File& file, const World& world, bool create);
 
   /// Adds those of a frame. @param contacts, tiles  the world's own, or those of a run that is copied
-  void add(const State& state, const StepReport& frame, std::span<const ContactSample> contacts,
+  void add(const World& world, const StepReport& frame, std::span<const ContactSample> contacts,
            std::span<const std::pair<TileKey, double>> tiles);
   /// Drops all frames from `frames` on.
   void cut(std::uint64_t frames);
@@ -31,12 +31,13 @@ class FrameLists {
   void add_tiles(std::span<const std::pair<TileKey, double>> list);
   void add_pairs(const std::vector<PairReport>& list);
   void add_links(const std::vector<LinkReport>& list);
+  void add_link_ends(const World& world);
   void add_warnings(const std::vector<Warning>& list);
   template <class Visit>
   void for_each(const Visit& visit);
 
   RaggedList contacts_, tiles_, pairs_, memory_, warnings_;
-  std::optional<RaggedList> links_;  ///< of worlds with attachments
+  std::optional<RaggedList> links_, link_ends_;  ///< of worlds with attachments
 };
 
 }  // namespace brim

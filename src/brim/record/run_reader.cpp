@@ -98,6 +98,14 @@ struct RunReader::Impl {
                       Type type) const {
     return rows<T>(name, first, count, width == 1 ? Row{} : Row{width}, type);
   }
+  /// The lines of a text that an older run may not have.
+  std::vector<std::string> lines_of(const char* group, const char* attribute) const {
+    std::vector<std::string> lines;
+    if (!file.exists(group) || !file.has_attribute(group, attribute)) return lines;
+    std::istringstream text(file.text(group, attribute));
+    for (std::string line; std::getline(text, line);) lines.push_back(line);
+    return lines;
+  }
   /// Rows of a frame in a ragged list.
   std::pair<std::uint64_t, std::uint64_t> range(const std::string& group, std::int64_t frame) const {
     const auto o = rows<std::int64_t>(group + "/offset", need(frame), 2, 1, Type::Int64);
@@ -367,12 +375,19 @@ std::vector<LinkReport> RunReader::links(std::int64_t frame) const {
   return list;
 }
 
-std::vector<std::string> RunReader::link_names() const {
-  std::vector<std::string> names;
-  if (!impl_->file.exists("/links") || !impl_->file.has_attribute("/links", "names")) return names;
-  std::istringstream lines(impl_->file.text("/links", "names"));
-  for (std::string line; std::getline(lines, line);) names.push_back(line);
-  return names;
+std::vector<std::string> RunReader::link_names() const { return impl_->lines_of("/links", "names"); }
+std::vector<std::string> RunReader::link_kinds() const { return impl_->lines_of("/links", "kinds"); }
+
+std::vector<RecordedEnd> RunReader::link_ends(std::int64_t frame) const {
+  impl_->need(frame);
+  if (!impl_->file.exists("/link_ends")) return {};
+  const auto [first, n] = impl_->range("/link_ends", frame);
+  const auto link = impl_->rows<std::int32_t>("/link_ends/link", first, n, 1, Type::Int32);
+  const auto a = impl_->rows<float>("/link_ends/a", first, n, 3, Type::Float32);
+  const auto b = impl_->rows<float>("/link_ends/b", first, n, 3, Type::Float32);
+  std::vector<RecordedEnd> list(n);
+  for (std::size_t i = 0; i < n; ++i) list[i] = {link[i], Vec3f(&a[3 * i]), Vec3f(&b[3 * i])};
+  return list;
 }
 
 std::vector<Warning> RunReader::warnings(std::int64_t frame) const {

@@ -12,6 +12,12 @@
 
 namespace brim {
 
+/// A point that an attachment or joint holds, [m].
+struct RecordedEnd {
+  std::int32_t link = 0;  ///< which of link_names()
+  Vec3f a, b;             ///< on its first body; on the other one or in space
+};
+
 /// Reads run.h5, finished, growing or interrupted (docs/formats.md). Frame 0 is the start.
 /// Runs of all versions of the format are read alike. Every function throws InputError for frames and names that are
 /// not there, and for damaged files: what a file says is checked before it is used. For one thread at a time.
@@ -53,6 +59,10 @@ class RunReader {
   /// Attachments and joints in the last sub-step of a frame, and what they are called; none where the run has none.
   std::vector<LinkReport> links(std::int64_t frame) const;
   std::vector<std::string> link_names() const;
+  /// What each is: "point", "region", "fixed", "ball", "hinge" or "slider"; none in runs from before it was recorded.
+  std::vector<std::string> link_kinds() const;
+  /// Where those that still hold have their ends at a frame; of a hinge or slider, the first two lie on its axis.
+  std::vector<RecordedEnd> link_ends(std::int64_t frame) const;
   std::vector<Warning> warnings(std::int64_t frame) const;
   /// Report of a frame: scalars, pairs and warnings.
   StepReport report(std::int64_t frame) const;

@@ -265,7 +265,7 @@ void RunWriter::Impl::add(const World& world, const StepReport& frame, int steps
   v.append(state.v.data(), 1);
   add_series(frame, steps, samples);
   display.add(world);
-  lists.add(state, frame, contacts, tiles);
+  lists.add(world, frame, contacts, tiles);
   sensors.add(read);
   ++frames;
   // Slow frames are flushed one by one; fast ones together, so that flushing stays a small part of the time.

@@ -20,8 +20,8 @@ constexpr std::size_t kMaxIncludes = 8, kMaxFiles = 1000;
 /// Keys of an included scene that say nothing about its bodies.
 const std::set<std::string> kOfTheWhole = {"$schema",         "brim",     "name",  "description", "world", "frames",
                                            "steps_per_frame", "duration", "expect"};
-const std::set<std::string> kTaken = {"bodies",      "materials", "pairs",  "groups", "filters",
-                                      "attachments", "joints",    "forces", "sensors"};
+const std::set<std::string> kTaken = {"bodies",      "materials", "pairs",  "groups",  "filters",
+                                      "attachments", "joints",    "forces", "sensors", "timeline"};
 
 /// The files that are being read, each by the one before, and how many there were.
 struct Reading {
@@ -94,6 +94,7 @@ class Merger {
       }
       if (entry_.has("transform")) move_link(sensor, entry_.at("transform"), written);
     });
+    timeline();
   }
 
  private:
@@ -117,9 +118,26 @@ class Merger {
     return names;
   }
 
+  /// Edits of its bodies and of what it wires up; gravity belongs to the world, which is not taken over.
+  void timeline() {
+    const auto keep = [](const Json& edit) { return !edit.is_object() || !edit.contains("gravity"); };
+    entries(
+        "timeline",
+        [&](Json& edit, const Node& written) {
+          for (const char* verb : {"freeze", "thaw", "remove", "move", "detach", "set_velocity", "set_material"})
+            prefix_one(edit, verb);
+          if (edit.contains("material") && edit["material"].is_string())
+            edit["material"] = material(edit["material"].get<std::string>());
+          if (entry_.has("transform")) move_edit(edit, entry_.at("transform"), written);
+        },
+        keep);
+  }
+
   /// Takes over the entries of a list, each changed. @param change  of an entry and where it is written
-  template <class Change>
-  void entries(const char* list, const Change& change) {
+  /// @param keep  false for an entry that stays behind
+  template <class Change, class Keep = bool (*)(const Json&)>
+  void entries(
+      const char* list, const Change& change, const Keep& keep = [](const Json&) { return true; }) {
     if (!from_->root.contains(list)) return;
     const Json& given = from_->root.at(list);
     if (!given.is_array())
@@ -128,6 +146,7 @@ class Merger {
     Json& all = into_.root[list];
     if (all.is_null()) all = Json::array();
     for (std::size_t i = 0; i < given.size(); ++i) {
+      if (!keep(given[i])) continue;
       const std::string at = fmt::format("/{}/{}", list, i);
       Json entry = given[i];
       if (entry.is_object()) change(entry, Node(*from_, given[i], at));

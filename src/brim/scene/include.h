@@ -5,7 +5,7 @@
 namespace brim {
 
 /// Puts the bodies of other scene files behind those of this one, with their materials, pairs of materials, groups,
-/// filters, attachments, joints, forces and sensors, and takes "include" out of the root:
+/// filters, attachments, joints, forces, sensors and edits of timelines, and takes "include" out of the root:
 ///   "include": [{"file": "table.json", "prefix": "left_", "transform": {...}, "set": {"height": 0.7}}]
 /// All names get the prefix, also in patterns; a force on no bodies in particular is one on those of its file that can
 /// move; what has a place or a direction moves with the transform; relative paths become

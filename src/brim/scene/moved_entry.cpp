@@ -52,6 +52,12 @@ class Mover {
     }
   }
 
+  /// The rotation of an edit is about the middle of its body.
+  void edit(Json& edit) const {
+    for (const char* key : {"offset", "velocity", "angular_velocity"}) direction(edit, key);
+    turn(edit);
+  }
+
  private:
   static bool is_vec3(const Json& v) {
     return v.is_array() && v.size() == 3 && v[0].is_number() && v[1].is_number() && v[2].is_number();
@@ -89,8 +95,13 @@ class Mover {
     for (Json& key : keys) {
       if (!key.is_object()) continue;
       direction(key, "offset");
-      if (key.contains("rotation")) key["rotation"] = quaternion(r_ * rotation_of(key["rotation"]) * r_.conjugate());
+      turn(key);
     }
+  }
+  /// A rotation of something where it is.
+  void turn(Json& owner) const {
+    if (turns_ && owner.contains("rotation"))
+      owner["rotation"] = quaternion(r_ * rotation_of(owner["rotation"]) * r_.conjugate());
   }
   void region(Json& region_at) const {
     if (!region_at.is_object()) return;
@@ -143,6 +154,10 @@ void move_entry(Json& body, const Node& transform, const Node& written) {
 
 void move_link(Json& link, const Node& transform, const Node& written) {
   with_mover(transform, written, [&](const Mover& mover) { mover.link(link, written); });
+}
+
+void move_edit(Json& edit, const Node& transform, const Node& written) {
+  with_mover(transform, written, [&](const Mover& mover) { mover.edit(edit); });
 }
 
 }  // namespace brim

@@ -15,4 +15,7 @@ void move_entry(Json& body, const Node& transform, const Node& written);
 /// grids and imposed motions.
 void move_link(Json& link, const Node& transform, const Node& written);
 
+/// Likewise an entry of "timeline": its offset, rotation and velocities.
+void move_edit(Json& edit, const Node& transform, const Node& written);
+
 }  // namespace brim

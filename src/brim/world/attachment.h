@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "brim/body/articulated/tree_model.h"
@@ -52,6 +53,10 @@ struct Attachment {
   bool pulls_only = false;                                       ///< a rope: slack when shorter than its length
   double break_force = std::numeric_limits<double>::infinity();  ///< [N] total above which it is gone for good
   bool touch = true;                                             ///< false: the two bodies do not touch each other
+
+  /// [m] Told by World::attachment, not read: where the points that hold lie now, on side a and on side b; of a joint
+  /// that turns or slides, the first two are on its axis. None once it is gone.
+  std::vector<std::pair<Vec3, Vec3>> ends{};
 };
 
 }  // namespace brim

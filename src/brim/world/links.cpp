@@ -271,19 +271,38 @@ void Links::set_drive(std::size_t i, double position, double velocity) {
   joint->drive.target = position, joint->drive.target_velocity = velocity;
 }
 
+void Links::Link::follow(std::span<const WorldPart> parts, std::span<const double> q,
+                         std::span<const std::size_t> first_q) {
+  const auto coordinates = [&](int body) { return q.subspan(first_q[body], first_q[body + 1] - first_q[body]); };
+  a.follow(parts[part_a], coordinates(body_a));
+  if (part_b >= 0) b.follow(parts[part_b], coordinates(body_b));
+}
+
+void Links::find_ends(std::size_t i, std::span<const WorldPart> parts, std::span<const double> q,
+                      std::span<const std::size_t> first_q, double time) {
+  Link& link = links_[i];
+  link.given.ends.clear();
+  if (link.broken) return;
+  link.follow(parts, q, first_q);
+  for (const Held& held : link.held) {
+    if (held.hold == Hold::Drive || held.hold == Hold::Lower || held.hold == Hold::Upper) continue;
+    const Vec3 b = link.b.positions()[held.point];
+    link.given.ends.emplace_back(link.a.positions()[held.point],
+                                 link.given.motion ? link.given.motion(time, b, link.middle) : b);
+  }
+}
+
 void Links::append(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q,
                    int space, double time, double dt, ContactSet& set) {
   time_ = time, dt_ = dt;
   ties_.clear();
   coordinate_.assign(links_.size(), {});
-  const auto coordinates = [&](int body) { return q.subspan(first_q[body], first_q[body + 1] - first_q[body]); };
   const std::size_t first = set.size();
   std::vector<Vec3> point_a, point_b;
   for (std::size_t l = 0; l < links_.size(); ++l) {
     Link& link = links_[l];
     if (link.broken) continue;
-    link.a.follow(parts[link.part_a], coordinates(link.body_a));
-    if (link.part_b >= 0) link.b.follow(parts[link.part_b], coordinates(link.body_b));
+    link.follow(parts, q, first_q);
     const Coordinate c = coordinate_[l] = coordinate(link);
     const double h = parts[link.part_a].h;
     set.pairs.push_back({link.part_a, link.part_b < 0 ? space : link.part_b, h, h, 0.0, first + ties_.size(),

@@ -44,6 +44,9 @@ class Links {
   bool empty() const { return links_.empty(); }
   std::size_t size() const { return links_.size(); }
   const Attachment& attachment(std::size_t i) const { return links_[i].given; }
+  /// Fills in where the ends of a link are (Attachment::ends). Bodies must be up to date.
+  void find_ends(std::size_t i, std::span<const WorldPart> parts, std::span<const double> q,
+                 std::span<const std::size_t> first_q, double time);
   /// True when some link that holds has an end in space.
   bool needs_space() const;
   bool broken(std::size_t i) const { return links_[i].broken; }
@@ -87,6 +90,7 @@ class Links {
     double start = 0.0;          ///< [s] when that was
     double mass = 0.0;           ///< [kg] that a rigid one is made for
     bool broken = false;
+    void follow(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q);
   };
   /// Where the coordinate of a joint is.
   struct Coordinate {

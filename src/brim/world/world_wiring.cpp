@@ -56,7 +56,14 @@ int World::attach(const Attachment& attachment) {
 }
 
 int World::attachment_count() const { return static_cast<int>(impl_->links.size()); }
-const Attachment& World::attachment(int i) const { return impl_->links.attachment(static_cast<std::size_t>(i)); }
+
+const Attachment& World::attachment(int i) const {
+  Impl& w = *impl_;
+  w.update_bodies();
+  w.links.find_ends(static_cast<std::size_t>(i), w.parts, w.state.q, w.first_q, w.state.time);
+  return w.links.attachment(static_cast<std::size_t>(i));
+}
+
 bool World::detached(int i) const { return impl_->links.broken(static_cast<std::size_t>(i)); }
 
 void World::detach(int i) {

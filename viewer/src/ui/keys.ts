@@ -15,6 +15,7 @@ export function bindKeys(app: App): void {
     w: () => app.panel.toggleWireframe(),
     c: () => app.panel.cycleContacts(),
     t: () => app.panel.setTiles(!app.panel.tilesShown),
+    a: () => app.panel.setLinks(!app.panel.linksShown),
     d: () => app.panel.slice.setOn(!app.panel.slice.on),
     x: () => app.panel.slice.setAxis(0),
     y: () => app.panel.slice.setAxis(1),

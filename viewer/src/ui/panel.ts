@@ -1,4 +1,4 @@
-/** The side panel: bodies, contacts, tiles, touching pairs, warnings. */
+/** The side panel: bodies, contacts, attachments, tiles, touching pairs, warnings. */
 import type { Player } from '../player';
 import type { BodyLook } from '../picture';
 import type { BodyInfo, Frame, RunInfo } from '../run';
@@ -10,6 +10,7 @@ import {
   normalColour,
   type ContactStyle,
 } from '../scene/contact_view';
+import { linkColour } from '../scene/link_view';
 import { h, human, iconButton, setIcon } from './dom';
 import { swatch } from './plots';
 import { SliceCard } from './slice_card';
@@ -18,6 +19,7 @@ export interface PanelEvents {
   look(body: number, look: BodyLook): void;
   contacts(style: ContactStyle, scale: number): void;
   tiles(on: boolean): void;
+  links(on: boolean): void;
   slice(): void;
 }
 
@@ -37,6 +39,7 @@ export class Panel {
   contactStyle: ContactStyle = 'off';
   contactScale = 1;
   tilesShown = false;
+  linksShown = true;
   readonly slice: SliceCard;
   private readonly status = h('p', { class: 'status' });
   private readonly bodies = h('ul', { class: 'bodies' });
@@ -44,6 +47,18 @@ export class Panel {
   private readonly warnings = h('section', { class: 'card' });
   private readonly segments: HTMLButtonElement[];
   private readonly tilesBox = h('input', { type: 'checkbox', id: 'tiles' });
+  private readonly linksBox = h('input', { type: 'checkbox', id: 'links', checked: true });
+  private readonly links = h(
+    'section',
+    { class: 'card', hidden: true },
+    h('h3', {}, 'Attachments'),
+    h(
+      'div',
+      { class: 'row' },
+      this.linksBox,
+      h('label', { for: 'links' }, swatch(linkColour), ' what holds bodies: ends, ropes, axes'),
+    ),
+  );
   private readonly voxelLegend = h(
     'div',
     { class: 'legend', hidden: true },
@@ -73,6 +88,7 @@ export class Panel {
       this.on.contacts(this.contactStyle, this.contactScale);
     });
     this.tilesBox.addEventListener('change', () => this.setTiles(this.tilesBox.checked));
+    this.linksBox.addEventListener('change', () => this.setLinks(this.linksBox.checked));
     this.element.append(
       h('section', { class: 'card head' }, this.status),
       h(
@@ -103,6 +119,7 @@ export class Panel {
         this.voxelLegend,
         this.pairs,
       ),
+      this.links,
       this.slice.element,
       h(
         'section',
@@ -153,6 +170,7 @@ export class Panel {
         run.stopped ? 'cut short' : run.complete ? 'complete' : 'growing',
       ),
     );
+    this.links.hidden = !run.links?.length;
     this.warnings.hidden = run.warnings.length === 0;
     this.warnings.replaceChildren(
       h('h3', {}, `Warnings (${run.warnings.length})`),
@@ -308,6 +326,12 @@ export class Panel {
     this.on.tiles(on);
   }
 
+  setLinks(on: boolean): void {
+    this.linksShown = on;
+    this.linksBox.checked = on;
+    this.on.links(on);
+  }
+
   private refreshContacts() {
     this.voxelLegend.hidden = this.contactStyle !== 'voxels';
     for (const s of this.segments) {
@@ -383,6 +407,7 @@ const keys: [string, string][] = [
   ['w', 'wireframe'],
   ['c', 'contacts: off, points, arrows, both, voxels'],
   ['t', 'active tiles'],
+  ['a', 'attachments and joints'],
   ['d', 'slice through the densities'],
   ['x y z', 'across which axis'],
   ['l', 'loop'],

@@ -3,10 +3,13 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "brim/mesh/areal_mass.h"
 #include "brim/mesh/lattice_around.h"
+#include "brim/mesh/mass_properties.h"
 
 namespace brim {
 
@@ -106,6 +109,8 @@ SoftImageBody::Parts SoftImageBody::build(const OccupancyGrid& matter, const Tri
     throw InputError(
         fmt::format("image volume: Poisson's ratio is {}; it must be between -1 and 0.5", options.poisson));
   Parts parts;
+  parts.area = surface_area(surface);
+  parts.box = matter.matter_box();
   std::vector<Vec3> x;
   std::vector<double> young;  // [Pa] of the matter of each particle
   const double cell = matter.spacing * matter.spacing * matter.spacing;
@@ -169,6 +174,11 @@ SoftImageBody::SoftImageBody(Parts parts, const ElasticOptions& options)
   stiffness_.finish();
   elements_.find_pairs(stiffness_);
   force_.assign(particle_count(), Vec3::Zero());
+  areal_mass_ = CarriedBody::part(0).areal_mass;
+  if (immobile() || !(parts_.area > 0.0)) return;
+  const auto total = [](const std::vector<double>& x) { return std::accumulate(x.begin(), x.end(), 0.0); };
+  areal_mass_ = std::max(areal_mass_, areal_mass(total(parts_.carriage.mass), total(parts_.carriage.volume),
+                                                 parts_.area, parts_.box, CarriedBody::part(0).voxel_size));
 }
 
 }  // namespace brim

@@ -30,6 +30,11 @@ class SoftImageBody final : public CarriedBody {
                 const Vec3& position, ElasticOptions options, const CellMaterial& material = {});
 
   std::string_view kind() const override { return "image_volume"; }
+  PartInfo part(int p) const override {
+    PartInfo info = CarriedBody::part(p);
+    info.areal_mass = areal_mass_;
+    return info;
+  }
   double elastic_energy() const override { return elements_.energy(x_); }
   const TetMesh& mesh() const { return parts_.mesh; }
 
@@ -42,6 +47,8 @@ class SoftImageBody final : public CarriedBody {
     Carriage carriage;
     CarriedSurface surface;
     std::vector<double> stiffness;  ///< [-] of each tetrahedron, over that of one full of ElasticOptions::young
+    double area = 0.0;              ///< [m²] of the surface
+    Aabb box;                       ///< around the matter, in its own frame
   };
   static Parts build(const OccupancyGrid& matter, const TriMesh& surface, double spacing, const Quat& rotation,
                      const Vec3& position, ElasticOptions& options, const CellMaterial& material);
@@ -49,6 +56,7 @@ class SoftImageBody final : public CarriedBody {
 
   Parts parts_;
   TetElements elements_;
+  double areal_mass_ = 0.0;  ///< [kg/m²] behind the surface, of what is thinner than the ramp that of its outline
 };
 
 }  // namespace brim

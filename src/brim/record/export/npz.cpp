@@ -70,8 +70,8 @@ class NpzWriter : public Writer {
     if (path == "/frames/count") return false;
     return std::ranges::any_of(kCopied, [&](const char* group) { return path.starts_with(group); });
   }
-  static constexpr const char* kCopied[] = {"/frames/", "/series/", "/motion/", "/contacts/", "/tiles/",
-                                            "/pairs/",  "/links/",  "/memory/", "/warnings/"};
+  static constexpr const char* kCopied[] = {"/frames/", "/series/", "/motion/",    "/contacts/", "/tiles/",
+                                            "/pairs/",  "/links/",  "/link_ends/", "/memory/",   "/warnings/"};
 
   /// Cells and positions of a body.
   void body(const Item& item) {

@@ -3,6 +3,7 @@
 
 #include "brim/body/rigid/rigid_body.h"
 #include "brim/body/volume/soft_image_body.h"
+#include "brim/mesh/areal_mass.h"
 #include "brim/mesh/mass_properties.h"
 #include "brim/raster/image_shape.h"
 #include "brim/scene/carried.h"
@@ -41,20 +42,6 @@ void check_image_volume(const Node& n) {
   if (n.has("density") && n.has("mass")) throw n.at("mass").error("both \"mass\" and \"density\" are given; give one");
 }
 
-/// [kg/m²] of mass behind the surface, for the choice of contact stiffness.
-///   6 m / A             of solids: the length of a box, twice the radius of a ball
-///   6 (m/V) Vb / Ab     of wires and sheets, b being the box around: they touch with a share of their outline, in the
-///                       mean that of volume (Delesse), and as much presses on it as if the outline were full
-/// Pieces of less than three voxels, the width of the ramp, count as wires, of six and more as solid.
-/// @param h  [m] voxel size of contact
-double areal_mass(const MassProperties& m, double surface, const Aabb& box, double h) {
-  const Vec3 e = box.extent();
-  const double outline = 2.0 * (e.x() * e.y() + e.y() * e.z() + e.z() * e.x());
-  const double solid = 6.0 * m.mass / surface, wires = 6.0 * m.mass / m.volume * e.prod() / outline;
-  const double thickness = 6.0 * m.volume / surface;
-  return solid + std::clamp(2.0 - thickness / (3.0 * h), 0.0, 1.0) * std::max(wires - solid, 0.0);
-}
-
 class RigidImageMaker final : public BodyMaker {
  public:
   RigidImageMaker(const Node& n, const BuildContext& context) : material_(context.material) {
@@ -68,7 +55,8 @@ class RigidImageMaker final : public BodyMaker {
     }
     surface_ = display_surface(solid.grid);
     part_.voxel_size = solid.voxel_size;
-    part_.areal_mass = areal_mass(properties_, surface_area(surface_), solid.grid.matter_box(), solid.voxel_size);
+    part_.areal_mass = areal_mass(properties_.mass, properties_.volume, surface_area(surface_), solid.grid.matter_box(),
+                                  solid.voxel_size);
     part_.thickness = 6.0 * properties_.volume / surface_area(surface_);
     part_.material = material_;
     shape_ = make_image_shape(solid.grid, part_.thickness);

@@ -1,0 +1,85 @@
+/** Attachments and joints of a frame: a bead at what is held, a rod to where it is held, the axis of what turns or slides. */
+import * as THREE from 'three';
+import type { LinkEnds, LinkInfo } from '../run';
+import { Glyphs } from './glyphs';
+
+export const linkColour = '#0f7f8c';
+const kApart = 1e-3; // distance of two ends, over the scene's radius, from which a rod is drawn between them
+const kAxis = 0.07; // least half length of an axis, likewise
+
+export interface LinkMarks {
+  beads: THREE.Vector3[];
+  rods: { from: THREE.Vector3; to: THREE.Vector3; axis: boolean }[];
+}
+
+/** What is drawn of the ends of a frame. @param radius [m] of the scene */
+export function linkMarks(ends: LinkEnds, links: LinkInfo[], radius: number): LinkMarks {
+  const marks: LinkMarks = { beads: [], rods: [] };
+  const at = (x: Float32Array, i: number) => new THREE.Vector3().fromArray(x, 3 * i);
+  for (let first = 0, next = 0; first < ends.count; first = next) {
+    const link = ends.link[first]!;
+    while (next < ends.count && ends.link[next] === link) ++next;
+    const kind = links[link]?.kind;
+    const middle = new THREE.Vector3();
+    const other = new THREE.Vector3(); // of side a
+    for (let i = first; i < next; ++i) {
+      middle.addScaledVector(at(ends.b, i), 1 / (next - first));
+      other.addScaledVector(at(ends.a, i), 1 / (next - first));
+    }
+    const join = (from: THREE.Vector3, to: THREE.Vector3) => {
+      const apart = from.distanceTo(to) > kApart * radius;
+      if (apart) marks.rods.push({ from, to, axis: false });
+      return apart;
+    };
+    if (kind === 'hinge' || kind === 'slider') {
+      const half = at(ends.b, first + 1)
+        .sub(at(ends.b, first))
+        .multiplyScalar(0.5);
+      if (half.length() > 0) half.setLength(Math.max(half.length(), kAxis * radius));
+      marks.beads.push(middle);
+      marks.rods.push({ from: middle.clone().sub(half), to: middle.clone().add(half), axis: true });
+      join(other, middle);
+    } else if (kind === 'fixed') {
+      marks.beads.push(middle);
+      for (let i = first; i < next; ++i) join(middle, at(ends.b, i));
+    } else
+      for (let i = first; i < next; ++i) {
+        const [a, b] = [at(ends.a, i), at(ends.b, i)];
+        marks.beads.push(a, ...(join(a, b) ? [b] : []));
+      }
+  }
+  return marks;
+}
+
+export class LinkView {
+  readonly object = new THREE.Group();
+  private readonly beads = new Glyphs(new THREE.IcosahedronGeometry(1, 2), linkColour, 0.45);
+  private readonly rods = new Glyphs(
+    new THREE.CylinderGeometry(1, 1, 1, 10).translate(0, 0.5, 0),
+    linkColour,
+    0.45,
+  );
+
+  constructor() {
+    this.object.add(this.beads.object, this.rods.object);
+  }
+
+  update(ends: LinkEnds, links: LinkInfo[], radius: number): void {
+    if (!this.object.visible) return;
+    const { beads, rods } = linkMarks(ends, links, radius);
+    const matrix = new THREE.Matrix4();
+    const size = new THREE.Vector3().setScalar(0.008 * radius);
+    const turn = new THREE.Quaternion();
+    const bead = this.beads.begin(beads.length);
+    beads.forEach((at, i) => bead.setMatrixAt(i, matrix.compose(at, turn, size)));
+    const up = new THREE.Vector3(0, 1, 0);
+    const rod = this.rods.begin(rods.length);
+    rods.forEach(({ from, to, axis }, i) => {
+      const along = to.clone().sub(from);
+      const length = along.length();
+      const width = (axis ? 0.004 : 0.0025) * radius;
+      turn.setFromUnitVectors(up, length > 0 ? along.divideScalar(length) : up);
+      rod.setMatrixAt(i, matrix.compose(from, turn, size.set(width, length, width)));
+    });
+  }
+}
