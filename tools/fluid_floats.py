@@ -4,7 +4,7 @@
     tools/fluid_floats.py [--brim build/release/brim] [--out /tmp/fluid_floats] [--seconds 5] [--sizes 2.4 3.6 5.2]
 
 Each body is let go above a pool of 0.7 x 0.7 x 0.4 m, spacing 0.05 m. The share of it under the surface is the mean over
-the last fifth of the run, seen from the pose of the body, which may turn, and from the volume of the water beside it;
+the last fifth of the run, seen from the pose of the body, which may turn, and from the volume of the water;
 Archimedes has 0.5. Also the speed that is left. Needs h5py.
 """
 import argparse
@@ -18,7 +18,7 @@ import with_numpy
 with_numpy.need("numpy", "h5py")
 import numpy as np  # noqa: E402
 
-from fluid_measures import Particles, immersed  # noqa: E402
+from fluid_measures import Particles, immersed_in_basin  # noqa: E402
 from run_file import RunFile  # noqa: E402
 
 SPACING, SIDE, DEPTH = 0.05, 0.7, 0.4
@@ -72,7 +72,7 @@ def main():
             body, water = names.index("body"), names.index("water")
             fluid = Particles(run, water, made["bodies"][-1])
             last = range(run.frames - run.frames // 5, run.frames)
-            share = np.mean([immersed(run, fluid, body, f, kind) for f in last])
+            share = np.mean([immersed_in_basin(run, fluid, body, f, kind, SIDE**2) for f in last])
             first, size = int(run.bodies[water].attrs["v_offset"]), int(run.bodies[water].attrs["v_size"])
             speed = np.sqrt(3 * (run.file["frames/v"][last[0]:last[-1] + 1, first:first + size]**2).mean())
             print(f"{kind} of {cells} spacings: {share:.3f} under water, Archimedes 0.5 ({100 * (share / 0.5 - 1):+.1f} %); "

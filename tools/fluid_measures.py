@@ -115,15 +115,8 @@ def draft(run, fluid, number, frame):
     return free[:, 2].mean() - lo[2] if len(free) else None
 
 
-def immersed(run, fluid, number, frame, shape):
-    """Share of a box or ball under the surface; it may have turned. None where no column is free."""
-    lo, hi = outline(run, number, frame)
-    columns = fluid.columns(frame)
-    away = np.maximum(lo[:2] - columns[:, :2], columns[:, :2] - hi[:2]).max(axis=1)
-    free = columns[away > fluid.step]
-    if not len(free):
-        return None
-    surface = free[:, 2].mean()
+def shares(run, number, frame, shape):
+    """The share of a box or ball below a height, as a function of it; it may have turned. Also its volume, [m³]."""
     body = run.bodies[number]
     first, now = run.positions(body, 0), run.positions(body, frame)
     centre = 0.5 * (first.min(axis=0) + first.max(axis=0))
@@ -133,7 +126,34 @@ def immersed(run, fluid, number, frame, shape):
     if shape == "sphere":
         grid = grid[(grid**2).sum(axis=1) < 0.25]
     z = (grid * size) @ turn[:3, 2] + turn[3, 2]
-    return float((z < surface).mean())
+    thickness = np.abs(size * turn[:3, 2]).sum() / 40  # of one of the small boxes that the points stand for
+    return lambda level: float(np.clip((level - z) / thickness + 0.5, 0, 1).mean()), size.prod() * (np.pi / 6 if shape == "sphere" else 1.0)
+
+
+def immersed(run, fluid, number, frame, shape):
+    """Share of a box or ball under the surface; it may have turned. None where no column is free."""
+    lo, hi = outline(run, number, frame)
+    columns = fluid.columns(frame)
+    away = np.maximum(lo[:2] - columns[:, :2], columns[:, :2] - hi[:2]).max(axis=1)
+    free = columns[away > fluid.step]
+    if not len(free):
+        return None
+    return shares(run, number, frame, shape)[0](free[:, 2].mean())
+
+
+def immersed_in_basin(run, fluid, number, frame, shape, area):
+    """Share of a box or ball under the surface of particles in a basin of vertical walls and a floor at z = 0.
+
+    The surface is where the water's volume, spacing³ a particle, fills the basin around the body: A z = N s³ + V share(z). A
+    narrow pool has too few columns beside the body: its layers lie along walls and body, and columns cut them anywhere.
+    """
+    share, volume = shares(run, number, frame, shape)
+    water = len(fluid.positions(frame)) * fluid.step**3
+    lo, hi = 0.0, (water + volume) / area
+    for _ in range(50):
+        middle = 0.5 * (lo + hi)
+        lo, hi = (middle, hi) if area * middle - volume * share(middle) < water else (lo, middle)
+    return share(hi)
 
 
 def under_sheet(run, fluid, number, frame):

@@ -43,6 +43,21 @@ TEST(ParticleFluidScene, ScaleMovesAndTurnsTheParticlesWithTheShape) {
   EXPECT_NEAR(w.body(0).bounds(0).center().z(), 5.0, 1e-9);
 }
 
+TEST(ParticleFluidScene, CarvesRegionsOfItsOwnFrame) {
+  // Half of the box; it is scaled and turned with the shape.
+  const std::string half = R"(, "carve": [{"kind": "box", "lo": [0, -1, -1], "hi": [1, 1, 1]}])";
+  const World w = build_world(parse_scene(scene_with(
+      kBox + half +
+      R"(, "transform": {"scale": 2, "position": [0, 0, 5], "rotation": {"axis": [0, 1, 0], "degrees": 90}})")));
+  EXPECT_EQ(w.v(0).size(), 3u * 125u);
+  EXPECT_NEAR(w.body(0).bounds(0).lo.z(), 5.0, 1e-9);
+  EXPECT_NEAR(w.body(0).bounds(0).hi.z(), 6.0, 1e-9);
+  const std::string all = R"(, "carve": [{"kind": "all"}])";
+  EXPECT_NE(message(scene_with(kBox + all)).find("no particle"), std::string::npos);
+  const std::string flat = R"(, "carve": [{"kind": "plane", "point": [0, 0, 0], "normal": [0, 0, 0]}])";
+  EXPECT_NE(message(scene_with(kBox + flat)).find("/bodies/0/carve/0/normal"), std::string::npos);
+}
+
 TEST(ParticleFluidScene, RefusesWhatWouldLeakOrHasNoVolume) {
   EXPECT_NE(message(scene_with(kBox, R"({"voxel_size": 0.2})")).find("/bodies/0/spacing"), std::string::npos);
   EXPECT_NE(message(scene_with(std::string(kBox) + R"(, "voxel_size": 0.2)")).find("leak"), std::string::npos);

@@ -3,6 +3,7 @@
 #include "brim/body/grid_fluid/grid_fluid_body.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/limits.h"
+#include "brim/scene/region.h"
 
 namespace brim {
 
@@ -14,45 +15,8 @@ namespace {
 constexpr double kBytesPerFluidCell = 1000.0;
 /// [cells] by which a side of the box may miss a whole number of cells.
 constexpr double kOddCells = 1e-3;
-constexpr double kFar = 1e9;  // [m]
 
 constexpr std::array<const char*, 6> kSides = {"-x", "+x", "-y", "+y", "-z", "+z"};
-
-using Distance = std::function<double(const Vec3&)>;
-
-/// Signed distance to a region of a scene, negative inside.
-Distance distance_to(const Node& n) {
-  const std::string kind = n.string("kind");
-  if (kind == "sphere") {
-    const Vec3 center = n.vec3("center");
-    const double radius = n.number("radius");
-    return [=](const Vec3& x) { return (x - center).norm() - radius; };
-  }
-  if (kind == "plane") {
-    const Vec3 point = n.vec3("point"), normal = n.vec3("normal").normalized();
-    return [=](const Vec3& x) { return (x - point).dot(normal); };
-  }
-  if (kind == "box") {
-    const Vec3 lo = n.vec3("lo"), hi = n.vec3("hi");
-    return [=](const Vec3& x) {
-      const Vec3 d = (lo - x).cwiseMax(x - hi);
-      return d.cwiseMax(0.0).norm() + std::min(d.maxCoeff(), 0.0);
-    };
-  }
-  return [](const Vec3&) { return -kFar; };
-}
-
-void check_regions(const Node& list) {
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const Node region = list.at(i);
-    const std::string kind = region.string("kind");
-    if (kind == "corners") throw region.at("kind").error("\"corners\" are those of a cloth; a fluid has none");
-    if (kind == "plane" && !(region.vec3("normal").norm() > 0.0))
-      throw region.at("normal").error("has no direction; give one that is not zero");
-    if (kind == "box" && !(region.vec3("lo").array() < region.vec3("hi").array()).all())
-      throw region.at("hi").error("must be above \"lo\" along every axis");
-  }
-}
 
 void check_grid_fluid(const Node& n) {
   const Node box = n.at("box");
@@ -89,14 +53,8 @@ class GridFluidMaker final : public BodyMaker {
     for (std::size_t i = 0; i < n.at("open").size(); ++i)
       for (std::size_t s = 0; s < kSides.size(); ++s)
         if (n.at("open").at(i).string() == kSides[s]) model_.open[s] = true;
-    std::vector<Distance> fill, carve;
-    for (std::size_t i = 0; i < n.at("fill").size(); ++i) fill.push_back(distance_to(n.at("fill").at(i)));
-    for (std::size_t i = 0; i < n.at("carve").size(); ++i) carve.push_back(distance_to(n.at("carve").at(i)));
-    distance_ = [fill, carve](const Vec3& x) {
-      double d = kFar;
-      for (const Distance& f : fill) d = std::min(d, f(x));
-      for (const Distance& f : carve) d = std::max(d, -f(x));
-      return d;
+    distance_ = [fill = region_distance(n.at("fill")), carve = region_distance(n.at("carve"))](const Vec3& x) {
+      return std::max(fill(x), -carve(x));
     };
     model_.density = n.number("density");
     model_.viscosity = n.number("viscosity");
@@ -117,7 +75,7 @@ class GridFluidMaker final : public BodyMaker {
   Node node_;
   Material material_;
   GridFluidModel model_;  ///< not placed
-  Distance distance_;
+  RegionDistance distance_;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "brim/mesh/topology.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/limits.h"
+#include "brim/scene/region.h"
 #include "brim/scene/solid.h"
 
 namespace brim {
@@ -17,6 +18,7 @@ void check_particle_fluid(const Node& n) {
   if (n.at("shape").string("kind") == "plane")
     throw n.at("shape").at("kind").error("\"plane\" has no finite volume; only an obstacle can be one");
   check_shape(n.at("shape"));
+  check_regions(n.at("carve"));
   const double spacing = n.at("transform").number("scale") * n.number("spacing");
   if (n.number("voxel_size") > spacing * (1.0 + 1e-9))
     throw n.at("voxel_size")
@@ -42,9 +44,12 @@ class ParticleFluidMaker final : public BodyMaker {
                                  spacing_, box.extent().minCoeff()));
     check_count(at, box.extent().prod() / (spacing_ * spacing_ * spacing_), kBytesPerFluidParticle, limit, "particles");
     const Vec3 room = spacing_ * (box.extent() / spacing_).array().round().matrix();
+    const RegionDistance carved = region_distance(n.at("carve"));
     for (const Vec3& x : lattice_in_box(box.center() - 0.5 * room, box.center() + 0.5 * room, spacing_))
-      if (solid.shape->distance(x) < 0.0) particles_.push_back(x);
-    if (particles_.empty()) throw at.error(fmt::format("{:.6g} m is too large: no particle fits", spacing_));
+      if (solid.shape->distance(x) < 0.0 && !(carved(x / scale) < 0.0)) particles_.push_back(x);
+    if (particles_.empty())
+      throw at.error(
+          fmt::format("no particle fits: {:.6g} m is too large for what \"carve\" leaves of the shape", spacing_));
   }
 
   std::unique_ptr<Body> body(const Placement& place) const override {
