@@ -316,6 +316,8 @@ File::File(const std::string& path, Mode mode) : path_(path) {
       need(handle_.id(), path, "cannot be created");
       break;
     case Mode::Write:
+      // Damage that HDF5 would follow without end is seen in files that are only read (h5_driver.h).
+      File(path, Mode::Read).datasets();
       handle_ = Handle(H5Fopen(path.c_str(), H5F_ACC_RDWR, access.id()));
       need(handle_.id(), path, "cannot be opened for writing; is it an HDF5 file, and not open elsewhere?");
       break;
