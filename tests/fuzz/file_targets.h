@@ -176,7 +176,7 @@ inline constexpr FileTarget kFileTargets[] = {
                       [](const auto& path) { return fmt::format("{} pieces", read_urdf(path).pieces.size()); });
      }},
     {"scene", Where::Here, scene},
-    {"run", Where::Here, run},
+    {"run", Where::Apart, run},
     {"request", Where::Here, request},
 };
 
