@@ -11,6 +11,8 @@ import pathlib
 import re
 import sys
 
+import run_scenes
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FOLDERS = ("src", "apps", "tests", "tools", "docs", "scenes", "schema", "bench", "examples", "cmake", "viewer")
 SOURCES = ("src", "apps", "tests", "bench", "examples", "tools")
@@ -68,7 +70,7 @@ class Known:
         for options in self.brim.values():
             options |= shared
         self.scenes = {path.stem for path in files(root, ["scenes/*.json", "examples/*/*.json"])}
-        self.scenes |= {"pairs_penalty", "pairs_constraint"}
+        self.scenes |= {f"pairs_{table}" for table in run_scenes.PAIR_TABLES}
 
     def file(self, name, beside):
         return any((base / name).exists() for base in (self.root, self.root / "src", self.root / "viewer", beside))

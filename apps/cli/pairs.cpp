@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -18,9 +19,9 @@ namespace {
 namespace fs = std::filesystem;
 
 struct PairOptions {
-  std::vector<std::string> only, with;
+  std::vector<std::string> only, with, worlds;
   std::string out, table, scenes, response, command;
-  int threads = 0;
+  int threads = 0, steps = 0;
   bool json = false;
 };
 
@@ -40,32 +41,58 @@ void write_text(const fs::path& path, const std::string& text) {
   if (!file) throw InputError(fmt::format("{}: the file cannot be written", path.string()));
 }
 
-int pairs(const PairOptions& o) {
-  const ThreadLimit limit(o.threads);
+/// The table in each world that is wanted.
+std::vector<PairTable> tables(const PairOptions& o) {
   PairTable table = read_table(o.table);
   for (const std::string& file : o.with) table.add_kinds(read_table(file));
   for (const std::string& name : o.only) table.find(name);
   if (!o.response.empty()) table.set_response(o.response);
-  watch_interrupts();
-  if (!o.json) fmt::print("{}\n", pair_line_head());
-  std::vector<PairResult> results = run_pairs(table, o.only, [&](const PairResult& r) {
+  std::vector<std::string> names = o.worlds;
+  if (names.empty()) names = {table.name};
+  if (names == std::vector<std::string>{"all"}) {
+    names = {table.name};
+    for (const PairWorld& world : table.worlds) names.push_back(world.name);
+  }
+  std::vector<PairTable> chosen;
+  for (const std::string& name : names) {
+    chosen.push_back(name == table.name ? table : table.in_world(name));
+    if (o.steps > 0) chosen.back().cut(o.steps);
+  }
+  if (o.json && chosen.size() > 1) throw InputError("--json prints the figures of one world; --world names several");
+  return chosen;
+}
+
+std::vector<PairResult> run_table(const PairTable& table, const PairOptions& o) {
+  if (!o.json) fmt::print("{} ({})\n{}\n", table.name, table.about, pair_line_head());
+  return run_pairs(table, o.only, [&](const PairResult& r) {
     if (!o.json) {
       fmt::print("{}\n", pair_line(r));
       std::fflush(stdout);
     }
     if (!o.scenes.empty() && r.run)
-      write_text(fs::path(o.scenes) / fmt::format("{}_on_{}.json", r.upper, r.lower),
+      write_text(fs::path(o.scenes) /
+                     fmt::format("{}{}_on_{}.json", o.worlds.empty() ? "" : table.name + "_", r.upper, r.lower),
                  pair_scene_text(table, table.find(r.lower), table.find(r.upper)));
     return !interrupted();
   });
-  if (o.json) std::fputs(pairs_json(table, results).c_str(), stdout);
-  if (interrupted()) return kInterrupted;
-  if (!o.out.empty()) write_text(o.out, pairs_markdown(table, results, o.command));
+}
+
+int pairs(const PairOptions& o) {
+  const ThreadLimit limit(o.threads);
+  watch_interrupts();
+  std::string page;
   std::size_t run = 0, good = 0;
-  for (const PairResult& r : results) {
-    run += r.run ? 1 : 0;
-    good += r.run && r.ok() ? 1 : 0;
+  for (const PairTable& table : tables(o)) {
+    const std::vector<PairResult> results = run_table(table, o);
+    if (o.json) std::fputs(pairs_json(table, results).c_str(), stdout);
+    if (interrupted()) return kInterrupted;
+    page += page.empty() ? pairs_markdown(table, results, o.command) : pairs_section(table, results);
+    for (const PairResult& r : results) {
+      run += r.run ? 1 : 0;
+      good += r.run && r.ok() ? 1 : 0;
+    }
   }
+  if (!o.out.empty()) write_text(o.out, page);
   fmt::print(stderr, "brim: {} of {} pairs are good\n", good, run);
   return good == run ? kGood : kFailed;
 }
@@ -82,6 +109,12 @@ void add_pairs(CLI::App& app, int& code) {
   command->add_option("--with", o->with, "table (JSON) whose kinds are added, such as one's own (--plugin)");
   command->add_option("--response", o->response, "how contacts act: penalty or constraint; default as the table says")
       ->check(CLI::IsMember({"penalty", "constraint"}));
+  command
+      ->add_option("--world", o->worlds,
+                   "worlds of the table in which they meet, separated by commas, or all; default blow. Of brim's own "
+                   "table: blow, rest, fine, levels")
+      ->delimiter(',');
+  command->add_option("--steps", o->steps, "so many steps instead of those of the table")->check(CLI::Range(1, 100000));
   command->add_option("--scenes", o->scenes, "write the scene of each pair into this folder, for brim run");
   command->add_option("--threads", o->threads, "use at most this many threads; default all cores")
       ->check(CLI::Range(1, 4096));
@@ -93,6 +126,8 @@ void add_pairs(CLI::App& app, int& code) {
     for (const std::string& file : o->with) o->command += " --with " + file;
     if (!o->table.empty()) o->command += " --kinds " + o->table;
     if (!o->response.empty()) o->command += " --response " + o->response;
+    if (!o->worlds.empty()) o->command += fmt::format(" --world {}", fmt::join(o->worlds, ","));
+    if (o->steps > 0) o->command += fmt::format(" --steps {}", o->steps);
     if (!o->out.empty()) o->command += " -o " + o->out;
     code = pairs(*o);
   });

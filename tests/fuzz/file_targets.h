@@ -3,12 +3,14 @@
 #include <unistd.h>
 
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "brim/core/error.h"
@@ -22,11 +24,13 @@
 #include "server/viewer_routes.h"
 
 /// What is done with bytes that could be anything: read as a file of each format. A reader may refuse them (InputError)
-/// or take them; whatever else it does is a finding. Used by the fuzzer (fuzzer.cpp) and by the test of the inputs that
-/// are kept (inputs_test.cpp).
+/// or take them; whatever else it does is a finding. Used by the fuzzers (fuzzer.cpp, apart_fuzzer.cpp) and by the test
+/// of the inputs that are kept (inputs_test.cpp).
 namespace brim::fuzz {
 
 using Bytes = std::span<const std::uint8_t>;
+/// What a reader said: the message of what it refuses, some words on what it takes.
+using Outcome = std::string;
 
 /// A place for a file in memory, where there is one, that goes with the process.
 inline const std::filesystem::path& folder() {
@@ -43,45 +47,57 @@ inline const std::filesystem::path& folder() {
   return made.path;
 }
 
+/// Reads the bytes from a file of that name. What is refused is refused with a reason.
 template <class Read>
-void read_as(Bytes bytes, const char* name, const Read& read) {
+Outcome read_as(Bytes bytes, const char* name, const Read& read) {
   const std::filesystem::path path = folder() / name;
   std::ofstream(path, std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   try {
-    read(path);
-  } catch (const InputError&) {
+    return read(path);
+  } catch (const InputError& error) {
+    const std::string_view why = error.what();
+    if (why.empty()) std::abort();
+    if (!why.starts_with(path.string())) return std::string(why);  // of another file that this one names
+    return std::string(why.substr(path.string().size()));
   }
 }
 
-inline void surface(Bytes bytes, const char* name) {
-  read_as(bytes, name, [](const auto& path) { read_surface(path); });
+inline Outcome surface(Bytes bytes, const char* name) {
+  return read_as(bytes, name, [](const auto& path) {
+    const TriMesh mesh = read_surface(path);
+    return fmt::format("{} vertices, {} triangles", mesh.vertices.size(), mesh.triangles.size());
+  });
 }
 
-inline void tets(Bytes bytes, const char* name) {
-  read_as(bytes, name, [](const auto& path) { read_tets(path); });
+inline Outcome tets(Bytes bytes, const char* name) {
+  return read_as(bytes, name, [](const auto& path) { return fmt::format("{} tets", read_tets(path).tets.size()); });
 }
 
-inline void volume(Bytes bytes, const char* name) {
-  read_as(bytes, name, [](const auto& path) {
+inline Outcome volume(Bytes bytes, const char* name) {
+  return read_as(bytes, name, [](const auto& path) {
     VolumeReadOptions options;
-    options.max_bytes = 64e6;
-    read_volume(read_volume_info(path.string()), options);
+    options.max_bytes = 4e6;
+    const VolumeInfo info = read_volume_info(path.string());
+    read_volume(info, options);
+    return fmt::format("{} {}", info.format, voxel_word(info.type));
   });
 }
 
 /// The text of a scene, as far as no file and no body is made of it.
-inline void scene(Bytes bytes) {
+inline Outcome scene(Bytes bytes) {
   try {
     Document document = parse_document({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, "a.json");
     validate(document, scene_schema());
-  } catch (const InputError&) {
+    return "a scene";
+  } catch (const InputError& error) {
+    return error.what();
   }
 }
 
 /// Every data set of a run file, read in the shape that it says it has.
-inline void run(Bytes bytes) {
-  read_as(bytes, "run.h5", [](const auto& path) {
+inline Outcome run(Bytes bytes) {
+  return read_as(bytes, "run.h5", [](const auto& path) {
     const h5::File file(path.string(), h5::File::Mode::Read);
     for (const std::string& name : file.datasets()) {
       try {
@@ -96,6 +112,7 @@ inline void run(Bytes bytes) {
       } catch (const InputError&) {
       }
     }
+    return "a run";
   });
 }
 
@@ -113,7 +130,7 @@ class NoRun : public viewer::RunSource {
 };
 
 /// What comes over a connection of the viewer, one request after another. No file but the page's may be had.
-inline void request(Bytes bytes) {
+inline Outcome request(Bytes bytes) {
   static NoRun source;
   static const viewer::ViewerRoutes routes(source, folder());
   std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -125,31 +142,53 @@ inline void request(Bytes bytes) {
     viewer::bytes_of(response, read->method == "HEAD", read->keep_alive);
     if (response.status == 200 && response.body.find("root:") != std::string::npos) std::abort();
   }
+  return "";
 }
+
+enum class Where {
+  Here,   ///< brim's own reader, in this process: with address and undefined-behaviour checks
+  Apart,  ///< a library of others, in a process of its own (brim/io/child_reader.h), which may end as it likes
+};
 
 struct FileTarget {
   const char* name;
-  void (*read)(Bytes);
+  Where where;
+  Outcome (*read)(Bytes);
 };
 
 inline constexpr FileTarget kFileTargets[] = {
-    {"ply", [](Bytes b) { surface(b, "a.ply"); }},
-    {"off", [](Bytes b) { surface(b, "a.off"); }},
-    {"obj", [](Bytes b) { surface(b, "a.obj"); }},
-    {"stl", [](Bytes b) { surface(b, "a.stl"); }},
-    {"gltf", [](Bytes b) { surface(b, "a.gltf"); }},
-    {"glb", [](Bytes b) { surface(b, "a.glb"); }},
-    {"msh", [](Bytes b) { tets(b, "a.msh"); }},
-    {"vtk", [](Bytes b) { tets(b, "a.vtk"); }},
-    {"nrrd", [](Bytes b) { volume(b, "a.nrrd"); }},
-    {"nifti", [](Bytes b) { volume(b, "a.nii"); }},
-    {"nifti_gz", [](Bytes b) { volume(b, "a.nii.gz"); }},
-    {"vdb", [](Bytes b) { volume(b, "a.vdb"); }},
-    {"dicom", [](Bytes b) { volume(b, "a.dcm"); }},
-    {"urdf", [](Bytes b) { read_as(b, "a.urdf", [](const auto& path) { read_urdf(path); }); }},
-    {"scene", scene},
-    {"run", run},
-    {"request", request},
+    {"ply", Where::Here, [](Bytes b) { return surface(b, "a.ply"); }},
+    {"off", Where::Here, [](Bytes b) { return surface(b, "a.off"); }},
+    {"obj", Where::Apart, [](Bytes b) { return surface(b, "a.obj"); }},
+    {"stl", Where::Apart, [](Bytes b) { return surface(b, "a.stl"); }},
+    {"gltf", Where::Apart, [](Bytes b) { return surface(b, "a.gltf"); }},
+    {"glb", Where::Apart, [](Bytes b) { return surface(b, "a.glb"); }},
+    {"msh", Where::Here, [](Bytes b) { return tets(b, "a.msh"); }},
+    {"vtk", Where::Here, [](Bytes b) { return tets(b, "a.vtk"); }},
+    {"nrrd", Where::Here, [](Bytes b) { return volume(b, "a.nrrd"); }},
+    {"nifti", Where::Here, [](Bytes b) { return volume(b, "a.nii"); }},
+    {"nifti_gz", Where::Here, [](Bytes b) { return volume(b, "a.nii.gz"); }},
+    {"vdb", Where::Apart, [](Bytes b) { return volume(b, "a.vdb"); }},
+    {"dicom", Where::Apart, [](Bytes b) { return volume(b, "a.dcm"); }},
+    {"urdf", Where::Here,
+     [](Bytes b) {
+       return read_as(b, "a.urdf",
+                      [](const auto& path) { return fmt::format("{} pieces", read_urdf(path).pieces.size()); });
+     }},
+    {"scene", Where::Here, scene},
+    {"run", Where::Apart, run},
+    {"request", Where::Here, request},
 };
+
+/// The target that BRIM_FUZZ_TARGET names; ends the process where it is none of those.
+inline const FileTarget& chosen_target(Where where) {
+  const char* name = std::getenv("BRIM_FUZZ_TARGET");
+  for (const FileTarget& t : kFileTargets)
+    if (name != nullptr && t.where == where && std::string_view(name) == t.name) return t;
+  std::fputs("BRIM_FUZZ_TARGET must be one of:\n", stderr);
+  for (const FileTarget& t : kFileTargets)
+    if (t.where == where) std::fprintf(stderr, "%s\n", t.name);
+  std::exit(2);
+}
 
 }  // namespace brim::fuzz

@@ -37,7 +37,7 @@ TEST(ChildReader, AnswersComeBackWholeAndInOrder) {
     got.get(numbers.data(), 8'000'000);
     EXPECT_EQ(numbers, std::vector<double>(1'000'000, 0.5));
     EXPECT_EQ(got.left(), 0u);
-    EXPECT_THROW(got.get<char>(), ProgrammingError);
+    EXPECT_THROW(got.get<char>(), InputError);
   }
   EXPECT_EQ(asked, 0);
 }
@@ -47,6 +47,17 @@ TEST(ChildReader, AnEmptyListIsAnAnswer) {
   ChildReader::Received got = reader.ask(0);
   got.get(nullptr, 0);
   EXPECT_EQ(got.left(), 0u);
+}
+
+TEST(ChildReader, ListsLongerThanWhatCameAreRefused) {
+  ChildReader reader("a.obj", [](int question, ChildReader::Answer& answer) {
+    if (question == 0) return answer.put_list(std::vector<double>{1.0, 2.0});
+    answer.put(std::size_t{1} << 62);
+    answer.put(1.0);
+  });
+  EXPECT_EQ(reader.ask(0).get_list<double>(), (std::vector<double>{1.0, 2.0}));
+  EXPECT_THROW(reader.ask(1).get_list<double>(), InputError);
+  EXPECT_THROW(reader.ask(1).get_text(), InputError);
 }
 
 TEST(ChildReader, WhatTheReaderRefusesIsSaidAsItSaidIt) {
@@ -67,6 +78,20 @@ TEST(ChildReader, WhateverEndsTheReaderIsOneInputError) {
                 3)
                 .find("damaged"),
             std::string::npos);
+}
+
+TEST(ChildReader, TimeIsBounded) {
+  ChildReader::set_base_seconds(1.0);
+  const std::string why = message([](int, ChildReader::Answer&) {
+    const volatile bool forever = true;
+    while (forever) {
+    }
+  });
+  ChildReader::set_base_seconds(60.0);
+  // Whichever comes first: on a busy machine it is the time that the parent waits.
+  EXPECT_TRUE(why.find("was not read in 1 s of processor time") != std::string::npos ||
+              why.find("nothing was read of it in 2 s") != std::string::npos)
+      << why;
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)

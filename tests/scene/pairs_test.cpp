@@ -103,6 +103,48 @@ TEST(Pairs, ABodyThatMissesHasNoContact) {
   EXPECT_EQ(r.failures[0], "no contact");
 }
 
+/// A soft block on soft ground, in a world of the table with gravity, a floor and finer voxels.
+std::string table_with_worlds() {
+  std::string text = small_table("");
+  text.insert(text.find("\"bounds\""),
+              R"("worlds": {"rest": {"about": "on a floor", "floor": true, "steps": 160, "voxel_size": 0.025,
+    "world": {"gravity": [0, 0, -9.81], "stiffness": null}}}, )");
+  text.insert(text.rfind("]}"), R"(, {"name": "block", "lowest": -0.1, "highest": 0.1,
+     "body": {"kind": "rigid", "voxel_size": 0.02, "density": 500, "shape": {"kind": "box", "size": [0.3, 0.3, 0.2]}}})");
+  return text;
+}
+
+TEST(Pairs, AWorldOfTheTableChangesWhatItNames) {
+  const PairTable table = read_pair_table(table_with_worlds(), "table.json"), rest = table.in_world("rest");
+  EXPECT_EQ(rest.name, "rest");
+  EXPECT_EQ(rest.drop.steps, 160);
+  EXPECT_NE(rest.world.find("0.025"), std::string::npos);
+  EXPECT_EQ(rest.world.find("stiffness"), std::string::npos);
+  EXPECT_NE(rest.find("block").body.find("0.025"), std::string::npos);
+  EXPECT_NE(pair_scene_text(rest, rest.find("block"), rest.find("block")).find("floor"), std::string::npos);
+  EXPECT_EQ(pair_scene_text(table, table.find("block"), table.find("block")).find("floor"), std::string::npos);
+  EXPECT_THROW(table.in_world("rset"), InputError);
+}
+
+TEST(Pairs, ABlockComesToRestOnAnotherWhichCarriesIt) {
+  const PairTable rest = read_pair_table(table_with_worlds(), "table.json").in_world("rest");
+  const PairResult r = run_pair(rest, rest.find("block"), rest.find("block"));
+  EXPECT_TRUE(r.ok()) << pair_line(r);
+  EXPECT_NEAR(r.carried, 1.0, 0.02);
+  EXPECT_LT(r.speed, 0.01);
+  EXPECT_LE(r.motion, 1e-9);
+  EXPECT_LT(r.drift, 1e-3);
+}
+
+TEST(Pairs, ABlockThatIsStillFallingIsNotAtRest) {
+  PairTable rest = read_pair_table(table_with_worlds(), "table.json").in_world("rest");
+  rest.drop.steps = 2;
+  const PairResult early = run_pair(rest, rest.find("block"), rest.find("block"));
+  EXPECT_NE(pair_line(early).find("moves at"), std::string::npos) << pair_line(early);
+  rest.cut(1);
+  EXPECT_EQ(pair_line(run_pair(rest, rest.find("block"), rest.find("block"))).find("moves at"), std::string::npos);
+}
+
 TEST(Pairs, BadTablesAreRefusedWithWhatIsAllowed) {
   EXPECT_NE(message_of("{}").find("\"brim\" is missing"), std::string::npos);
   EXPECT_NE(message_of(small_table(R"("overlaps": 1)")).find("did you mean \"overlap\"?"), std::string::npos);

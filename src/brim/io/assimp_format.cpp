@@ -61,17 +61,13 @@ TriMesh read_here(const std::string& name, const std::string& extension) {
 TriMesh read_by_assimp(const std::string& path, const std::string& extension) {
   ChildReader reader(path, [&](int, ChildReader::Answer& answer) {
     const TriMesh mesh = read_here(path, extension);
-    answer.put(mesh.vertices.size());
-    answer.put(mesh.triangles.size());
-    answer.put(mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
-    answer.put(mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle));
+    answer.put_list(mesh.vertices);
+    answer.put_list(mesh.triangles);
   });
   ChildReader::Received received = reader.ask(0);
   TriMesh mesh;
-  mesh.vertices.resize(received.get<std::size_t>());
-  mesh.triangles.resize(received.get<std::size_t>());
-  received.get(mesh.vertices.data(), mesh.vertices.size() * sizeof(Vec3));
-  received.get(mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle));
+  mesh.vertices = received.get_list<Vec3>();
+  mesh.triangles = received.get_list<Triangle>();
   return mesh;
 }
 

@@ -40,7 +40,9 @@ constexpr bool kChecked = false;
 
 constexpr double kMiB = 1048576.0;
 constexpr double kBaseBytes = 512 * kMiB, kBytesPerByte = 64.0;
-constexpr double kBaseSeconds = 60.0, kSecondsPerMiB = 2.0;
+constexpr double kSecondsPerMiB = 2.0;
+double base_seconds = 60.0;
+bool answers_here = false;
 
 bool send_all(int to, const void* data, std::size_t size) {
   const auto* from = static_cast<const char*>(data);
@@ -83,6 +85,29 @@ void limit(int what, double most) {
   ::setrlimit(static_cast<__rlimit_resource_t>(what), &now);
 }
 
+/// What is sent for one question.
+struct Reply {
+  Kind kind = Kind::Good;
+  std::vector<char> bytes;  ///< the answer, or the reason why there is none
+};
+
+Reply reply_to(int question, const ChildReader::Serve& serve) {
+  ChildReader::Answer answer;
+  const auto failed = [](Kind kind, std::string_view why) { return Reply{kind, {why.begin(), why.end()}}; };
+  try {
+    run_alone([&] { serve(question, answer); });
+  } catch (const InputError& error) {
+    return failed(Kind::Refused, error.what());
+  } catch (const std::bad_alloc&) {
+    return failed(Kind::Failed, "it asks for more memory than a file of its size may need");
+  } catch (const std::exception& error) {
+    return failed(Kind::Failed, error.what());
+  } catch (...) {
+    return failed(Kind::Failed, "reading it failed");
+  }
+  return {Kind::Good, answer.take()};
+}
+
 /// What the child is and does until nothing more is asked; never returns.
 [[noreturn]] void be_child(int channel, double bytes, double seconds, const ChildReader::Serve& serve) {
   // The parent's handlers are not for here; what libraries print when they give up is nobody's.
@@ -94,43 +119,42 @@ void limit(int what, double most) {
   if (!kChecked) limit(RLIMIT_AS, bytes);
   int question = 0;
   while (receive_all(channel, &question, sizeof question)) {
-    ChildReader::Answer answer;
-    Head head{Kind::Good, 0};
-    std::string why;
-    try {
-      run_alone([&] { serve(question, answer); });
-    } catch (const InputError& error) {
-      head.kind = Kind::Refused, why = error.what();
-    } catch (const std::bad_alloc&) {
-      head.kind = Kind::Failed, why = "it asks for more memory than a file of its size may need";
-    } catch (const std::exception& error) {
-      head.kind = Kind::Failed, why = error.what();
-    } catch (...) {
-      head.kind = Kind::Failed, why = "reading it failed";
-    }
-    const bool good = head.kind == Kind::Good;
-    head.size = good ? answer.bytes().size() : why.size();
-    if (!send_all(channel, &head, sizeof head) ||
-        !send_all(channel, good ? answer.bytes().data() : why.data(), head.size))
-      break;
+    const Reply reply = reply_to(question, serve);
+    const Head head{reply.kind, reply.bytes.size()};
+    if (!send_all(channel, &head, sizeof head) || !send_all(channel, reply.bytes.data(), reply.bytes.size())) break;
   }
   ::_exit(0);
 }
 
 }  // namespace
 
+void ChildReader::set_base_seconds(double seconds) { base_seconds = seconds; }
+void ChildReader::answer_here(bool here) { answers_here = here; }
+
+namespace {
+
+[[noreturn]] void refuse_answer(const std::string& path) {
+  throw InputError(fmt::format("{}: the file is damaged: the process that reads it answers nonsense", path));
+}
+
+}  // namespace
+
 void ChildReader::Received::get(void* to, std::size_t size) {
-  if (size > left()) throw ProgrammingError("an answer of a reading process is shorter than what is read of it");
+  if (size > left()) refuse_answer(path_);
   if (size == 0) return;  // also to nowhere
   std::memcpy(to, bytes_.data() + at_, size);
   at_ += size;
 }
 
+std::size_t ChildReader::Received::count_of(std::size_t size) {
+  const auto count = get<std::size_t>();
+  if (count > left() / size) refuse_answer(path_);
+  return count;
+}
+
 std::string ChildReader::Received::get_text() {
-  const auto size = get<std::size_t>();
-  if (size > left()) throw ProgrammingError("an answer of a reading process is shorter than what is read of it");
-  std::string text(size, '\0');
-  get(text.data(), size);
+  std::string text(count_of(1), '\0');
+  get(text.data(), text.size());
   return text;
 }
 
@@ -149,7 +173,11 @@ ChildReader::ChildReader(const std::string& path, Serve serve) : ChildReader(pat
 
 ChildReader::ChildReader(const std::string& path, const Load& load, Serve serve) : path_(path) {
   bytes_ = kBaseBytes + kBytesPerByte * load.largest;
-  seconds_ = kBaseSeconds + kSecondsPerMiB * load.all / kMiB;
+  seconds_ = base_seconds + kSecondsPerMiB * load.all / kMiB;
+  if (answers_here) {
+    here_ = std::move(serve);
+    return;
+  }
   const double space = bytes_ + address_space();
   int ends[2] = {-1, -1};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
@@ -212,14 +240,23 @@ void ChildReader::fail() {
 }
 
 ChildReader::Received ChildReader::ask(int question) {
-  if (channel_ < 0) throw InputError(path_ + ": cannot be read any further");
-  Head head{};
-  if (!send_all(channel_, &question, sizeof question) || !receive(&head, sizeof head)) fail();
-  std::vector<char> bytes(head.size);
-  if (!receive(bytes.data(), bytes.size())) fail();
-  if (head.kind == Kind::Good) return Received(std::move(bytes));
-  const std::string why(bytes.begin(), bytes.end());
-  throw InputError(head.kind == Kind::Refused ? why : fmt::format("{}: the file is damaged: {}", path_, why));
+  Reply reply;
+  if (here_) {
+    reply = reply_to(question, here_);
+  } else {
+    if (channel_ < 0) throw InputError(path_ + ": cannot be read any further");
+    Head head{};
+    if (!send_all(channel_, &question, sizeof question) || !receive(&head, sizeof head)) fail();
+    if (static_cast<double>(head.size) > bytes_) {  // more than it may have
+      end();
+      refuse_answer(path_);
+    }
+    reply = {head.kind, std::vector<char>(head.size)};
+    if (!receive(reply.bytes.data(), reply.bytes.size())) fail();
+  }
+  if (reply.kind == Kind::Good) return {path_, std::move(reply.bytes)};
+  const std::string why(reply.bytes.begin(), reply.bytes.end());
+  throw InputError(reply.kind == Kind::Refused ? why : fmt::format("{}: the file is damaged: {}", path_, why));
 }
 
 }  // namespace brim

@@ -33,7 +33,12 @@ class ChildReader {
       put(text.size());
       put(text.data(), text.size());
     }
-    const std::vector<char>& bytes() const { return bytes_; }
+    template <class T>
+    void put_list(const std::vector<T>& list) {
+      put(list.size());
+      put(list.data(), list.size() * sizeof(T));
+    }
+    std::vector<char> take() { return std::move(bytes_); }
 
    private:
     std::vector<char> bytes_;
@@ -41,19 +46,29 @@ class ChildReader {
   /// The same as they are read.
   class Received {
    public:
-    explicit Received(std::vector<char> bytes) : bytes_(std::move(bytes)) {}
+    /// @param path  for messages
+    Received(std::string path, std::vector<char> bytes) : path_(std::move(path)), bytes_(std::move(bytes)) {}
     template <class T>
     T get() {
       T value;
       get(&value, sizeof value);
       return value;
     }
-    /// @throws ProgrammingError  past the end
+    /// @throws InputError  past the end: a library that wrote beyond its memory may answer anything
     void get(void* to, std::size_t size);
     std::string get_text();
+    /// What put_list put. @throws InputError  when more are promised than are there
+    template <class T>
+    std::vector<T> get_list() {
+      std::vector<T> list(count_of(sizeof(T)));
+      get(list.data(), list.size() * sizeof(T));
+      return list;
+    }
     std::size_t left() const { return bytes_.size() - at_; }
 
    private:
+    std::size_t count_of(std::size_t size);
+    std::string path_;
     std::vector<char> bytes_;
     std::size_t at_ = 0;
   };
@@ -77,12 +92,20 @@ class ChildReader {
   /// Which of several files the next questions are about, for messages.
   void about(const std::string& path) { path_ = path; }
 
+  /// [s] of processor time that every file may take, whatever its size; 60 where nothing else was set. For fuzzers and
+  /// tests, which have no time for files without end.
+  static void set_base_seconds(double seconds);
+  /// Whether readers made from now on answer in this process, with no limits of their own. For fuzzers, which have
+  /// forked already and begin anew when it ends: a fork takes milliseconds.
+  static void answer_here(bool here);
+
  private:
   [[noreturn]] void fail();
   bool receive(void* to, std::size_t size);
   void end();
 
   std::string path_;
+  Serve here_;  ///< where it answers in this process
   double seconds_ = 0.0, bytes_ = 0.0;
   int child_ = -1, channel_ = -1;
 };

@@ -26,6 +26,8 @@ constexpr TypeWord kTypeWords[] = {{"uint8", 1}, {"int8", 1},   {"uint16", 2}, {
 
 /// What the formats cannot say: sizes, axes, and that the bytes are there.
 void check(const VolumeInfo& info) {
+  if (static_cast<std::size_t>(info.type) >= std::size(kTypeWords))
+    throw InputError(info.path + ": the file is damaged: its numbers are of no known type");
   if ((info.size.array() < 1).any())
     throw InputError(fmt::format("{}: the size {} x {} x {} is not allowed; all three must be at least 1", info.path,
                                  info.size.x(), info.size.y(), info.size.z()));

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <utility>
 
+#include "brim/record/h5_check.h"
 #include "brim/record/h5_driver.h"
 #include "brim/record/journal.h"
 
@@ -293,13 +294,14 @@ bool never_flushed(const std::string& path) {
 File::File(const std::string& path, Mode mode) : path_(path) {
   hush();
   if (mode != Mode::Create && !std::filesystem::exists(path)) throw InputError(path + ": no such file");
+  if (mode == Mode::Write || mode == Mode::Read) need_sound(path);
   const Handle access(H5Pcreate(H5P_FILE_ACCESS));
   // Version 2 of the superblock carries no "open for writing" mark, which would lock out readers for ever after a
   // crash.
   H5Pset_libver_bounds(access.id(), H5F_LIBVER_V18, H5F_LIBVER_V18);
   H5Pset_file_locking(access.id(), false, true);
   need(H5Pset_driver(access.id(), journal_driver(), nullptr), path, "HDF5 refuses the driver of run files");
-  if (mode != Mode::Read) {
+  if (mode == Mode::Create || mode == Mode::Write) {
     // Metadata reach the disk at flush() and at no other moment, so that the file on disk is always that of a flush.
     H5AC_cache_config_t cache;
     cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;
@@ -316,10 +318,13 @@ File::File(const std::string& path, Mode mode) : path_(path) {
       need(handle_.id(), path, "cannot be created");
       break;
     case Mode::Write:
+      // Damage that HDF5 would follow without end is seen in files that are only read (h5_driver.h).
+      File(path, Mode::Seen).datasets();
       handle_ = Handle(H5Fopen(path.c_str(), H5F_ACC_RDWR, access.id()));
       need(handle_.id(), path, "cannot be opened for writing; is it an HDF5 file, and not open elsewhere?");
       break;
     case Mode::Read:
+    case Mode::Seen:
       handle_ = Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id()));
       need(handle_.id(), path, "is not an HDF5 file, or is damaged");
       break;

@@ -86,8 +86,9 @@ bool never_flushed(const std::string& path);
 /// An HDF5 file, open for as long as it lives.
 class File {
  public:
-  enum class Mode { Create, Write, Read };
-  /// @throws InputError  when it cannot be opened or is no HDF5 file
+  /// Seen: to be read, and need_sound (h5_check.h) has looked at it, as is done first for Write and Read.
+  enum class Mode { Create, Write, Read, Seen };
+  /// @throws InputError  when it cannot be opened, is no HDF5 file, or one that ends the library
   File(const std::string& path, Mode mode);
 
   /// Makes a group and those above it; one that is there already is left as it is.

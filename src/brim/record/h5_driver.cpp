@@ -10,11 +10,14 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstring>
 #include <exception>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "brim/record/journal.h"
+#include "brim/record/local_heap.h"
 
 namespace brim::h5 {
 
@@ -27,6 +30,7 @@ struct JournaledFile {
   H5FD_t head{};
   std::string path;
   int file = -1;
+  bool writes = false;
   dev_t device = 0;
   ino_t node = 0;
   haddr_t eoa = 0;  ///< end of what HDF5 has given out
@@ -54,7 +58,7 @@ herr_t guarded(const Act& act) {
 H5FD_t* open_file(const char* name, unsigned flags, hid_t, haddr_t) try {
   auto f = std::make_unique<JournaledFile>();
   f->path = name;
-  const bool writes = (flags & H5F_ACC_RDWR) != 0, anew = (flags & H5F_ACC_TRUNC) != 0;
+  const bool writes = f->writes = (flags & H5F_ACC_RDWR) != 0, anew = (flags & H5F_ACC_TRUNC) != 0;
   if (anew) {
     tell_disk_watch({});
     if (::unlink(Journal::path_of(f->path).c_str()) != 0 && errno != ENOENT) return nullptr;
@@ -98,10 +102,11 @@ int compare_files(const H5FD_t* a, const H5FD_t* b) {
   return x.node < y.node ? -1 : x.node > y.node ? 1 : 0;
 }
 
-herr_t query(const H5FD_t*, unsigned long* flags) {
-  if (flags != nullptr)
-    *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_ACCUMULATE_METADATA | H5FD_FEAT_DATA_SIEVE |
-             H5FD_FEAT_AGGREGATE_SMALLDATA;
+/// In a file that is only read, metadata are not accumulated: each piece is read from its beginning (read).
+herr_t query(const H5FD_t* file, unsigned long* flags) {
+  if (flags == nullptr) return 0;
+  *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_DATA_SIEVE | H5FD_FEAT_AGGREGATE_SMALLDATA;
+  if (file == nullptr || of(file).writes) *flags |= H5FD_FEAT_ACCUMULATE_METADATA;
   return 0;
 }
 
@@ -114,20 +119,30 @@ herr_t set_eoa(H5FD_t* file, H5FD_mem_t, haddr_t address) {
 
 haddr_t get_eof(const H5FD_t* file, H5FD_mem_t) { return of(file).eof; }
 
-herr_t read(H5FD_t* file, H5FD_mem_t, hid_t, haddr_t at, size_t size, void* data) {
-  JournaledFile& f = of(file);
-  auto* to = static_cast<char*>(data);
+bool read_at(const JournaledFile& f, haddr_t at, std::span<std::byte> to) {
   size_t done = 0;
-  while (done < size) {
-    const ssize_t n = ::pread(f.file, to + done, size - done, static_cast<off_t>(at + done));
+  while (done < to.size()) {
+    const ssize_t n = ::pread(f.file, to.data() + done, to.size() - done, static_cast<off_t>(at + done));
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) return -1;
+    if (n < 0) return false;
     if (n == 0) break;
     done += static_cast<size_t>(n);
   }
-  std::fill(to + done, to + size, '\0');  // beyond the end, as HDF5's own drivers
-  f.journal.lay_over(at, data, size);
-  return 0;
+  std::fill(to.begin() + static_cast<std::ptrdiff_t>(done), to.end(),
+            std::byte{0});  // beyond the end, as HDF5's own drivers
+  f.journal.lay_over(at, to.data(), to.size());
+  return true;
+}
+
+herr_t read(H5FD_t* file, H5FD_mem_t type, hid_t, haddr_t at, size_t size, void* data) {
+  const JournaledFile& f = of(file);
+  const std::span<std::byte> to(static_cast<std::byte*>(data), size);
+  return guarded([&] {
+    if (!read_at(f, at, to)) return false;
+    if (type != H5FD_MEM_LHEAP || size < 4 || std::memcmp(data, "HEAP", 4) != 0) return true;
+    return local_heap_ends(to, f.eof,
+                           [&](haddr_t place, std::span<std::byte> room) { return read_at(f, place, room); });
+  });
 }
 
 herr_t write(H5FD_t* file, H5FD_mem_t type, hid_t, haddr_t at, size_t size, const void* data) {

@@ -41,11 +41,12 @@ std::string matrix(const PairTable& table, std::span<const PairResult> results) 
   return text;
 }
 
-std::string figures(std::span<const PairResult> results) {
+std::string figures(std::span<const PairResult> results, bool failed_alone) {
   std::string text =
       "| upper | lower | contacts | momentum error | lost lever [m] | drift | overlap [voxels] | energy | leaked | "
       "force up, down [N] | ms a step | |\n|---|---|---|---|---|---|---|---|---|---|---|---|\n";
   for (const PairResult& r : results) {
+    if (failed_alone && (!r.run || r.ok())) continue;
     if (!r.run) {
       text += fmt::format("| {} | {} | | | | | | | | | | not run: nothing moves either |\n", r.upper, r.lower);
       continue;
@@ -100,12 +101,12 @@ std::string pair_line(const PairResult& r) {
 
 std::string pairs_json(const PairTable& table, std::span<const PairResult> results) {
   Json root;
+  root["name"] = table.name;
   root["drop"] = {{"speed", table.drop.speed}, {"gap", table.drop.gap}, {"steps", table.drop.steps}};
   root["world"] = Json::parse(table.world);
-  root["bounds"] = {{"overlap", table.bounds.overlap},
-                    {"energy", table.bounds.energy},
-                    {"drift", table.bounds.drift},
-                    {"leak", table.bounds.leak}};
+  root["bounds"] = {{"overlap", table.bounds.overlap}, {"energy", table.bounds.energy},
+                    {"drift", table.bounds.drift},     {"leak", table.bounds.leak},
+                    {"speed", table.bounds.speed},     {"carried", table.bounds.carried}};
   root["pairs"] = Json::array();
   for (const PairResult& r : results) {
     Json cell = {{"upper", r.upper}, {"lower", r.lower}, {"run", r.run}};
@@ -118,7 +119,10 @@ std::string pairs_json(const PairTable& table, std::span<const PairResult> resul
                    {"momentum_drift", r.drift},
                    {"overlap", r.overlap},
                    {"energy_growth", r.energy},
+                   {"motion_growth", r.motion},
                    {"leaked", r.leak},
+                   {"speed_at_end", r.speed},
+                   {"carried", r.carried < 0.0 ? Json() : Json(r.carried)},
                    {"force_upper", r.force_upper},
                    {"force_lower", r.force_lower},
                    {"step_seconds", r.seconds},
@@ -132,12 +136,11 @@ std::string pairs_markdown(const PairTable& table, std::span<const PairResult> r
   const Count c = count(results);
   std::string text = "# Every kind meets every kind\n\n";
   text += fmt::format(
-      "`{}` made this page. Each pair of kinds, each kind with itself included, meets in free space without gravity: "
-      "the "
+      "`{}` made this page. Each pair of kinds, each kind with itself included, meets {}: the "
       "upper body flies down at {:g} m/s on the lower one, which is at rest, for {} steps. **{} of {} pairs are "
       "good**; {} "
       "pairs of two obstacles were not run, as nothing moves either.\n\n",
-      command, table.drop.speed, table.drop.steps, c.good, c.run, c.skipped);
+      command, table.about, table.drop.speed, table.drop.steps, c.good, c.run, c.skipped);
   text += "The world of all of them: `" + table.world + "`\n\n";
   text += matrix(table, results) + "\n";
   text += fmt::format(
@@ -164,7 +167,32 @@ std::string pairs_markdown(const PairTable& table, std::span<const PairResult> r
       "loses, as a fluid against the walls of its grid, counts here alone. *Force*: largest gain of momentum in a "
       "step, "
       "over the step.\n\n";
-  return text + figures(results);
+  return text + figures(results, false);
+}
+
+std::string pairs_section(const PairTable& table, std::span<const PairResult> results) {
+  const Count c = count(results);
+  std::string text = fmt::format(
+      "\n## In another world: {}\n\nThe same pairs meet {}, for {} steps. **{} of {} are good**.\n\nThe world of all "
+      "of "
+      "them: `{}`\n\n",
+      table.name, table.about, table.drop.steps, c.good, c.run, table.world);
+  text += matrix(table, results) + "\n";
+  if (table.floor) {
+    double speed = 0.0;
+    for (const PairResult& r : results) speed = std::max(speed, r.speed);
+    text += fmt::format(
+        "What the two bring into the blow is what the energy is measured against. Held to its bound is that of motion, "
+        "height and deformation: bodies that fall off strike the floor too, and energy of contact that a step finds "
+        "but "
+        "did not foresee is shown by the first table. Nothing may come under the floor. Pairs of kinds that neither "
+        "roll nor "
+        "flow do not leak, are at rest at the end (at most {:g} m/s), and the upper one's weight is carried within "
+        "{:g} %. "
+        "The fastest of all moves at {:.2f} m/s at the end.\n\n",
+        table.bounds.speed, 100.0 * table.bounds.carried, speed);
+  }
+  return c.good == c.run ? text : text + "Those that fail:\n\n" + figures(results, true);
 }
 
 }  // namespace brim

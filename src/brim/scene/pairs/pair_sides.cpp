@@ -84,4 +84,11 @@ double PairSides::leaked(const Body& lower, const Body& upper) {
                   static_cast<double>(lower_leaked) / static_cast<double>(lower_.size()));
 }
 
+double PairSides::below(const Body& body, double z) {
+  sample(body, upper_);
+  if (upper_.empty()) return 0.0;
+  const auto count = std::ranges::count_if(upper_, [&](const Vec3f& x) { return x.z() < z - width_; });
+  return static_cast<double>(count) / static_cast<double>(upper_.size());
+}
+
 }  // namespace brim

@@ -19,6 +19,8 @@ class PairSides {
 
   /// @return share of points that have leaked, of the body that does worse, [0, 1]
   double leaked(const Body& lower, const Body& upper);
+  /// @return share of a body's points more than a width below the height z [m], [0, 1]
+  double below(const Body& body, double z);
 
  private:
   void sample(const Body& body, std::vector<Vec3f>& points);

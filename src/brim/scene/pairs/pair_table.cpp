@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <limits>
 #include <set>
 
 #include "brim/core/error.h"
@@ -26,10 +27,22 @@ PairKind read_kind(const Node& n) {
   if (kind.lowest >= kind.highest) throw n.at("highest").error("must be above \"lowest\"");
   kind.linear = n.number("linear");
   kind.lever = n.number("lever");
+  kind.rolls = n.boolean("rolls");
   for (const char* key : {"name", "velocity", "repeat"})
     if (n.at("body").has(key)) throw n.at("body").at(key).error("is for brim pairs to choose; leave it out");
   kind.body = n.at("body").json().dump();
   return kind;
+}
+
+PairWorld read_world(const Node& n, const std::string& name, const PairDrop& drop) {
+  PairWorld world;
+  world.name = name;
+  world.about = n.string("about");
+  world.patch = n.at("world").json().dump();
+  world.steps = n.has("steps") ? static_cast<int>(n.integer("steps")) : drop.steps;
+  world.voxel_size = n.number("voxel_size");
+  world.floor = n.boolean("floor");
+  return world;
 }
 
 /// The kind's entry with a name, moved along, at a velocity.
@@ -45,17 +58,53 @@ Json placed_body(const PairKind& kind, const char* name, const std::array<double
 
 }  // namespace
 
-const PairKind& PairTable::find(const std::string& name) const {
+namespace {
+
+/// @param what  the entries are called, in words
+template <class Entry>
+const Entry& find_named(const std::vector<Entry>& entries, const std::string& name, const char* what) {
   std::set<std::string> names;
   std::string list;
-  for (const PairKind& kind : kinds) {
-    if (kind.name == name) return kind;
-    names.insert(kind.name);
-    list += (list.empty() ? "" : ", ") + kind.name;
+  for (const Entry& entry : entries) {
+    if (entry.name == name) return entry;
+    names.insert(entry.name);
+    list += (list.empty() ? "" : ", ") + entry.name;
   }
   const std::string near = nearest_word(name, names);
-  throw InputError(fmt::format("\"{}\" is no kind of the table; must be one of: {}{}", name, list,
+  throw InputError(fmt::format("\"{}\" is no {} of the table; must be one of: {}{}", name, what, list,
                                near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
+}
+
+}  // namespace
+
+const PairKind& PairTable::find(const std::string& kind) const { return find_named(kinds, kind, "kind"); }
+
+PairTable PairTable::in_world(const std::string& other) const {
+  const PairWorld& chosen = find_named(worlds, other, "world");
+  PairTable table = *this;
+  table.name = chosen.name;
+  table.about = chosen.about;
+  table.floor = chosen.floor;
+  table.drop.steps = chosen.steps;
+  table.worlds.clear();
+  table.notes.clear();
+  Json settings = Json::parse(world);
+  settings.merge_patch(Json::parse(chosen.patch));
+  if (chosen.voxel_size > 0.0) {
+    settings["voxel_size"] = chosen.voxel_size;
+    for (PairKind& kind : table.kinds) {
+      Json body = Json::parse(kind.body);
+      if (body.contains("voxel_size")) body["voxel_size"] = chosen.voxel_size;
+      kind.body = body.dump();
+    }
+  }
+  table.world = settings.dump();
+  return table;
+}
+
+void PairTable::cut(int steps) {
+  if (steps < drop.steps) bounds.speed = bounds.carried = std::numeric_limits<double>::infinity();
+  drop.steps = steps;
 }
 
 void PairTable::set_response(const std::string& response) {
@@ -89,9 +138,12 @@ PairTable read_pair_table(std::string_view text, const std::string& file) {
   table.drop.gap = drop.number("gap");
   for (std::size_t a = 0; a < 2; ++a) table.drop.offset[a] = drop.at("offset").at(a).number();
   table.drop.steps = static_cast<int>(drop.integer("steps"));
-  table.bounds = {bounds.number("overlap"), bounds.number("energy"), bounds.number("drift"), bounds.number("leak")};
+  table.bounds = {bounds.number("overlap"), bounds.number("energy"), bounds.number("drift"),
+                  bounds.number("leak"),    bounds.number("speed"),  bounds.number("carried")};
   table.world = root.at("world").json().dump();
   for (std::size_t i = 0; i < root.at("notes").size(); ++i) table.notes.push_back(root.at("notes").at(i).string());
+  for (const auto& [name, entry] : root.at("worlds").json().items())
+    table.worlds.push_back(read_world(root.at("worlds").at(name.c_str()), name, table.drop));
   std::set<std::string> names;
   for (std::size_t i = 0; i < root.at("kinds").size(); ++i) {
     const Node n = root.at("kinds").at(i);
@@ -114,6 +166,11 @@ std::string pair_scene_text(const PairTable& table, const PairKind& lower, const
   scene["bodies"] =
       Json::array({placed_body(lower, "lower", {0, 0, 0}, 0.0),
                    placed_body(upper, "upper", {table.drop.offset[0], table.drop.offset[1], rise}, table.drop.speed)});
+  if (table.floor)
+    scene["bodies"].push_back({{"name", "floor"},
+                               {"kind", "obstacle"},
+                               {"shape", {{"kind", "plane"}, {"display_size", 1}}},
+                               {"transform", {{"position", {0, 0, lower.lowest}}}}});
   return scene.dump(2);
 }
 

@@ -15,6 +15,7 @@ struct PairKind {
   double lowest = 0.0, highest = 0.0;  ///< [m] of the body's matter where it stands in its entry
   double linear = 0.0;                 ///< [-] relative error of momentum that the map of its contacts may make
   double lever = 0.0;                  ///< [m] lever on which it may lose a force's torque, for want of spin
+  bool rolls = false;                  ///< rolls or flows away, so that it does not come to rest on another
   std::string body;                    ///< an entry of a scene's "bodies" (JSON), without name and velocity
 };
 
@@ -32,13 +33,29 @@ struct PairBounds {
   double energy = 0.01;  ///< [-] growth over the energy at the start
   double drift = 0.01;   ///< [-] momentum that does not come from contact, over the whole impulse
   double leak = 0.01;    ///< [-] share of a body on the wrong side of the other
+  double speed = 0.05;   ///< [m/s] at the end, of pairs that come to rest
+  double carried = 0.1;  ///< [-] of the upper body's weight, more or less than what the last quarter carries of it
+};
+
+/// Another way in which the kinds of a table meet.
+struct PairWorld {
+  std::string name;
+  std::string about;  ///< how they meet, for the page
+  std::string patch;  ///< of the table's world: a JSON merge patch (RFC 7396)
+  int steps = 0;
+  double voxel_size = 0.0;  ///< [m] of the world and of every body that tells one; 0: as it is
+  bool floor = false;       ///< a plane under the lower body
 };
 
 struct PairTable {
+  std::string name = "blow";
+  std::string about = "in free space without gravity";  ///< where they meet
   PairDrop drop;
   PairBounds bounds;
-  std::string world;  ///< a scene's "world" (JSON)
+  std::string world;   ///< a scene's "world" (JSON)
+  bool floor = false;  ///< a plane under the lower body, on which the pair comes to rest
   std::vector<PairKind> kinds;
+  std::vector<PairWorld> worlds;
   std::vector<std::string> notes;  ///< what is known of pairs that fail, for the page (Markdown)
 
   /// @throws InputError  naming the nearest kind
@@ -48,6 +65,10 @@ struct PairTable {
   void add_kinds(const PairTable& other);
   /// Every pair answers like this, whatever the table's world says. @param response  "penalty" or "constraint"
   void set_response(const std::string& response);
+  /// This table in one of its worlds. @throws InputError  naming the nearest
+  PairTable in_world(const std::string& name) const;
+  /// Takes so many steps; fewer than before need not bring anything to rest.
+  void cut(int steps);
 };
 
 /// The table that brim brings along (scenes/pairs/kinds.json).
@@ -56,7 +77,7 @@ const PairTable& standard_pairs();
 /// Reads a table (schema/pairs.schema.json). @throws InputError  "file:line: pointer: value and what is allowed"
 PairTable read_pair_table(std::string_view text, const std::string& file);
 
-/// The scene in which one kind, "upper", is dropped on another, "lower".
+/// The scene in which one kind, "upper", is dropped on another, "lower", above a "floor" where the table has one.
 std::string pair_scene_text(const PairTable& table, const PairKind& lower, const PairKind& upper);
 
 }  // namespace brim

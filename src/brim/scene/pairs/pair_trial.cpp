@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 #include "brim/body/walled.h"
 #include "brim/scene/pairs/pair_sides.h"
@@ -35,19 +37,23 @@ struct MomentumBook {
 
 class Trial {
  public:
-  Trial(const PairTable& table, World& world, PairResult& result)
+  Trial(const PairTable& table, const PairKind& lower, const PairKind& upper, World& world, PairResult& result)
       : bounds_(table.bounds),
+        rests_(!lower.rolls && !upper.rolls),
+        gap_(table.drop.gap),
         world_(world),
         result_(result),
-        sides_(world.options().voxel_size > 0.0 ? world.options().voxel_size : world.body(kLower).part(0).voxel_size) {}
+        sides_(world.options().voxel_size > 0.0 ? world.options().voxel_size : world.body(kLower).part(0).voxel_size) {
+    if (table.floor) floor_ = lower.lowest;
+  }
 
   void run(int steps) {
     for (const int b : {kLower, kUpper}) {
       books_[b].begin(momentum(b));
-      energy_start_ +=
-          world_.body(b).kinetic_energy(world_.v(b)) + world_.body(b).potential_energy(world_.options().environment);
+      energy_start_ += kinetic(b) + world_.body(b).potential_energy(gravity());
     }
-    for (int s = 0; s < steps && alive_; ++s) step();
+    blow_ = gravity().gravity.isZero() ? energy_start_ : kinetic(kUpper) - weight(kUpper).z() * gap_;
+    for (int s = 0; s < steps && alive_; ++s) step(4 * s >= 3 * steps);
     conclude();
   }
 
@@ -58,8 +64,13 @@ class Trial {
     return walled ? walled->wall_impulse() : Vec3::Zero();
   }
   bool movable(int b) const { return std::isfinite(world_.body(b).mass()); }
+  const Environment& gravity() const { return world_.options().environment; }
+  double kinetic(int b) const { return world_.body(b).kinetic_energy(world_.v(b)); }
+  /// [N]
+  Vec3 weight(int b) const { return movable(b) ? Vec3(world_.body(b).mass() * gravity().gravity) : Vec3(Vec3::Zero()); }
 
-  void step() {
+  /// @param late  in the last quarter of the run
+  void step(bool late) {
     const StepReport r = world_.step();
     ++result_.steps;
     result_.seconds += r.wall;
@@ -68,17 +79,27 @@ class Trial {
     for (const Warning& w : r.warnings)
       if (w.code == "no_convergence") unsolved_ = true;
     count_contacts();
-    Vec3 force[2] = {Vec3::Zero(), Vec3::Zero()};
+    Vec3 force[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  // of contact, the floor's last
     for (const PairReport& pair : r.pairs) {
       force[world_.part(pair.part_a).body] += pair.force_on_a;
       force[world_.part(pair.part_b).body] -= pair.force_on_a;
     }
-    for (const int b : {kLower, kUpper}) books_[b].add(momentum(b), force[b], wall_impulse(b), r.dt, movable(b));
+    for (const int b : {kLower, kUpper})
+      books_[b].add(momentum(b), force[b], wall_impulse(b) + r.dt * weight(b), r.dt, movable(b));
+    if (late) {
+      late_force_ += r.dt * force[kUpper].z() + wall_impulse(kUpper).z();
+      late_time_ += r.dt;
+    }
     // Contact energy is reported as of the beginning of a step, all else as of its end.
-    if (result_.steps > 1) note_energy(energy_end_ + r.contact_energy);
+    if (result_.steps > 1)
+      note_energy(energy_end_ + r.contact_energy);
+    else
+      energy_start_ += r.contact_energy;  // of a body that touches the floor from the start
     energy_end_ = r.kinetic_energy + r.potential_energy;
+    motion_most_ = std::max(motion_most_, energy_end_);
     result_.linear = std::max(result_.linear, r.momentum_error);
-    result_.lever = std::max(result_.lever, r.angular_error * reach());
+    // On a floor the two bodies reach differently far, and it is not told whose error is the worst.
+    if (!floor_) result_.lever = std::max(result_.lever, r.angular_error * reach());
     result_.overlap = std::max(result_.overlap, r.worst_overlap);
     result_.leak = std::max(result_.leak, sides_.leaked(world_.body(kLower), world_.body(kUpper)));
   }
@@ -86,7 +107,7 @@ class Trial {
   void count_contacts() {
     std::int64_t count = 0;
     for (const ContactSample& c : world_.contacts())
-      if (world_.part(c.part_a).body != world_.part(c.part_b).body && c.force.norm() > 0.0f) ++count;
+      if (world_.part(c.part_a).body + world_.part(c.part_b).body == kLower + kUpper && c.force.norm() > 0.0f) ++count;
     result_.contacts = std::max(result_.contacts, count);
   }
 
@@ -113,13 +134,20 @@ class Trial {
   }
 
   void conclude();
+  void note_rest();
 
   const PairBounds& bounds_;
+  std::optional<double> floor_;  // [m] height
+  bool rests_;
+  double gap_;
   World& world_;
   PairResult& result_;
   PairSides sides_;
   MomentumBook books_[2];
-  double energy_start_ = 0.0, energy_end_ = 0.0, energy_most_ = 0.0;
+  static constexpr double kLeast = -std::numeric_limits<double>::infinity();
+  double energy_start_ = 0.0, energy_end_ = 0.0, energy_most_ = kLeast, motion_most_ = kLeast;
+  double blow_ = 0.0;                          // [J] that the two bring along
+  double late_force_ = 0.0, late_time_ = 0.0;  // [N s], [s] of the last quarter
   std::int64_t substeps_ = 0;
   bool alive_ = true, unsolved_ = false;
 };
@@ -128,11 +156,13 @@ void Trial::conclude() {
   PairResult& r = result_;
   r.seconds /= std::max(r.steps, 1);
   note_energy(energy_end_);
-  r.energy = (energy_most_ - energy_start_) / energy_start_;
+  r.energy = (energy_most_ - energy_start_) / blow_;
+  r.motion = (motion_most_ - energy_start_) / blow_;
   for (const int b : {kLower, kUpper})
     if (books_[b].total > 0.0) r.drift = std::max(r.drift, books_[b].astray / books_[b].total);
   r.force_lower = books_[kLower].force;
   r.force_upper = books_[kUpper].force;
+  if (floor_) note_rest();
   std::vector<double> motion;
   for (const int b : {kLower, kUpper}) {
     motion.resize(world_.body(b).v_size());
@@ -145,9 +175,27 @@ void Trial::conclude() {
   fail(r.contacts == 0, "no contact");
   fail(r.contacts > 0 && !(r.force_lower > 0.0 && r.force_upper > 0.0), "one side felt nothing");
   fail(!(r.overlap <= bounds_.overlap), fmt::format("overlap {:.2g} voxels", r.overlap));
-  fail(!(r.energy <= bounds_.energy), fmt::format("energy grew by {:.2g} %", 100.0 * r.energy));
+  const double gained = floor_ ? r.motion : r.energy;
+  fail(!(gained <= bounds_.energy), fmt::format("energy grew by {:.2g} %", 100.0 * gained));
   fail(!(r.drift <= bounds_.drift), fmt::format("{:.2g} % of the momentum not from contact", 100.0 * r.drift));
-  fail(!(r.leak <= bounds_.leak), fmt::format("{:.2g} % leaked", 100.0 * r.leak));
+  // Above a floor, what rolls or flows off the other comes to its side.
+  fail((!floor_ || rests_) && !(r.leak <= bounds_.leak), fmt::format("{:.2g} % leaked", 100.0 * r.leak));
+  if (!floor_) return;
+  fail(!(r.under <= bounds_.leak), fmt::format("{:.2g} % came under the floor", 100.0 * r.under));
+  if (!rests_) return;
+  fail(!(r.speed <= bounds_.speed), fmt::format("moves at {:.2g} m/s at the end", r.speed));
+  fail(!(std::abs(r.carried - 1.0) <= bounds_.carried),
+       fmt::format("{:.0f} % of the weight carried", 100.0 * r.carried));
+}
+
+void Trial::note_rest() {
+  PairResult& r = result_;
+  for (const int b : {kLower, kUpper}) {
+    if (!movable(b)) continue;
+    r.speed = std::max(r.speed, std::sqrt(2.0 * kinetic(b) / world_.body(b).mass()));
+    r.under = std::max(r.under, sides_.below(world_.body(b), *floor_));
+  }
+  if (weight(kUpper).z() < 0.0 && late_time_ > 0.0) r.carried = -late_force_ / (late_time_ * weight(kUpper).z());
 }
 
 bool moves(const PairKind& kind, const PairTable& table) {
@@ -164,7 +212,7 @@ PairResult run_ordered(const PairTable& table, const PairKind& lower, const Pair
     result.run = false;
     return result;
   }
-  Trial(table, world, result).run(table.drop.steps);
+  Trial(table, lower, upper, world, result).run(table.drop.steps);
   const double linear = std::max(lower.linear, upper.linear), lever = std::max(lower.lever, upper.lever);
   if (result.linear < 0.0) result.failures.push_back("a body cannot tell its momentum");
   if (!(result.linear <= linear))

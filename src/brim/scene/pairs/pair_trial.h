@@ -21,9 +21,13 @@ struct PairResult {
   /// [-] Worst of any time and body: momentum gained since the start against the impulse of contact, over the whole
   /// impulse. What the body's own motion loses counts too.
   double drift = 0.0;
-  double overlap = 0.0;                         ///< [voxels] worst
-  double energy = 0.0;                          ///< [-] largest growth of the total energy, over that at the start
-  double leak = 0.0;                            ///< [-] largest share on the wrong side
+  double overlap = 0.0;   ///< [voxels] worst
+  double energy = 0.0;    ///< [-] largest growth of the total energy, over that of the blow
+  double leak = 0.0;      ///< [-] largest share on the wrong side
+  double motion = 0.0;    ///< [-] the same without the energy of contact
+  double speed = 0.0;     ///< [m/s] of the faster body at the end; of a table with a floor, as is what follows
+  double under = 0.0;     ///< [-] share that came under the floor
+  double carried = -1.0;  ///< [-] mean force of contact on the upper body over the last quarter, over its weight
   double force_lower = 0.0, force_upper = 0.0;  ///< [N] largest gain of momentum over a step; of contact where fixed
   double seconds = 0.0;                         ///< [s] of wall time a step
   int steps = 0;
