@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <vector>
 
 namespace brim {
 namespace {
@@ -41,11 +43,12 @@ TEST(LevelSet, CenterOfMassUnderAPlaneIsThatOfThePrism) {
   const auto first_moment = [&](double slope, double height) {
     const auto phi = sampled(
         kGrid, [&](const Vec3& x) { return (x.z() - height - slope * x.x()) / std::sqrt(1.0 + slope * slope); });
-    double sum = 0.0;
+    std::vector<double> layer(static_cast<std::size_t>(kGrid.n.z()), 0.0);  // threads share the layers
     for_places(kGrid.n, [&](int i, int j, int k) {
-      sum += level.fraction(phi, i, j, k) * kGrid.cell_center(i, j, k).z() + level.moment(phi, i, j, k).z();
+      layer[static_cast<std::size_t>(k)] +=
+          level.fraction(phi, i, j, k) * kGrid.cell_center(i, j, k).z() + level.moment(phi, i, j, k).z();
     });
-    return sum * volume;
+    return std::accumulate(layer.begin(), layer.end(), 0.0) * volume;
   };
   // ∫ (z² − 1/4)/2 over the unit square, z = height + slope x.
   const auto exact = [](double slope, double height) { return 0.5 * (height * height + slope * slope / 12.0 - 0.25); };
