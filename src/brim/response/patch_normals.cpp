@@ -25,7 +25,13 @@ float PatchNormals::curvature(const Sample& s, int at, const Vec3f& n) {
 }
 
 void PatchNormals::find(const ContactSet& contacts, const ContactPair& pair, std::span<Vec3> direction,
-                        std::span<Vec3> normal, bool sharp) {
+                        std::span<Vec3> normal, bool sharp, bool brink) {
+  float base = 0.0f;
+  for (std::size_t c = pair.begin; c < pair.end && brink; ++c) base = std::min(base, contacts.overlap[c]);
+  const auto weight = [&](std::size_t c) {
+    return brink ? std::max(contacts.overlap[c] - base, static_cast<float>(kLeastWeight))
+                 : static_cast<float>(weight_of(contacts, c));
+  };
   // The lattice hangs on the patch's own nodes: moving a scene by whole voxels changes nothing.
   Vec3i first = contacts.node[pair.begin];
   for (std::size_t c = pair.begin; c < pair.end; ++c) first = first.cwiseMin(contacts.node[c]);
@@ -39,7 +45,7 @@ void PatchNormals::find(const ContactSet& contacts, const ContactPair& pair, std
     s.segment<6>(3) = unpack_tensor_entries(ga, contacts.bend_a[c]).array();
     s.segment<6>(9) = unpack_tensor_entries(gb, contacts.bend_b[c]).array();
     s[15] = 0.0f;
-    average_.add(lattice_[c - pair.begin], static_cast<float>(weight_of(contacts, c)) * s);
+    average_.add(lattice_[c - pair.begin], weight(c) * s);
   }
   // The flatter part gives the direction; the direction so found is smoothed once more for the normal.
   direction_.clear(lattice_.size());
@@ -50,7 +56,7 @@ void PatchNormals::find(const ContactSet& contacts, const ContactPair& pair, std
     const double pa = sharp ? ka * ka : ka, pb = sharp ? kb * kb : kb;
     const double alpha = pa + pb > 0.0 ? pa / (pa + pb) : 0.5;
     direction[c] = (1.0 - alpha) * contacts.gradient_a[c] - alpha * contacts.gradient_b[c];
-    const Vec3f weighted = (weight_of(contacts, c) * direction[c]).cast<float>();
+    const Vec3f weighted = (double{weight(c)} * direction[c]).cast<float>();
     direction_.add(lattice_[c - pair.begin], Direction(weighted[0], weighted[1], weighted[2], 0.0f));
   }
   for (std::size_t c = pair.begin; c < pair.end; ++c) {

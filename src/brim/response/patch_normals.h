@@ -18,8 +18,10 @@ class PatchNormals {
   /// @param normal     n, likewise
   /// @param sharp      squares of the curvatures decide: nothing of a box's edges is left beside the plane that they
   ///                   slide on, which would brake it
+  /// @param brink      what deforms lies on something fixed, or is held by rows, at the brink of overlap: nodes count
+  ///                   by how far theirs is beyond the least. One alone in overlap would turn all normals up to 6h away
   void find(const ContactSet& contacts, const ContactPair& pair, std::span<Vec3> direction, std::span<Vec3> normal,
-            bool sharp = false);
+            bool sharp = false, bool brink = false);
 
   /// Weight of a contact in averages over its patch: its overlap, or a little where there is none yet, so that patches
   /// before touch have normals too.

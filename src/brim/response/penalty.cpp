@@ -130,7 +130,8 @@ void Penalty::choose_normals(const ContactSet& contacts, std::span<const PairSta
       bend_[p] = {0.0, 0.0};
       return;
     }
-    workspaces_->borrow()->find(contacts, pair, direction_, normal_, pairs[p].fixed);
+    const bool brink = !pairs[p].rigid && (pairs[p].stiffness == 0.0 || pairs[p].fixed);
+    workspaces_->borrow()->find(contacts, pair, direction_, normal_, pairs[p].fixed, brink);
     bend_of_patch(contacts, pair, p);
   });
 }

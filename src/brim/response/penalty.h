@@ -92,6 +92,8 @@ class Penalty {
   /// Forces on part a over the step, [N], given the final relative velocity changes.
   void forces(std::span<const Vec3> delta, std::span<Vec3> normal, std::span<Vec3> friction) const;
 
+  /// True for a pair whose one part is fixed and guides the other, which deforms.
+  bool guides(std::size_t pair) const { return fixed_[pair] != 0 && rigid_[pair] == 0; }
   /// Nonzero for contacts that act in the coming solve, shape (contacts).
   std::span<const std::uint8_t> acting() const { return active_; }
   /// True when no contact can have a force in this step: none is answered by this response.

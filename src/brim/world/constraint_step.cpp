@@ -71,7 +71,8 @@ void ConstraintStep::begin(std::span<const std::unique_ptr<Body>> bodies, std::s
   add_forces(force_on_a_, impulse_);
 }
 
-bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<double> delta, StepReport& report) {
+bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<double> delta, std::span<double> added,
+                             StepReport& report) {
   if (empty()) return true;
   assemble();
   const std::size_t n = rows_.points().size();
@@ -121,6 +122,10 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
     for (std::size_t i = 0; i < travel_.size(); ++i) travel_[i] = way[i] - change[i];
   } else {
     complete(lambda_, change);
+  }
+  if (!added.empty()) {
+    for (std::size_t c = 0; c < n; ++c) force_on_a_[c] = frame_[c].transpose() * (lambda_[c] - first[c]);
+    add_forces(force_on_a_, added);
   }
   bool finite = true;
   for (std::size_t i = 0; i < delta.size(); ++i) {

@@ -50,8 +50,10 @@ class ConstraintStep {
 
   /// Corrects the velocity changes of the implicit step, which hold the first guess already.
   /// @param solve  x = A⁻¹ b  @param delta  Δv, shape (nv)
+  /// @param added  [N s] takes Jᵀ (λ − first guess), shape (nv); or empty
   /// @return false when a value is not finite
-  bool correct(const ImplicitStep::Respond& solve, std::span<double> delta, StepReport& report);
+  bool correct(const ImplicitStep::Respond& solve, std::span<double> delta, std::span<double> added,
+               StepReport& report);
   /// False where the last correct() ended with a residual that it warned of.
   bool converged() const { return converged_; }
   /// Mean velocity of the step less that at its end, for the positions; shape (nv), or empty where they are the same.

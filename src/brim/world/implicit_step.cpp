@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 
+#include "brim/body/guided_particles.h"
 #include "brim/body/rigid_frame.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
@@ -28,6 +29,8 @@ constexpr std::size_t kSmall = 6;
 constexpr double kExact = 1e-10;
 /// Times as many solves may be made there: each lets go of a third of the nodes that hold a body that tips over.
 constexpr int kExactPasses = 3;
+/// Overlap above which what lies on something fixed is guided by it: rows hold it at the brink.
+constexpr float kGuided = -0.1f;
 
 }  // namespace
 
@@ -83,8 +86,9 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     contact_delta_.assign(contact_set.size(), Vec3::Zero());
     ++report.solves;
     const ScopedSeconds rows_timer(contact_seconds);
-    return !correct || correct([](std::span<const double>, std::span<double>) { return SolveReport{}; }, delta);
+    return !correct || correct([](std::span<const double>, std::span<double>) { return SolveReport{}; }, delta, {});
   }
+  if (!alone) guide(bodies, first_v, maps, response, contact_set);
   parallel_for(bodies.size(), [&](std::size_t b) {
     if (asleep(b)) return;
     const ProfileScope scope("elements", *bodies[b]);
@@ -92,6 +96,8 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     bodies[b]->add_forces(settings.environment(b, env), slice(internal_, b));
     if (fill.handles(b))
       fill.add_start_stiffness(b, slice(scratch_, b));
+    else if (const auto* guided = dynamic_cast<const GuidedParticles*>(bodies[b].get()))
+      guided->apply_start_stiffness(slice(v, b), slice(scratch_, b));
     else
       bodies[b]->apply_stiffness(slice(v, b), slice(scratch_, b));
   });
@@ -262,8 +268,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
       break;
     }
   }
-  // The forces that are told are those of the solve; what it left of the bodies' momenta follows. Not where rows act:
-  // they hold with the solution as it is.
+  // The forces that are told are those of the solve; what it left of the bodies' momenta follows.
   residual_.assign(cg_.residual().begin(), cg_.residual().end());
   const auto size = [&](std::size_t b) { return static_cast<Eigen::Index>(first_v[b + 1] - first_v[b]); };
   const auto give_back = [&] {
@@ -284,14 +289,48 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   double within = 0.0;
   const double before = contact_seconds;
   auto rows_timer = std::make_optional<ScopedSeconds>(within);
+  added_.assign(whole || alone ? 0 : n, 0.0);
   const bool finite =
       correct([&](std::span<const double> b,
                   std::span<double> x) { return cg_.solve(system, b, settings.tolerance, settings.max_iterations, x); },
-              delta);
+              delta, added_);
   if (contacts > 0) maps.relative(delta, contact_delta_), fill.finish(first_v, delta, contact_delta_);
+  if (!added_.empty()) {
+    // Rows then hold to what the solve left: a velocity of the size of its tolerance.
+    system.apply(delta, scratch_);
+    for (std::size_t i = 0; i < n; ++i) residual_[i] = rhs_[i] + added_[i] - scratch_[i];
+    system.filter(residual_);
+    give_back();
+  }
   rows_timer.reset();
   contact_seconds = before + within;
   return finite;
+}
+
+void ImplicitStep::guide(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+                         const ContactMaps& maps, const Penalty& response, const ContactSet& contact_set) {
+  // Particles that a force at one of these contacts would reach.
+  contact_force_.assign(contact_set.size(), Vec3::Zero());
+  bool any = false;
+  for (std::size_t p = 0; p < contact_set.pairs.size(); ++p) {
+    const ContactPair& pair = contact_set.pairs[p];
+    for (std::size_t c = pair.begin; c < pair.end && response.guides(p); ++c)
+      if (contact_set.overlap[c] > kGuided) contact_force_[c] = Vec3::Ones(), any = true;
+  }
+  if (!any) return;
+  scratch_.assign(first_v.back(), 0.0);
+  maps.add_forces(contact_force_, scratch_);
+  std::vector<std::uint8_t> guided;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    auto* body = dynamic_cast<GuidedParticles*>(bodies[b].get());
+    if (body == nullptr) continue;
+    guided.assign((first_v[b + 1] - first_v[b]) / 3, 0);
+    bool touched = false;
+    for (std::size_t i = 0; i < guided.size(); ++i)
+      if (scratch_[first_v[b] + 3 * i] != 0.0) guided[i] = 1, touched = true;
+    if (touched) body->set_guided(guided);
+  }
+  std::fill(scratch_.begin(), scratch_.end(), 0.0);
 }
 
 void ImplicitStep::factor_contacts(const Penalty& response, bool first) {

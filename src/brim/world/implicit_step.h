@@ -44,8 +44,10 @@ class ImplicitStep {
 
   /// x = A⁻¹ b once the system stands.
   using Respond = std::function<SolveReport(std::span<const double> b, std::span<double> x)>;
-  /// Corrects the velocity changes of the step by a means of its own (constraint rows). @return false when not finite
-  using Correct = std::function<bool(const Respond&, std::span<double> delta)>;
+  /// Corrects the velocity changes of the step by a means of its own (constraint rows).
+  /// @param added  [N s] takes the impulses that it gave besides those of the right-hand side, shape (nv); or empty
+  /// @return false when not finite
+  using Correct = std::function<bool(const Respond&, std::span<double> delta, std::span<double> added)>;
 
   /// @param v   velocities at the start; Δv is written to `delta`
   /// @param fill  begun; has the forces of its contacts afterwards
@@ -62,6 +64,9 @@ class ImplicitStep {
   std::span<const Vec3> contact_delta() const { return contact_delta_; }
 
  private:
+  /// Tells bodies of particles which of them lie on something fixed.
+  void guide(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+             const ContactMaps& maps, const Penalty& response, const ContactSet& contact_set);
   /// Factors what contact touches, with the stiffness of the contacts as it is. @param first  of the passes
   void factor_contacts(const Penalty& response, bool first);
   /// Where all bodies are rigid frames and nothing couples them: Δv from their own masses and inertias.
@@ -70,7 +75,7 @@ class ImplicitStep {
                     const Environment& env, const Settings& settings, std::span<const double> impulse,
                     std::span<double> delta);
 
-  std::vector<double> internal_, rhs_, scratch_;
+  std::vector<double> internal_, rhs_, scratch_, added_;
   std::vector<Vec3> contact_delta_, contact_force_;
   std::vector<std::size_t> first_block_;
   BlockDiagonal bodies_diagonal_, diagonal_;

@@ -157,15 +157,15 @@ void PairLaws::choose(std::span<const WorldPart> parts, std::span<const double> 
                        : is_fixed(a) ? FixedPart::A
                        : is_fixed(b) ? FixedPart::B
                                      : FixedPart::None};
-    const bool rigid = std::isinf(a.info.modulus) && std::isinf(b.info.modulus);
+    const bool hard = std::isinf(a.info.modulus) && std::isinf(b.info.modulus);
     const bool fixed = is_fixed(a) || is_fixed(b);
-    const double faces = rigid && fixed && !is_told(a.info, b.info, options) ? faces_of(pairs[i]) : 1.0;
+    const double faces = hard && fixed && !is_told(a.info, b.info, options) ? faces_of(pairs[i]) : 1.0;
     penalties_[i] = {constrained || filled ? 0.0 : faces * m.stiffness,
                      m.friction,
                      a.body->carrier_velocity(a.index, velocities_of(a, v, first_v)),
                      b.body->carrier_velocity(b.index, velocities_of(b, v, first_v)),
                      {a.info.shapeless, b.info.shapeless},
-                     rigid,
+                     hard && stiff,  // rods and grains do not yield to what presses them, but they bend
                      filled,
                      inverse_mass_of(a) + inverse_mass_of(b),
                      fixed};

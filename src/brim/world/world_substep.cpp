@@ -117,8 +117,8 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
   }
   ImplicitStep::Correct rows;
   if (!constraints.empty())
-    rows = [&](const ImplicitStep::Respond& solve, std::span<double> change) {
-      return constraints.correct(solve, change, report);
+    rows = [&](const ImplicitStep::Respond& solve, std::span<double> change, std::span<double> added) {
+      return constraints.correct(solve, change, added, report);
     };
   return implicit.solve(bodies, first_v, parts, options.environment, maps, response, contacts, state.v, settings, delta,
                         report, fill, impulse, rows);

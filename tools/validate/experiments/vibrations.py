@@ -85,16 +85,19 @@ def soft_falls(case):
     return scene([block(case.kind, "body", (0, 0, 0), spin=(0, 2, 0))], 0.3)
 
 
-TURNS = ("of first order in dt: -5.3, -0.3 and 0.05 % at steps of 1/60, 1/240 and 1/960 s under rows. About half of it is tension that turns with "
-         "the rope within a step while the normals of contact do not (π T v dt / R)")
+def speed_of_slip(case, t):
+    """What hangs over grows as it slides: x'' = 2 g x / L about the place where both ends hang alike."""
+    length = case.heavy + case.light + math.pi * 0.22
+    rate = math.sqrt(2 * G / length)
+    return G * (case.heavy - case.light) / length * np.sinh(rate * t) / rate
 
 
-@experiment(law="a = g (l₂ − l₁) / (l₁ + l₂ + π R)", source="Atwood's machine, of a rope alone", unit="m/s²", tolerance=0.03,
-            cases=cases(response=BOTH, light=(0.4,), heavy=(0.8, 1.6)),
-            theory=lambda c: G * (c.heavy - c.light) / (c.heavy + c.light + math.pi * 0.22), measure=lambda c, r: end_speed(r)[r.at(0.1)] / 0.1,
-            misses={f"response {r}, light 0.4, heavy 1.6": TURNS for r in BOTH})
+@experiment(law="v = g (l₂ − l₁) sinh(k t) / (k L),  k² = 2 g / L,  L = l₁ + l₂ + π R", source="Atwood's machine, of a rope alone", unit="m/s²",
+            tolerance=0.03, cases=cases(response=BOTH, light=(0.4,), heavy=(0.8, 1.6)),
+            theory=lambda c: speed_of_slip(c, 0.1) / 0.1, measure=lambda c, r: end_speed(r)[r.at(0.1)] / 0.1,
+            curve=lambda c, r: (r.time, end_speed(r)), ideal=speed_of_slip, axes=("t [s]", "speed [m/s]"))
 def rope_slips(case):
-    """A rope over a post without friction, its ends of unequal length: the acceleration with which it starts to slide."""
+    """A rope over a post without friction, its ends of unequal length: its mean acceleration in the first tenth of a second."""
     s = rope_over(case, (case.light, case.heavy))
     s["materials"]["default"]["friction"] = 0.0
     return s

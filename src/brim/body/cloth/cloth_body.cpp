@@ -54,4 +54,9 @@ void ClothBody::add_inner() {
   bending_.add(x_, force_, stiffness_);
 }
 
+void ClothBody::add_turning_stiffness(std::span<const double> x, std::span<const std::uint8_t> guided,
+                                      std::span<double> y) const {
+  membrane_.add_turning(x_, x, guided, y);
+}
+
 }  // namespace brim

@@ -34,6 +34,8 @@ class ClothBody final : public ParticleBody {
 
  protected:
   void add_inner() override;
+  void add_turning_stiffness(std::span<const double> x, std::span<const std::uint8_t> guided,
+                             std::span<double> y) const override;
 
  private:
   ClothBody(TriMesh mesh, ClothOptions options, MembraneElements membrane);

@@ -121,6 +121,22 @@ void MembraneElements::add(std::span<const Vec3> x, std::span<Vec3> force, Block
   });
 }
 
+void MembraneElements::add_turning(std::span<const Vec3> x, std::span<const double> v,
+                                   std::span<const std::uint8_t> chosen, std::span<double> y) const {
+  schedule_.for_each([&](std::size_t k) {
+    const std::int32_t* n = node_.data() + 3 * k;
+    if (!chosen[n[0]] || !chosen[n[1]] || !chosen[n[2]]) return;
+    Mat2 strain;
+    const Mat2 T = tension(stress(deformation(x, k), strain));
+    if (T == Mat2::Zero()) return;
+    const Element& e = element_[k];
+    const auto at = [&](int i) { return Eigen::Map<const Vec3>(v.data() + 3 * n[i]); };
+    const Mat32 L = (at(1) - at(0)) * e.gradient[1].transpose() + (at(2) - at(0)) * e.gradient[2].transpose();
+    const Mat32 P = e.area * (L * T);
+    for (int i = 0; i < 3; ++i) Eigen::Map<Vec3>(y.data() + 3 * n[i]) += P * e.gradient[i];
+  });
+}
+
 double MembraneElements::energy(std::span<const Vec3> x) const {
   return ordered_sum(size(), [&](std::size_t begin, std::size_t end) {
     double sum = 0.0;

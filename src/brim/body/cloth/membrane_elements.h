@@ -40,6 +40,11 @@ class MembraneElements {
   void find_pairs(const BlockMatrix& matrix);
   /// force += −∂E/∂x, stiffness += ∂²E/∂x² with S⁺. Same bits for any number of threads.
   void add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness) const;
+  /// y += G v, the part of the stiffness by which tension turns with triangles all of
+  /// whose vertices are chosen: G_ij = A (g_iᵀ S⁺ g_j) I.
+  /// @param x  [m] positions  @param v, y  shape (3 vertices)
+  void add_turning(std::span<const Vec3> x, std::span<const double> v, std::span<const std::uint8_t> chosen,
+                   std::span<double> y) const;
   double energy(std::span<const Vec3> x) const;
 
   std::size_t size() const { return element_.size(); }

@@ -90,6 +90,7 @@ void ParticleBody::update(double, std::span<const double> q, std::span<const dou
     x_[i] = at(q, i), v_[i] = at(v, i);
     box_.extend(x_[i]);
   }
+  guided_.clear();
   force_.assign(rest_.size(), Vec3::Zero());
   stiffness_.set_zero();
   add_inner();
@@ -110,13 +111,18 @@ void ParticleBody::finish_step(double, double dt, std::span<double> q, std::span
   const BlockSystem system = *block_system();
   if (system.stiffness == &stiffness_) {
     stiffness_.multiply_add(system.stiffness_share, 0.0, mass_, v, impulse_);
+    if (!guided_.empty()) {
+      std::vector<double> turned(v.size(), 0.0);
+      add_turning_stiffness(flat(v_), guided_, turned);
+      for (std::size_t i = 0; i < turned.size(); ++i) impulse_[i] -= dt * dt * turned[i];
+    }
   } else {
     // The system's own rounding acted on what the velocities changed by, that of K and D on what they were.
     std::vector<double> x(v.begin(), v.end());
     for (std::size_t i = 0; i < v_.size(); ++i) at(std::span(x), i) -= v_[i];
     system.stiffness->multiply_add(system.stiffness_share, 0.0, mass_, x, impulse_);
     std::fill(x.begin(), x.end(), 0.0);
-    apply_stiffness(flat(v_), x);
+    apply_start_stiffness(flat(v_), x);
     for (double& e : x) e *= dt;
     apply_damping(flat(v_), x);
     for (std::size_t i = 0; i < v_.size(); ++i)
@@ -141,6 +147,11 @@ void ParticleBody::apply_mass(std::span<const double> x, std::span<double> y) co
 
 void ParticleBody::apply_stiffness(std::span<const double> x, std::span<double> y) const {
   stiffness_.multiply_add(-1.0, 0.0, mass_, x, y);
+}
+
+void ParticleBody::apply_start_stiffness(std::span<const double> x, std::span<double> y) const {
+  apply_stiffness(x, y);
+  if (!guided_.empty()) add_turning_stiffness(x, guided_, y);
 }
 
 void ParticleBody::apply_damping(std::span<const double> x, std::span<double> y) const {

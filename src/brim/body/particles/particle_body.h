@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "brim/body/body.h"
+#include "brim/body/guided_particles.h"
 #include "brim/body/movable.h"
 #include "brim/body/octant_presence.h"
 #include "brim/body/outer_forces.h"
@@ -43,7 +44,12 @@ struct ParticleOptions {
 ///   A = (1 + dt a) M + (dt b + dt²) K
 /// K in the damping is that of the current state; its own change with q is left out of ∂Q/∂q.
 /// Contact is left to a ParticleContact, which the kind of body gives to set_contact.
-class ParticleBody : public Body, public MotionClusters, public OctantPresence, public OuterForces, public Movable {
+class ParticleBody : public Body,
+                     public MotionClusters,
+                     public OctantPresence,
+                     public OuterForces,
+                     public Movable,
+                     public GuidedParticles {
  public:
   std::size_t q_size() const override { return 3 * rest_.size(); }
   std::size_t v_size() const override { return 3 * rest_.size(); }
@@ -60,6 +66,8 @@ class ParticleBody : public Body, public MotionClusters, public OctantPresence, 
   void add_forces(const Environment& env, std::span<double> Q) const override;
   void apply_mass(std::span<const double> x, std::span<double> y) const override;
   void apply_stiffness(std::span<const double> x, std::span<double> y) const override;
+  void set_guided(std::span<const std::uint8_t> guided) override { guided_.assign(guided.begin(), guided.end()); }
+  void apply_start_stiffness(std::span<const double> x, std::span<double> y) const override;
   void apply_damping(std::span<const double> x, std::span<double> y) const override;
   void apply_system(std::span<const double> x, std::span<double> y) const override;
   std::optional<BlockSystem> block_system() const override;
@@ -109,6 +117,12 @@ class ParticleBody : public Body, public MotionClusters, public OctantPresence, 
   ParticleBody(std::vector<Vec3> rest, std::vector<double> mass, ParticleOptions options);
   /// Adds the inner forces of positions_ to force_ and −∂f/∂x, projected to be positive semi-definite, to stiffness_.
   virtual void add_inner() = 0;
+  /// y += G x, G the part of the stiffness by which tension turns with the matter, between particles that are both
+  /// guided; of kinds that know it.
+  virtual void add_turning_stiffness(std::span<const double> x, std::span<const std::uint8_t> guided,
+                                     std::span<double> y) const {
+    (void)x, (void)guided, (void)y;
+  }
   /// Takes what the body is in contact, and what contact needs to know of it; the options' voxel size and material, and
   /// an areal mass of 0 for a body without free particles, replace those given.
   void set_contact(std::unique_ptr<const ParticleContact> contact, PartInfo part);
@@ -122,9 +136,10 @@ class ParticleBody : public Body, public MotionClusters, public OctantPresence, 
   Display display_;
 
  private:
-  double total_mass_ = 0.0;      // [kg]
-  Aabb box_;                     // of x_
-  std::vector<double> impulse_;  // [N s] scratch of finish_step
+  double total_mass_ = 0.0;           // [kg]
+  Aabb box_;                          // of x_
+  std::vector<double> impulse_;       // [N s] scratch of finish_step
+  std::vector<std::uint8_t> guided_;  // in this step, or empty
   std::unique_ptr<const ParticleContact> contact_;
   ElementClusters clusters_;
   PartInfo part_;

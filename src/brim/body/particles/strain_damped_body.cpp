@@ -31,6 +31,20 @@ void StrainDampedBody::apply_damping(std::span<const double> x, std::span<double
   damper_.multiply_add(-options_.stiffness_damping, -options_.mass_damping, mass_, x, y);
 }
 
+void StrainDampedBody::add_turning_stiffness(std::span<const double> x, std::span<const std::uint8_t> guided,
+                                             std::span<double> y) const {
+  const auto at = [&](std::size_t i) { return Eigen::Map<const Vec3>(x.data() + 3 * i); };
+  for (std::size_t i = 0; i < rest_.size(); ++i) {
+    if (!guided[i]) continue;
+    Vec3 sum = Vec3::Zero();
+    for (std::int32_t s = stiffness_.row_first()[i]; s < stiffness_.row_first()[i + 1]; ++s) {
+      const auto j = static_cast<std::size_t>(stiffness_.columns()[s]);
+      if (j != i && guided[j]) sum += (stiffness_.block(s) - damper_.block(s)) * (at(j) - at(i));
+    }
+    Eigen::Map<Vec3>(y.data() + 3 * i) += sum;
+  }
+}
+
 void StrainDampedBody::begin_solve(double dt) {
   ParticleBody::begin_solve(dt);
   system_.combine(dt * dt, stiffness_, dt * options_.stiffness_damping, damper_);

@@ -23,6 +23,9 @@ class StrainDampedBody : public ParticleBody {
   /// Fixes the pattern of K, D and the system: call matrix.begin, add_elements as many times as wanted, then this.
   void share_pattern(BlockMatrix pattern);
 
+  void add_turning_stiffness(std::span<const double> x, std::span<const std::uint8_t> guided,
+                             std::span<double> y) const override;
+
   BlockMatrix damper_;  // D [N/m], filled by add_inner
 
  private:
