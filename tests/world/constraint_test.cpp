@@ -129,6 +129,23 @@ TEST(ConstraintContact, BilliardBallsKeepMomentumAndForFullRestitutionEnergy) {
     }
 }
 
+TEST(ConstraintContact, ABallThatJustReachesAnotherInAStepIsNotBrakedBeforeItBounces) {
+  // Steps of 1/480 s bring it there at 0.1 s sharp, and a little before and after.
+  for (const double late : {-1e-6, 0.0, 1e-6, 1e-4}) {
+    SCOPED_TRACE(late);
+    WorldOptions o = rows_at(0.1);
+    o.time_step = 1.0 / 480.0;
+    o.environment.gravity.setZero();
+    o.pair_materials[{"default", "default"}] = {0.0, 0.0, 1.0};
+    World w(o);
+    const int a = w.add(ball("a", {Vec3(-1.2 - late, 0, 0), Quat::Identity(), Vec3(2, 0, 0)}));
+    const int b = w.add(ball("b", {Vec3(0, 0, 0)}));
+    for (int s = 0; s < 60; ++s) w.step();
+    EXPECT_NEAR(velocity(w, b).x(), 2.0, 1e-3);
+    EXPECT_NEAR(velocity(w, a).x(), 0.0, 1e-3);
+  }
+}
+
 World tower(int boxes, bool constrained) {
   WorldOptions o = options_at(0.125);
   if (constrained) o.response = Response::Constraint;

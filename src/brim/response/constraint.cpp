@@ -301,7 +301,9 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
       const double gap = -points_.depth[c], open = std::max(0.0, gap);
       const double u0 = normal_[c].dot(start[c]), u1 = normal_[c].dot(free[c]), a = (u1 - u0) / dt;
       const double push = std::min(kShare * std::max(0.0, -gap - kSlop * pair.h), kPush * pair.h) / dt;
-      const double closing = -std::max(0.0, gap - kTouch * pair.h) / dt;
+      // What will bounce is not slowed down by the margin of a step before it touches.
+      const bool flies = restitution_[c] > 0.0 && -u1 > options.bounce_speed;
+      const double closing = -std::max(0.0, gap - (flies ? 0.0 : kTouch * pair.h)) / dt;
       velocity_target_[c] = closing;
       travel_target_[c] = closing + push;
       const bool touches = open + dt * u1 < 0.0;
