@@ -164,5 +164,34 @@ TEST(Errors, OfAFileAreToldAllAtOnce) {
   }
 }
 
+TEST(Errors, OfFormulasPresetsAndIncludesAreToldWithTheRestAndOnce) {
+  const char* const text = R"({"brim": 1, "name": "p", "frames": 1,
+    "parameters": {"a": "=b+1", "c": "=2*a", "d": {"description": "none"}},
+    "world": {"voxel_size": "=c", "time_stp": 1},
+    "include": [{"file": "missing_1.json"}, {"file": "missing_2.json"}],
+    "materials": {"x": {"preset": "stel", "frction": 2}},
+    "bodies": [
+    {"kind": "rigid", "name": "a", "shape": {"kind": "sphere", "radius": "=q*2"}},
+    {"kind": "rigid", "name": "b", "preset": "boen", "shape": {"kind": "box", "size": [1, "=d", -1]}}]})";
+  try {
+    scene_of(text);
+    FAIL();
+  } catch (const InputErrors& e) {
+    const char* places[] = {"scene.json:2: /parameters/a: \"=b+1\"",
+                            "scene.json:2: /parameters/d: the key \"value\"",
+                            "scene.json:3: /world/time_stp",
+                            "missing_1.json",
+                            "missing_2.json",
+                            "scene.json:5: /materials/x/preset",
+                            "scene.json:5: /materials/x/frction",
+                            "scene.json:7: /bodies/0/shape/radius: \"=q*2\"",
+                            "scene.json:8: /bodies/1/preset",
+                            "scene.json:8: /bodies/1/shape/size/2"};
+    EXPECT_EQ(e.messages().size(), std::size(places)) << e.what();
+    for (const char* place : places)
+      EXPECT_NE(std::string(e.what()).find(place), std::string::npos) << place << "\n" << e.what();
+  }
+}
+
 }  // namespace
 }  // namespace brim

@@ -34,6 +34,10 @@ bool ErrorList::touches(const std::string& pointer) const {
   });
 }
 
+bool ErrorList::holds(const std::string& pointer) const {
+  return std::find(pointers_.begin(), pointers_.end(), pointer) != pointers_.end();
+}
+
 void ErrorList::raise() const {
   if (messages_.empty()) return;
   if (messages_.size() == 1) throw InputError(messages_.front());

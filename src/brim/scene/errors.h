@@ -25,6 +25,8 @@ class ErrorList {
 
   /// @param pointer  JSON pointer of the value that is wrong  @param message  whole, with its place
   void add(const std::string& pointer, const std::string& message);
+  /// Says nothing, but that a value is wrong for a reason that is told elsewhere.
+  void mark(const std::string& pointer) { pointers_.push_back(pointer); }
 
   /// Runs f; an InputError that comes out of it is collected. @param pointer  of what f looks at
   template <class F>
@@ -43,6 +45,8 @@ class ErrorList {
   bool empty() const { return messages_.empty(); }
   /// True when something at or below the pointer is wrong.
   bool touches(const std::string& pointer) const;
+  /// True when the value itself is wrong.
+  bool holds(const std::string& pointer) const;
   /// @throws InputError   when one thing is wrong  @throws InputErrors  when several are
   void raise() const;
 

@@ -4,6 +4,7 @@
 #include <set>
 #include <vector>
 
+#include "brim/scene/errors.h"
 #include "brim/scene/motion.h"
 #include "brim/scene/moved_entry.h"
 #include "brim/scene/node.h"
@@ -239,31 +240,42 @@ class Merger {
   std::string prefix_;
 };
 
+bool include_all(Document& document, Reading& reading);
+
+void include_one(Document& document, const Node& entry, Reading& reading) {
+  const std::string path = scene_path(entry.at("file"));
+  const auto canonical = std::filesystem::canonical(path);
+  if (std::find(reading.open.begin(), reading.open.end(), canonical) != reading.open.end())
+    throw entry.at("file").error(fmt::format("\"{}\" includes itself", entry.string("file")));
+  if (reading.open.size() >= kMaxIncludes)
+    throw entry.at("file").error(fmt::format("scenes include each other deeper than {} files", kMaxIncludes));
+  if (++reading.files > kMaxFiles) throw entry.error(fmt::format("more than {} files are included", kMaxFiles));
+  auto from = std::make_shared<Document>(read_document(path));
+  SceneSettings settings;
+  if (entry.has("set"))
+    for (const auto& [name, value] : entry.at("set").json().items()) settings.set[name] = value;
+  ErrorList errors;
+  entry.placed([&] {
+    apply_parameters(*from, settings, errors);
+    errors.raise();
+  });
+  reading.open.push_back(canonical);
+  errors.attempt("", [&] { include_all(*from, reading); });
+  reading.open.pop_back();
+  errors.raise();
+  const std::shared_ptr<const Document> read = std::move(from);
+  Merger(document, read, entry).merge();
+}
+
+/// @throws InputError, InputErrors  for all entries that cannot be taken in
 bool include_all(Document& document, Reading& reading) {
   if (!document.root.is_object() || !document.root.contains("include")) return false;
   const Document part = checked_list(document);
   document.root.erase("include");
   const Node list(part, part.root.at("include"), "/include");
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    const Node entry = list.at(i);
-    const std::string path = scene_path(entry.at("file"));
-    const auto canonical = std::filesystem::canonical(path);
-    if (std::find(reading.open.begin(), reading.open.end(), canonical) != reading.open.end())
-      throw entry.at("file").error(fmt::format("\"{}\" includes itself", entry.string("file")));
-    if (reading.open.size() >= kMaxIncludes)
-      throw entry.at("file").error(fmt::format("scenes include each other deeper than {} files", kMaxIncludes));
-    if (++reading.files > kMaxFiles) throw entry.error(fmt::format("more than {} files are included", kMaxFiles));
-    auto from = std::make_shared<Document>(read_document(path));
-    SceneSettings settings;
-    if (entry.has("set"))
-      for (const auto& [name, value] : entry.at("set").json().items()) settings.set[name] = value;
-    entry.placed([&] { apply_parameters(*from, settings); });
-    reading.open.push_back(canonical);
-    include_all(*from, reading);
-    reading.open.pop_back();
-    const std::shared_ptr<const Document> read = std::move(from);
-    Merger(document, read, entry).merge();
-  }
+  ErrorList errors;
+  for (std::size_t i = 0; i < list.size(); ++i) errors.attempt("", [&] { include_one(document, list.at(i), reading); });
+  errors.raise();
   return true;
 }
 

@@ -15,16 +15,22 @@ bool is_expression(const Json& value) {
   return value.is_string() && value.get_ref<const std::string&>().starts_with("=");
 }
 
+/// A parameter cannot be computed for a reason that is collected already.
+struct Told : InputError {
+  Told() : InputError("a parameter that it names is wrong") {}
+};
+
 /// The parameters of one document; each is computed when it is first asked for.
 class Parameters {
  public:
-  Parameters(const Document& document, const Json& given) : doc_(document) {
+  Parameters(const Document& document, const Json& given, ErrorList& errors) {
     for (const auto& [name, value] : given.items()) {
       const bool described = value.is_object();
       const std::string at = "/parameters/" + pointer_token(name);
-      if (described && !value.contains("value"))
-        throw InputError(doc_.place(at) + ": the key \"value\" is missing; a parameter is a value, or has one");
-      given_[name] = described ? value.at("value") : value;
+      given_[name] = described ? value.value("value", Json()) : value;
+      if (!described || value.contains("value")) continue;
+      errors.add(at, document.place(at) + ": the key \"value\" is missing; a parameter is a value, or has one");
+      failed_.insert(name);
     }
   }
 
@@ -42,6 +48,7 @@ class Parameters {
 
   Json value(const std::string& name) {
     if (const auto done = values_.find(name); done != values_.end()) return done->second;
+    if (failed_.contains(name)) throw Told();
     const auto it = given_.find(name);
     if (it == given_.end()) throw unknown(name);
     if (!open_.insert(name).second) throw InputError(fmt::format("the parameter \"{}\" is computed from itself", name));
@@ -55,6 +62,9 @@ class Parameters {
     if (text.starts_with("==")) return text.substr(1);
     try {
       return evaluate(std::string_view(text).substr(1), [this](const std::string& name) { return value(name); });
+    } catch (const Told&) {
+      open_.clear();
+      throw;
     } catch (const InputError& e) {
       open_.clear();
       throw InputError(fmt::format("\"{}\" is not allowed: {}", text, e.what()));
@@ -75,27 +85,38 @@ class Parameters {
                                   near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near), list));
   }
 
-  Json all() {
+  /// All that can be computed; what cannot is collected once, not again wherever it is used.
+  Json all(const Document& document, ErrorList& errors) {
     Json values = Json::object();
-    for (const auto& [name, unused] : given_) values[name] = value(name);
+    for (const auto& [name, unused] : given_) {
+      const std::string at = "/parameters/" + pointer_token(name);
+      try {
+        values[name] = value(name);
+      } catch (const Told&) {
+        failed_.insert(name);
+      } catch (const InputError& e) {
+        errors.add(at, document.place(at) + ": " + e.what());
+        failed_.insert(name);
+      }
+    }
     return values;
   }
 
  private:
-  const Document& doc_;
   std::map<std::string, Json> given_, values_;
-  std::set<std::string> open_;  ///< being computed
+  std::set<std::string> open_;    ///< being computed
+  std::set<std::string> failed_;  ///< told already
 };
 
 void substitute(const Document& doc, Json& value, const std::string& at, Parameters& parameters, ErrorList& errors) {
   if (is_expression(value)) {
-    errors.attempt(at, [&] {
-      try {
-        value = parameters.evaluated(value.get<std::string>());
-      } catch (const InputError& e) {
-        throw InputError(doc.place(at) + ": " + e.what());
-      }
-    });
+    try {
+      value = parameters.evaluated(value.get<std::string>());
+    } catch (const Told&) {
+      errors.mark(at);
+    } catch (const InputError& e) {
+      errors.add(at, doc.place(at) + ": " + e.what());
+    }
   } else if (value.is_object()) {
     for (auto& [key, member] : value.items())
       substitute(doc, member, at + "/" + pointer_token(key), parameters, errors);
@@ -149,18 +170,19 @@ std::pair<std::string, Json> read_setting(const std::string& text) {
   return {name, parse_document(value, "--set " + name).root};
 }
 
-void apply_parameters(Document& document, const SceneSettings& settings) {
+void apply_parameters(Document& document, const SceneSettings& settings, ErrorList& errors) {
   if (!document.root.is_object()) return;
   Json given = Json::object();
   if (document.root.contains("parameters")) {
     given = document.root.at("parameters");
     document.root.erase("parameters");
-    if (!given.is_object())
-      throw InputError(fmt::format("{}: {} is not allowed; must be an object of values by name",
-                                   document.place("/parameters"), shown(given)));
+    if (!given.is_object()) {
+      errors.add("/parameters", fmt::format("{}: {} is not allowed; must be an object of values by name",
+                                            document.place("/parameters"), shown(given)));
+      given = Json::object();
+    }
   }
-  Parameters parameters(document, given);
-  ErrorList errors;
+  Parameters parameters(document, given, errors);
   const auto set = [&](const std::string& name, const Json& value) {
     errors.attempt("", [&] {
       try {
@@ -177,16 +199,8 @@ void apply_parameters(Document& document, const SceneSettings& settings) {
   };
   for (const auto& [name, value] : settings.set) set(name, value);
   if (settings.seed && parameters.has("seed")) set("seed", *settings.seed);
-  errors.attempt("/parameters", [&] {
-    try {
-      document.parameters = parameters.all();
-    } catch (const InputError& e) {
-      throw InputError(document.place("/parameters") + ": " + e.what());
-    }
-  });
-  errors.raise();
+  document.parameters = parameters.all(document, errors);
   substitute(document, document.root, "", parameters, errors);
-  errors.raise();
 }
 
 void apply_seed(Document& document, std::uint64_t seed) {

@@ -48,8 +48,7 @@ const Json& material_presets() {
   return presets;
 }
 
-void apply_presets(Document& document) {
-  ErrorList errors;
+void apply_presets(Document& document, ErrorList& errors) {
   Json& root = document.root;
   if (!root.is_object()) return;
   const auto each = [&](const char* list, const auto& f) {
@@ -61,17 +60,17 @@ void apply_presets(Document& document) {
       for (auto& [name, value] : root[list].items()) f(value, below + pointer_token(name));
   };
   each("materials", [&](Json& m, const std::string& at) {
-    errors.attempt(at, [&] { fill(document, m, at, "material", "", "a material"); });
+    errors.attempt(at + "/preset", [&] { fill(document, m, at, "material", "", "a material"); });
   });
   each("pairs", [&](Json& p, const std::string& at) {
-    errors.attempt(at, [&] { fill(document, p, at, "pair", "", "a pair of materials"); });
+    errors.attempt(at + "/preset", [&] { fill(document, p, at, "pair", "", "a pair of materials"); });
   });
   each("bodies", [&](Json& b, const std::string& at) {
     if (!b.is_object() || !b.contains("kind") || !b["kind"].is_string()) return;
     const auto kind = b["kind"].get<std::string>();
-    errors.attempt(at, [&] { fill(document, b, at, "bodies", kind, ("the kind \"" + kind + "\"").c_str()); });
+    errors.attempt(at + "/preset",
+                   [&] { fill(document, b, at, "bodies", kind, ("the kind \"" + kind + "\"").c_str()); });
   });
-  errors.raise();
 }
 
 }  // namespace brim

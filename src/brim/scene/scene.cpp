@@ -327,13 +327,17 @@ Scene check_scene(Document document) { return check_scene(std::move(document), S
 
 Scene check_scene(Document read, const SceneSettings& settings) {
   auto document = std::make_shared<Document>(std::move(read));
-  apply_parameters(*document, settings);
-  const bool included = apply_includes(*document);
-  if (settings.seed) apply_seed(*document, *settings.seed);
-  if (included || !settings.empty()) document->text = whole_text(document->root);
-  apply_presets(*document);
   ErrorList errors;
+  apply_parameters(*document, settings, errors);
+  bool included = false;
+  const bool whole = errors.attempt("/include", [&] { included = apply_includes(*document); });
+  if (settings.seed) errors.attempt("", [&] { apply_seed(*document, *settings.seed); });
+  if (included || !settings.empty()) document->text = whole_text(document->root);
+  apply_presets(*document, errors);
+  // Where not all files could be read, the list of bodies may be empty, and names may be theirs.
+  if (!whole && !document->root.contains("bodies")) errors.raise();
   validate(*document, scene_schema(), errors);
+  if (!whole) errors.raise();
   Scene scene;
   const Node root(*document, document->root, "");
   // Without its frame nothing can be read, and the rest of what is wrong would be said in other words.

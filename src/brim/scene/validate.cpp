@@ -91,9 +91,10 @@ class Validator {
   void note(const std::string& at, const std::string& message) const {
     errors_.add(at, doc_.place(at) + ": " + message);
   }
-  /// Checks a member; what is wrong with it is collected, and its neighbours are looked at.
+  /// Checks a member that nothing is known against; what is wrong with it is collected, and its neighbours are looked
+  /// at.
   void check_member(Json& value, const Json& schema, const std::string& at) const {
-    errors_.attempt(at, [&] { check(value, schema, at); });
+    if (!errors_.holds(at)) errors_.attempt(at, [&] { check(value, schema, at); });
   }
 
   const Json& resolve(const Json& schema) const {

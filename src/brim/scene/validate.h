@@ -19,7 +19,8 @@ namespace brim {
 /// is present.
 ///
 /// All that is wrong is collected in `errors`, one message each: file, line, JSON pointer, the value, what is allowed,
-/// and for an unknown key the nearest known one. What lies below a wrong value is left as it was given.
+/// and for an unknown key the nearest known one. What lies below a wrong value is left as it was given, and a value
+/// that `errors` holds already (a formula that could not be computed) is not looked at.
 void validate(Document& document, const Json& schema, ErrorList& errors);
 
 /// The same. @throws InputError, InputErrors  when something is wrong
