@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "brim/core/error.h"
+#include "support/carried.h"
 #include "support/sensing.h"
 #include "support/soft_worlds.h"
 
@@ -85,6 +86,21 @@ TEST(DistanceSensor, ReadsLengthStrainAndRate) {
   deform(w, Vec3(1.1, 1, 1).asDiagonal());
   EXPECT_NEAR(reading(w, "sensor", "strain"), 0.1, 1e-3);
   EXPECT_NEAR(reading(w, "sensor", "distance"), 0.55, 1e-3);
+}
+
+TEST(StrainSensor, VolumesAreStrainedAsTheMatterThatCarriesThem) {
+  Mat3 A;
+  A << 1.1, 0.1, 0.0, 0.0, 0.9, 0.05, 0.0, 0.0, 1.05;
+  const Mat3 E = 0.5 * (A.transpose() * A - Mat3::Identity());
+  World w(options_at(0.05));
+  auto scan = testing::voxels(Vec3(0.4, 0.4, 0.4), 0.1, 0.025, testing::soft(), Vec3(0, 0, 2));
+  scan->set_name("scan");
+  w.add(std::move(scan));
+  add_sensor(w, strain_of("scan"));
+  deform(w, A);
+  EXPECT_NEAR(reading(w, "scan", "strain_xx"), E(0, 0), 1e-6);
+  EXPECT_NEAR(reading(w, "scan", "strain_xy"), E(0, 1), 1e-6);
+  EXPECT_NEAR(reading(w, "scan", "strain_yz"), E(1, 2), 1e-6);
 }
 
 TEST(StrainSensor, RegionsWithoutVerticesAreRefused) {

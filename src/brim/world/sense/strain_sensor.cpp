@@ -15,31 +15,24 @@ namespace {
 /// Extent of a region along a direction, over its largest, below which it does not span the direction.
 constexpr double kFlat = 1e-3;
 
-Vec3 mean_of(std::span<const Vec3> x) {
-  Vec3 sum = Vec3::Zero();
-  for (const Vec3& p : x) sum += p;
-  return sum / static_cast<double>(x.size());
-}
-
 }  // namespace
 
 StrainSensor::StrainSensor(const SensorModel& model, const World& world) : Sensor(model) {
-  const int b = only_body(world, model.bodies);
-  const Body& body = world.body(b);
+  body_ = only_body(world, model.bodies);
+  const Body& body = world.body(body_);
+  shown_ = &body;
   if (!model.region) throw InputError("strain is that of a region; none is given");
-  std::vector<Vec3f> shown;
-  display_now(body, shown);
-  std::vector<Vec3> x;
-  for (const Vec3f& v : shown)
-    if (model.region(v.cast<double>())) x.push_back(v.cast<double>());
-  if (x.size() < 2)
+  if (changing_surface(body) || body.part(0).shapeless)
+    throw InputError(fmt::format("'{}' ({}) has no vertices that stay with its matter", body.name(), body.kind()));
+  display_now(body, position_);
+  for (std::size_t i = 0; i < position_.size(); ++i)
+    if (model.region(position_[i].cast<double>())) vertex_.push_back(i);
+  if (vertex_.size() < 2)
     throw InputError(
-        fmt::format("{} vertices of '{}' lie in the region; strain needs two or more", x.size(), body.name()));
-  points_.emplace(world, b, model.part, std::move(x));
-  const auto places = points_->positions(world);
-  const Vec3 mean = mean_of(places);
+        fmt::format("{} vertices of '{}' lie in the region; strain needs two or more", vertex_.size(), body.name()));
+  places(start_);
   Mat3 spread = Mat3::Zero();
-  for (const Vec3& p : places) start_.push_back(p - mean), spread += start_.back() * start_.back().transpose();
+  for (const Vec3& p : start_) spread += p * p.transpose();
   const SymmetricAxes axes = symmetric_axes(spread);
   const double most = axes.values.maxCoeff();
   if (!(most > 0.0)) throw InputError("the vertices of the region lie at one place");
@@ -55,15 +48,29 @@ StrainSensor::StrainSensor(const SensorModel& model, const World& world) : Senso
   channels_.push_back({"least", "", Taking::Last});
 }
 
+void StrainSensor::find_bodies(const World& world) {
+  body_ = -1;
+  for (int b = 0; b < world.body_count(); ++b)
+    if (&world.body(b) == shown_) body_ = b;
+}
+
+void StrainSensor::places(std::vector<Vec3>& x) {
+  display_now(*shown_, position_);
+  x.resize(vertex_.size());
+  Vec3 mean = Vec3::Zero();
+  for (std::size_t i = 0; i < x.size(); ++i) mean += x[i] = position_[vertex_[i]].cast<double>();
+  mean /= static_cast<double>(x.size());
+  for (Vec3& p : x) p -= mean;
+}
+
 void StrainSensor::read(const World& world, const StepReport&, std::span<double> values, std::span<double>) {
-  if (!points_->present(world)) {
+  if (body_ < 0 || world.removed(body_)) {
     std::fill(values.begin(), values.end(), std::numeric_limits<double>::quiet_NaN());
     return;
   }
-  const auto x = points_->positions(world);
-  const Vec3 mean = mean_of(x);
+  places(now_);
   Mat3 moment = Mat3::Zero();
-  for (std::size_t i = 0; i < x.size(); ++i) moment += (x[i] - mean) * start_[i].transpose();
+  for (std::size_t i = 0; i < now_.size(); ++i) moment += now_[i] * start_[i].transpose();
   const Mat3 F = moment * inverse_;
   const Mat3 E = 0.5 * (F.transpose() * F - projection_);
   // Principal strains within what the region spans; across it E is zero.

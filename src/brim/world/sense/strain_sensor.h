@@ -11,17 +11,23 @@ namespace brim {
 ///   F = Σ (x − x̄)(X − X̄)ᵀ (Σ (X − X̄)(X − X̄)ᵀ)⁺,   E = ½ (Fᵀ F − P)
 /// X the places of its vertices then, x now, P the projection onto the directions that they span: all three of a solid,
 /// the plane of a flat sheet, the line of a straight rod. Green's strain, axes of the world at the start; exact where
-/// the region deforms affinely, zero in every rigid motion.
-/// Tests: tests/world/sense/strain_sensor_test.cpp
+/// the region deforms affinely, zero in every rigid motion. The vertices are those that the body shows, which are of
+/// its matter for every kind but fluids, in single precision. Tests: tests/world/sense/strain_sensor_test.cpp
 class StrainSensor : public Sensor {
  public:
   StrainSensor(const SensorModel& model, const World& world);
-  void find_bodies(const World& world) override { points_->find_body(world); }
+  void find_bodies(const World& world) override;
   void read(const World& world, const StepReport& report, std::span<double> values, std::span<double> map) override;
 
  private:
-  std::optional<SensedPoints> points_;
-  std::vector<Vec3> start_;  ///< [m] about their mean
+  /// Places of the region's vertices in the world's present state, about their mean, [m].
+  void places(std::vector<Vec3>& x);
+
+  const Body* shown_ = nullptr;
+  int body_ = -1;                    ///< its number
+  std::vector<std::size_t> vertex_;  ///< of those that it shows
+  std::vector<Vec3f> position_;      ///< [m] of all that it shows
+  std::vector<Vec3> start_, now_;    ///< [m] about their mean
   Mat3 inverse_ = Mat3::Zero(), projection_ = Mat3::Zero();
 };
 
