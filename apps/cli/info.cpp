@@ -11,6 +11,7 @@
 #include "brim/io/surface_reader.h"
 #include "brim/io/tet_reader.h"
 #include "brim/io/volume_reader.h"
+#include "brim/mesh/flat_surface.h"
 #include "brim/mesh/tet_lattice.h"
 #include "brim/mesh/topology.h"
 #include "brim/record/run_reader.h"
@@ -55,7 +56,9 @@ void about_surface(const std::string& path) {
   const Aabb box = bounds(mesh.vertices);
   fmt::print("{}: surface\n  {}\n  box {} to {} m\n", path, report.summary(), vec_text(box.lo), vec_text(box.hi));
   if (report.closed() && report.oriented()) fmt::print("  encloses {:.6g} m³\n", report.volume);
-  if (!report.closed()) fmt::print("  as a solid it needs treatment \"winding_number\" or \"thickness\"\n");
+  if (!report.closed())
+    fmt::print("  as a solid it needs treatment {}\n",
+               is_flat(mesh) ? "\"thickness\", as it is flat" : "\"winding_number\" or \"thickness\"");
 }
 
 void about_tets(const std::string& path) {

@@ -79,6 +79,16 @@ TEST(Dicom, SlicesAreSortedByPlaceAndTurnedToRightFrontUp) {
   EXPECT_TRUE(image.axes.isApprox(1e-3 * info.axes, 1e-15));
 }
 
+TEST(Dicom, ASeriesThatSaysNothingOfItsModalityIsNamedWithout) {
+  const test::TemporaryFolder folder;
+  DicomSlice s = slice_of(0);
+  std::string bytes = s.file();
+  const auto at = bytes.find(std::string("CS\x02\0CT", 6));
+  ASSERT_NE(at, std::string::npos);
+  bytes.replace(at + 4, 2, "  ");
+  EXPECT_SAYS(read_volume_info(folder.write("a.dcm", bytes)).format, "DICOM, series 1.2.3");
+}
+
 TEST(Dicom, DirectionsAndATiltedGantryAreApplied) {
   const test::TemporaryFolder folder;
   // Sagittal slices from left to right, columns up: rows run to the back.
@@ -263,6 +273,11 @@ TEST(Dicom, WhatIsNotWholeIsRefusedWithItsPlace) {
     folder.write("cut/IM2", whole.substr(0, size));
     EXPECT_SAYS(refusal(cut), "IM2") << size;
   }
+  // A file that was asked for by name lies beside the damaged one.
+  folder.write("cut/IM2", whole.substr(0, 200));
+  const std::string text = refusal(cut + "/IM0");
+  EXPECT_SAYS(text, "IM2");
+  EXPECT_SAYS(text, "may be a slice of the series of " + cut + "/IM0");
   std::filesystem::create_directories(folder.path / "empty");
   EXPECT_SAYS(refusal((folder.path / "empty").string()), "without DICOM files");
   EXPECT_SAYS(refusal(folder.write("a.txt", "text")), "DICOM file or folder");

@@ -63,6 +63,11 @@ class Help(unittest.TestCase):
             code, _, err = brim("validate", "flat.json", cwd=folder)
             self.assertEqual(code, 2)
             self.assertIn("flat.obj is flat and encloses nothing", err)
+            pathlib.Path(folder, "flat.obj").write_text("v 0 0 0\nv 1 0 0.3\nv 1 1 0.5\nv 0 1 0.2\nf 1 2 3\nf 1 3 4\n")  # tilted
+            self.assertIn("flat.obj is flat and encloses nothing", brim("validate", "flat.json", cwd=folder)[2])
+            code, out, _ = brim("info", "flat.obj", cwd=folder)
+            self.assertEqual(code, 0)
+            self.assertIn('needs treatment "thickness", as it is flat', out)
             self.assertNotIn("nan", err)
 
     def test_scenes_with_comments_may_be_named_jsonc(self):

@@ -173,7 +173,8 @@ class SeriesServer {
                      {first.slice.width, first.slice.height, static_cast<int>(slices.size())},
                      stack_.origin,
                      stack_.axes});
-    std::string format = fmt::format("DICOM {}, series {}", series_.modality, series_.uid);
+    const std::string modality = series_.modality.empty() ? "" : " " + series_.modality;
+    std::string format = fmt::format("DICOM{}, series {}", modality, series_.uid);
     if (!series_.description.empty()) format += fmt::format(" '{}'", series_.description);
     constexpr double kDegrees = 180.0 / std::numbers::pi;
     if (stack_.tilt * kDegrees > 0.1) format += fmt::format(", tilted by {:.1f} degrees", stack_.tilt * kDegrees);
@@ -191,6 +192,11 @@ class SeriesServer {
   std::vector<double> values_;
 };
 
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code error;
+  return std::filesystem::equivalent(a, b, error);
+}
+
 class DicomSlices final : public SliceSource {
  public:
   /// @param of_file  the path is that of a file, whose series is meant
@@ -204,7 +210,15 @@ class DicomSlices final : public SliceSource {
                 }) {
     for (std::size_t n = 0; n < files.paths.size(); ++n) {
       reader_.about(files.paths[n]);
-      reader_.ask(-2 - static_cast<int>(n));
+      try {
+        reader_.ask(-2 - static_cast<int>(n));
+      } catch (const InputError& error) {
+        if (!of_file || same_file(files.paths[n], path)) throw;
+        throw InputError(
+            fmt::format("{}; it may be a slice of the series of {}, which lies in the same folder: take the "
+                        "damaged file away, or the other one elsewhere",
+                        error.what(), path));
+      }
     }
   }
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "brim/mesh/flat_surface.h"
 #include "brim/mesh/mass_properties.h"
 #include "brim/mesh/primitives.h"
 #include "brim/mesh/topology.h"
@@ -46,7 +47,7 @@ SolidSurface read_file(const Node& n, double scale) {
   double factor = scale;
   if (const auto fit = n.number_if("fit")) factor *= *fit / box.extent().maxCoeff();
   for (Vec3& x : s.mesh.vertices) x *= factor;
-  if (s.treatment == SurfaceTreatment::WindingNumber && !(bounds(s.mesh.vertices).extent().minCoeff() > 0.0))
+  if (s.treatment == SurfaceTreatment::WindingNumber && is_flat(s.mesh))
     throw n.at("file").error(
         fmt::format("{} is flat and encloses nothing; treatment \"winding_number\" needs a surface around something, "
                     "\"thickness\" makes a solid of a sheet",
