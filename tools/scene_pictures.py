@@ -42,6 +42,7 @@ LOOKS = {
     "grain_heap": (60, []),
     "grid_float": (120, []),
     "gripper": (120, []),
+    "hanging_laundry": (60, ["--camera", "-62,12"]),
     "image_drop": (72, []),
     "impact_wall": (0, ["--frame", "12", "--camera", "-130,14"]),
     "incline_frictionless": (60, ["--camera", "-90,8", "--contacts", "forces"]),
