@@ -6,6 +6,8 @@ namespace brim {
 
 namespace {
 
+constexpr std::size_t kMany = 1000;  // looking through more pointers would take longer than it helps
+
 std::string joined(const std::vector<std::string>& messages) {
   std::string text;
   for (const std::string& m : messages) text += (text.empty() ? "" : "\n") + m;
@@ -27,7 +29,6 @@ void ErrorList::add(const std::string& pointer, const std::string& message) {
 }
 
 bool ErrorList::touches(const std::string& pointer) const {
-  constexpr std::size_t kMany = 1000;  // looking through more would take longer than it helps
   if (pointers_.size() > kMany) return true;
   return std::any_of(pointers_.begin(), pointers_.end(), [&](const std::string& p) {
     return p.starts_with(pointer) && (p.size() == pointer.size() || p[pointer.size()] == '/');
@@ -35,7 +36,7 @@ bool ErrorList::touches(const std::string& pointer) const {
 }
 
 bool ErrorList::holds(const std::string& pointer) const {
-  return std::find(pointers_.begin(), pointers_.end(), pointer) != pointers_.end();
+  return pointers_.size() <= kMany && std::find(pointers_.begin(), pointers_.end(), pointer) != pointers_.end();
 }
 
 void ErrorList::raise() const {
