@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 import subprocess
+import weakref
 from pathlib import Path
 
 
@@ -15,13 +16,11 @@ class View:
         self._process = process
         self.url = url
         self.height = height
+        # Runs at the interpreter's end too, where __del__ of what lies in a cycle does not.
+        self._end = weakref.finalize(self, _end, process)
 
     def close(self) -> None:
-        if self._process.poll() is None:
-            self._process.terminate()
-            self._process.wait()
-        if self._process.stdout is not None:
-            self._process.stdout.close()
+        self._end()
 
     def _repr_html_(self) -> str:
         return f'<iframe src="{self.url}" width="100%" height="{self.height}" style="border: 0"></iframe>'
@@ -35,11 +34,13 @@ class View:
     def __exit__(self, *error: object) -> None:
         self.close()
 
-    def __del__(self) -> None:
-        try:
-            self.close()
-        except Exception:
-            pass
+
+def _end(process: subprocess.Popen[str]) -> None:
+    if process.poll() is None:
+        process.terminate()
+        process.wait()
+    if process.stdout is not None:
+        process.stdout.close()
 
 
 def program() -> str:
