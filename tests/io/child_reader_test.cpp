@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <ctime>
 
 #include "brim/core/error.h"
 
@@ -95,6 +96,27 @@ TEST(ChildReader, TimeIsBounded) {
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+TEST(ChildReader, TheFirstAnswerMayHaveLessTimeThanTheOthers) {
+  const auto busy = [](double seconds) {
+    const std::clock_t start = std::clock();
+    while (static_cast<double>(std::clock() - start) < seconds * CLOCKS_PER_SEC) {
+    }
+  };
+  ChildReader::Load load;
+  load.opening = 1.0;
+  const auto seconds_of = [&](int question) { return question == 0 ? 0.0 : 1.6; };
+  ChildReader good("a.vdb", load, [&](int question, ChildReader::Answer&) { busy(seconds_of(question)); });
+  good.ask(0);
+  EXPECT_NO_THROW(good.ask(1));
+  ChildReader late("a.vdb", load, [&](int, ChildReader::Answer&) { busy(60.0); });
+  try {
+    late.ask(0);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("in 1 s of processor time"), std::string::npos) << e.what();
+  }
+}
+
 TEST(ChildReader, MemoryIsBounded) {
   const std::string why = message([](int, ChildReader::Answer& answer) {
     std::vector<char> much(std::size_t{3} << 30, 'x');

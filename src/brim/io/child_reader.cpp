@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
@@ -85,6 +86,14 @@ void limit(int what, double most) {
   ::setrlimit(static_cast<__rlimit_resource_t>(what), &now);
 }
 
+/// The same of what may be raised again, up to that.
+void limit_for_now(int what, double most) {
+  rlimit now{};
+  if (::getrlimit(static_cast<__rlimit_resource_t>(what), &now) != 0) return;
+  now.rlim_cur = std::min(now.rlim_max, static_cast<rlim_t>(most));
+  ::setrlimit(static_cast<__rlimit_resource_t>(what), &now);
+}
+
 /// What is sent for one question.
 struct Reply {
   Kind kind = Kind::Good;
@@ -109,19 +118,21 @@ Reply reply_to(int question, const ChildReader::Serve& serve) {
 }
 
 /// What the child is and does until nothing more is asked; never returns.
-[[noreturn]] void be_child(int channel, double bytes, double seconds, const ChildReader::Serve& serve) {
+[[noreturn]] void be_child(int channel, double bytes, double opening, double seconds, const ChildReader::Serve& serve) {
   // The parent's handlers are not for here; what libraries print when they give up is nobody's.
   for (const int s : {SIGINT, SIGTERM, SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGPIPE}) std::signal(s, SIG_DFL);
   if (const int nowhere = ::open("/dev/null", O_RDWR); nowhere >= 0)
     for (const int standard : {0, 1, 2}) ::dup2(nowhere, standard);
   limit(RLIMIT_CORE, 0.0);
   limit(RLIMIT_CPU, seconds);
+  limit_for_now(RLIMIT_CPU, opening);
   if (!kChecked) limit(RLIMIT_AS, bytes);
   int question = 0;
   while (receive_all(channel, &question, sizeof question)) {
     const Reply reply = reply_to(question, serve);
     const Head head{reply.kind, reply.bytes.size()};
     if (!send_all(channel, &head, sizeof head) || !send_all(channel, reply.bytes.data(), reply.bytes.size())) break;
+    limit_for_now(RLIMIT_CPU, seconds);
   }
   ::_exit(0);
 }
@@ -158,22 +169,20 @@ std::string ChildReader::Received::get_text() {
   return text;
 }
 
-namespace {
-
-ChildReader::Load load_of(const std::string& path) {
+ChildReader::Load ChildReader::load_of(const std::string& path) {
   std::error_code error;
   const auto size = std::filesystem::file_size(path, error);
   const double length = error ? 0.0 : static_cast<double>(size);
   return {length, length};
 }
 
-}  // namespace
-
 ChildReader::ChildReader(const std::string& path, Serve serve) : ChildReader(path, load_of(path), std::move(serve)) {}
 
 ChildReader::ChildReader(const std::string& path, const Load& load, Serve serve) : path_(path) {
   bytes_ = kBaseBytes + kBytesPerByte * load.largest;
-  seconds_ = base_seconds + kSecondsPerMiB * load.all / kMiB;
+  const double by_size = kSecondsPerMiB * load.all / kMiB;
+  seconds_ = base_seconds + by_size;
+  opening_ = load.opening > 0.0 ? std::min(seconds_, load.opening + by_size) : seconds_;
   if (answers_here) {
     here_ = std::move(serve);
     return;
@@ -185,7 +194,7 @@ ChildReader::ChildReader(const std::string& path, const Load& load, Serve serve)
   child_ = ::fork();
   if (child_ == 0) {
     ::close(ends[0]);
-    be_child(ends[1], space, seconds_, serve);
+    be_child(ends[1], space, opening_, seconds_, serve);
   }
   const int why = errno;
   ::close(ends[1]);
@@ -234,8 +243,8 @@ void ChildReader::fail() {
   const bool time = ended > 0 && WIFSIGNALED(status) && (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL);
   end();
   if (time)
-    throw InputError(
-        fmt::format("{}: was not read in {:.0f} s of processor time; the file is damaged", path_, seconds_));
+    throw InputError(fmt::format("{}: was not read in {:.0f} s of processor time; the file is damaged", path_,
+                                 answered_ ? seconds_ : opening_));
   throw InputError(fmt::format("{}: the file is damaged: reading it ends the library that reads it", path_));
 }
 
@@ -254,6 +263,7 @@ ChildReader::Received ChildReader::ask(int question) {
     reply = {head.kind, std::vector<char>(head.size)};
     if (!receive(reply.bytes.data(), reply.bytes.size())) fail();
   }
+  answered_ = true;
   if (reply.kind == Kind::Good) return {path_, std::move(reply.bytes)};
   const std::string why(reply.bytes.begin(), reply.bytes.end());
   throw InputError(reply.kind == Kind::Refused ? why : fmt::format("{}: the file is damaged: {}", path_, why));

@@ -13,8 +13,8 @@ namespace brim {
 ///
 /// The child answers questions: each is a number, each answer a list of bytes. It lives as long as the reader does.
 /// Limits: memory (what the parent has, plus 512 MiB, plus 64 times the file; of several files the largest) and
-/// processor time (60 s, plus 2 s per MiB of the file, or of all); a child from which nothing comes for twice that time
-/// is ended as well. Tests: tests/io/child_reader_test.cpp
+/// processor time (60 s, plus 2 s per MiB of the file, or of all; for the first answer less where Load says so); a
+/// child from which nothing comes for twice that time is ended as well. Tests: tests/io/child_reader_test.cpp
 class ChildReader {
  public:
   /// Bytes, one after another, as answers are made of.
@@ -80,7 +80,11 @@ class ChildReader {
   struct Load {
     double largest = 0.0;  ///< file, for memory
     double all = 0.0;      ///< of the files together, for time
+    /// [s] of processor time until the first answer, whatever the size; 0: as for all answers.
+    double opening = 0.0;
   };
+  /// Of one file.
+  static Load load_of(const std::string& path);
   /// The same of several files. @param path  what they are called together, in messages
   ChildReader(const std::string& path, const Load& load, Serve serve);
   ~ChildReader();
@@ -107,6 +111,8 @@ class ChildReader {
   std::string path_;
   Serve here_;  ///< where it answers in this process
   double seconds_ = 0.0, bytes_ = 0.0;
+  double opening_ = 0.0;  ///< [s] of processor time until the first answer
+  bool answered_ = false;
   int child_ = -1, channel_ = -1;
 };
 
