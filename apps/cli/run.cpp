@@ -95,6 +95,11 @@ int run(const Options& o) {
     case RunEnd::Interrupted:
       return kInterrupted;
     case RunEnd::Failed:
+      if (!result.refused.empty()) {
+        fmt::print(stderr, "brim: error: {}; the frames to {:.6g} s are in {}\n", result.refused,
+                   static_cast<double>(result.totals.frames - 1) * plan.info.frame_time, plan.folder);
+        return kFailed;
+      }
       fmt::print(stderr, "brim: error: a step failed at {:.6g} s; the frames before it and its report are in {}\n",
                  world.state().time, plan.folder);
       return kFailed;

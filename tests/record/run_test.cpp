@@ -144,6 +144,21 @@ TEST_F(Run, SummarySaysWhatHappenedAndWhichExpectationsHold) {
   EXPECT_EQ(text_of(folder_ / "run/scene.json"), kScene) << "the scene as run";
 }
 
+TEST_F(Run, AStepThatMemoryHasNoRoomForEndsTheRunWithTheFramesBeforeIt) {
+  std::string text = kScene;
+  text.replace(text.find("\"world\": {"), 10, "\"world\": {\"memory_limit\": 4e4, ");
+  text.replace(text.find("0.51"), 4, "0.58");  // met after some frames
+  const Scene scene = parse_scene(text);
+  World world = build_world(scene);
+  const RunResult result = record_run(world, plan(scene, at("full")), {});
+  EXPECT_EQ(result.end, RunEnd::Failed);
+  EXPECT_NE(result.refused.find("memory_limit"), std::string::npos) << result.refused;
+  EXPECT_GT(RunReader(at("full")).frames(), 1);
+  const auto s = nlohmann::json::parse(text_of(folder_ / "full/summary.json"));
+  EXPECT_EQ(s["end"], "failed");
+  EXPECT_EQ(s["warnings"]["codes"]["refused"], 1);
+}
+
 TEST_F(Run, XdmfIsWellFormedAndNamesWhatTheFileHolds) {
   std::string text = kScene;
   text.insert(text.find("{\"kind\": \"rigid\""),

@@ -201,10 +201,20 @@ RunResult record_run(World& world, const RunPlan& plan, const std::function<bool
   double record_seconds = 0.0;
   const double build_and_start = since(start);
   const Clock::time_point stepping = Clock::now();
+  const std::int64_t first_frame = frame;
   while (frame < plan.frames) {
     int taken = 0;
     if (leader) take_levels(*leader, frame + 1, world);
-    StepReport report = step_frame(world, plan.info.steps_per_frame, taken);
+    StepReport report;
+    try {
+      report = step_frame(world, plan.info.steps_per_frame, taken);
+    } catch (const InputError& e) {
+      if (frame == first_frame) throw;
+      result.end = RunEnd::Failed;
+      result.refused = e.what();
+      result.totals.warn({world.state().time, "refused", result.refused});
+      break;
+    }
     // Recording a frame ends after its report is written: its time counts with the next.
     report.seconds[static_cast<std::size_t>(Phase::Record)] += record_seconds;
     const Clock::time_point recording = Clock::now();

@@ -40,11 +40,13 @@ struct RunResult {
   std::vector<Finding> findings;
   RunTotals totals;
   bool started_over = false;  ///< what was to be gone on with had no frame yet: the run was made from its start
+  std::string refused{};      ///< why the last step could not be taken, as where memory_limit has no room for it
   bool ok() const;            ///< completed, and every finding as expected
 };
 
 /// Steps a world and records it. A run that is refused leaves nothing behind: what can be refused before its first step
-/// is, before a folder is made, and what the first step refuses takes a new folder with it.
+/// is, before a folder is made, and what the first frame refuses takes a new folder with it. What is refused later ends
+/// the run as one that failed, with the frames before it.
 /// @param world     as built; with plan.resume it is set to the last recorded state
 /// @param progress  called after each frame; false ends the run with all frames kept
 /// @throws InputError  for folders that cannot be used and runs that do not fit

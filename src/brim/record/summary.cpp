@@ -61,16 +61,18 @@ const char* run_end_word(RunEnd end) {
   return "failed";
 }
 
+void RunTotals::warn(const Warning& w) {
+  ++warning_count;
+  ++warning_codes[w.code];
+  if (warnings.size() < kWarningsKept) warnings.push_back(w);
+}
+
 void RunTotals::add(const StepReport& r, int n) {
   ++frames;
   last = r;
   last.pairs.clear();
   last.warnings.clear();
-  for (const Warning& w : r.warnings) {
-    ++warning_count;
-    ++warning_codes[w.code];
-    if (warnings.size() < kWarningsKept) warnings.push_back(w);
-  }
+  for (const Warning& w : r.warnings) warn(w);
   for (std::size_t i = 0; i < seconds.size(); ++i) seconds[i] += r.seconds[i];
   if (n == 0) return;
   if (steps == 0) energy_first = energy_largest = energy(r);

@@ -22,6 +22,7 @@ class RunTotals {
  public:
   /// @param steps  that the frame joins; 0 for the first frame
   void add(const StepReport& frame, int steps);
+  void warn(const Warning& warning);
 
   struct Count {
     double sum = 0.0, largest = 0.0;
