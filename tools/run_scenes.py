@@ -28,6 +28,8 @@ FAST = ROOT / "scenes" / "fast.txt"
 PAIRS = ROOT / "scenes" / "pairs"
 PAIR_TABLES = {"penalty": ["--response", "penalty"], "constraint": ["--response", "constraint"],
                "rest": ["--world", "rest"], "fine": ["--world", "fine"], "levels": ["--world", "levels"]}
+PAIR_TABLES |= {f"user_{table}": PAIR_TABLES[table] for table in ("penalty", "constraint")}
+USER_KIND = ["--with", "examples/user_body/pair.json", "--only", "user_body"]  # on every kind, with the example's plugin
 
 
 def read_json(path):
@@ -55,7 +57,8 @@ def jobs(brim, out, plugin, pair_steps=0):
             all_jobs[path.stem] = (scene_command(brim, path, out / path.stem, ["--plugin", str(plugin)]), path)
     steps = ["--steps", str(pair_steps)] if pair_steps else []
     for table, options in PAIR_TABLES.items():
-        all_jobs[f"pairs_{table}"] = ([brim, "pairs", "--json", "--threads", "1", *options, *steps], None)
+        user = ["--plugin", str(plugin), *USER_KIND] if table.startswith("user_") else []
+        all_jobs[f"pairs_{table}"] = ([brim, "pairs", "--json", "--threads", "1", *user, *options, *steps], None)
     return all_jobs
 
 

@@ -52,11 +52,13 @@ class Lists(unittest.TestCase):
 
     def test_the_known_misses_of_pairs_name_pairs(self):
         kinds = {k["name"] for k in run_scenes.read_json(run_scenes.PAIRS / "kinds.json")["kinds"]}
+        user = {k["name"] for k in run_scenes.read_json(run_scenes.ROOT / run_scenes.USER_KIND[1])["kinds"]}
         misses = json.loads((run_scenes.PAIRS / "known_misses.json").read_text(encoding="utf-8"))
         self.assertEqual(set(misses), set(run_scenes.PAIR_TABLES))
-        for table in misses.values():
-            for pair, why in table.items():
-                self.assertLessEqual(set(pair.split(" on ")), kinds)
+        for table, pairs in misses.items():
+            for pair, why in pairs.items():
+                self.assertLessEqual(set(pair.split(" on ")), kinds | user)
+                self.assertEqual(bool(set(pair.split(" on ")) & user), table.startswith("user_"))
                 self.assertTrue(why)
 
 

@@ -126,6 +126,19 @@ TEST(Pairs, AWorldOfTheTableChangesWhatItNames) {
   EXPECT_THROW(table.in_world("rset"), InputError);
 }
 
+TEST(Pairs, APageSaysWhyPairsFailWhereverItsTableSaysSo) {
+  const PairTable table = standard_pairs();
+  EXPECT_NE(pairs_markdown(table, {}, "").find("- " + table.notes.at(0)), std::string::npos);
+  PairTable rows = table;
+  rows.set_response("constraint");
+  EXPECT_NE(pairs_markdown(rows, {}, "").find("- " + table.constraint_notes.at(0)), std::string::npos);
+  const PairTable rest = table.in_world("rest");
+  PairResult failed;
+  failed.failures = {"moves"};
+  EXPECT_NE(pairs_section(rest, std::vector{failed}).find("- " + rest.notes.at(0)), std::string::npos);
+  EXPECT_EQ(pairs_section(rest, {}).find("- " + rest.notes.at(0)), std::string::npos) << "none fails";
+}
+
 TEST(Pairs, ABlockComesToRestOnAnotherWhichCarriesIt) {
   const PairTable rest = read_pair_table(table_with_worlds(), "table.json").in_world("rest");
   const PairResult r = run_pair(rest, rest.find("block"), rest.find("block"));

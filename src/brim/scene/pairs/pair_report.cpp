@@ -71,6 +71,12 @@ std::string kinds(const PairTable& table) {
   return text;
 }
 
+std::string notes(const PairTable& table) {
+  std::string text;
+  for (const std::string& note : table.notes) text += "- " + note + "\n";
+  return text;
+}
+
 struct Count {
   std::size_t run = 0, good = 0, skipped = 0;
 };
@@ -152,11 +158,7 @@ std::string pairs_markdown(const PairTable& table, std::span<const PairResult> r
       "other's wrong side; and the maps of both bodies keep linear and angular momentum as well as they state.\n\n",
       table.bounds.overlap, 100.0 * table.bounds.energy, 100.0 * table.bounds.drift, 100.0 * table.bounds.leak);
   text += "## The kinds\n" + kinds(table) + "\n";
-  if (!table.notes.empty()) {
-    text += "## Why some fail\n";
-    for (const std::string& note : table.notes) text += "- " + note + "\n";
-    text += "\n";
-  }
+  if (!table.notes.empty()) text += "## Why some fail\n" + notes(table) + "\n";
   text += "## Figures\n";
   text +=
       "*Momentum error*: what a body's map makes of the contact forces, against their sum over all nodes, relative to "
@@ -192,7 +194,9 @@ std::string pairs_section(const PairTable& table, std::span<const PairResult> re
         "The fastest of all moves at {:.2f} m/s at the end.\n\n",
         table.bounds.speed, 100.0 * table.bounds.carried, speed);
   }
-  return c.good == c.run ? text : text + "Those that fail:\n\n" + figures(results, true);
+  if (c.good == c.run) return text;
+  if (!table.notes.empty()) text += "Why some fail:\n\n" + notes(table) + "\n";
+  return text + "Those that fail:\n\n" + figures(results, true);
 }
 
 }  // namespace brim

@@ -34,6 +34,12 @@ PairKind read_kind(const Node& n) {
   return kind;
 }
 
+std::vector<std::string> read_notes(const Node& n, const char* key = "notes") {
+  std::vector<std::string> notes;
+  for (std::size_t i = 0; i < n.at(key).size(); ++i) notes.push_back(n.at(key).at(i).string());
+  return notes;
+}
+
 PairWorld read_world(const Node& n, const std::string& name, const PairDrop& drop) {
   PairWorld world;
   world.name = name;
@@ -42,6 +48,7 @@ PairWorld read_world(const Node& n, const std::string& name, const PairDrop& dro
   world.steps = n.has("steps") ? static_cast<int>(n.integer("steps")) : drop.steps;
   world.voxel_size = n.number("voxel_size");
   world.floor = n.boolean("floor");
+  world.notes = read_notes(n);
   return world;
 }
 
@@ -87,7 +94,7 @@ PairTable PairTable::in_world(const std::string& other) const {
   table.floor = chosen.floor;
   table.drop.steps = chosen.steps;
   table.worlds.clear();
-  table.notes.clear();
+  table.notes = chosen.notes;
   Json settings = Json::parse(world);
   settings.merge_patch(Json::parse(chosen.patch));
   if (chosen.voxel_size > 0.0) {
@@ -111,6 +118,9 @@ void PairTable::set_response(const std::string& response) {
   Json settings = Json::parse(world);
   settings["response"] = response;
   world = settings.dump();
+  if (response != "constraint") return;
+  notes = constraint_notes;
+  for (PairWorld& other : worlds) other.notes = constraint_notes;
 }
 
 void PairTable::add_kinds(const PairTable& other) {
@@ -141,7 +151,8 @@ PairTable read_pair_table(std::string_view text, const std::string& file) {
   table.bounds = {bounds.number("overlap"), bounds.number("energy"), bounds.number("drift"),
                   bounds.number("leak"),    bounds.number("speed"),  bounds.number("carried")};
   table.world = root.at("world").json().dump();
-  for (std::size_t i = 0; i < root.at("notes").size(); ++i) table.notes.push_back(root.at("notes").at(i).string());
+  table.notes = read_notes(root);
+  table.constraint_notes = read_notes(root, "constraint_notes");
   for (const auto& [name, entry] : root.at("worlds").json().items())
     table.worlds.push_back(read_world(root.at("worlds").at(name.c_str()), name, table.drop));
   std::set<std::string> names;

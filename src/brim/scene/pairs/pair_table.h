@@ -43,8 +43,9 @@ struct PairWorld {
   std::string about;  ///< how they meet, for the page
   std::string patch;  ///< of the table's world: a JSON merge patch (RFC 7396)
   int steps = 0;
-  double voxel_size = 0.0;  ///< [m] of the world and of every body that tells one; 0: as it is
-  bool floor = false;       ///< a plane under the lower body
+  double voxel_size = 0.0;         ///< [m] of the world and of every body that tells one; 0: as it is
+  bool floor = false;              ///< a plane under the lower body
+  std::vector<std::string> notes;  ///< as those of the table, of penalties
 };
 
 struct PairTable {
@@ -56,14 +57,16 @@ struct PairTable {
   bool floor = false;  ///< a plane under the lower body, on which the pair comes to rest
   std::vector<PairKind> kinds;
   std::vector<PairWorld> worlds;
-  std::vector<std::string> notes;  ///< what is known of pairs that fail, for the page (Markdown)
+  std::vector<std::string> notes;             ///< what is known of pairs that fail, for the page (Markdown)
+  std::vector<std::string> constraint_notes;  ///< the same under constraints, whatever the world
 
   /// @throws InputError  naming the nearest kind
   const PairKind& find(const std::string& name) const;
   /// Takes the kinds of another table in, under this table's drop, world and bounds.
   /// @throws InputError  when a name is already here
   void add_kinds(const PairTable& other);
-  /// Every pair answers like this, whatever the table's world says. @param response  "penalty" or "constraint"
+  /// Every pair answers like this, whatever the table's world says; its notes are those of that response. @param
+  /// response  "penalty" or "constraint"
   void set_response(const std::string& response);
   /// This table in one of its worlds. @throws InputError  naming the nearest
   PairTable in_world(const std::string& name) const;
