@@ -146,6 +146,10 @@ TEST(Dicom, PackedImagesGiveTheSameValues) {
                {"deflated", gdcm::TransferSyntax::DeflatedExplicitVRLittleEndian}};
   for (const auto& kind : kinds) {
     SCOPED_TRACE(kind.name);
+#ifdef __SANITIZE_THREAD__
+    // OpenJPEG starts threads, which that sanitizer forbids in a process that was forked from one with threads.
+    if (kind.syntax == gdcm::TransferSyntax::JPEG2000Lossless) continue;
+#endif
     // Large enough for wavelets.
     const auto value = [](int k, int i) { return 500 * k + (i * i) % 911; };
     const std::string path = write_series(folder, kind.name, [&](DicomSlice& s, int k) {
