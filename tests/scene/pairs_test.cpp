@@ -132,6 +132,7 @@ TEST(Pairs, APageSaysWhyPairsFailWhereverItsTableSaysSo) {
   PairTable rows = table;
   rows.set_response("constraint");
   EXPECT_NE(pairs_markdown(rows, {}, "").find("- " + table.constraint_notes.at(0)), std::string::npos);
+  EXPECT_NE(pairs_markdown(rows, {}, "").find("by constraints"), std::string::npos);
   const PairTable rest = table.in_world("rest");
   PairResult failed;
   failed.failures = {"moves"};

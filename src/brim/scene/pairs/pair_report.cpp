@@ -140,7 +140,8 @@ std::string pairs_json(const PairTable& table, std::span<const PairResult> resul
 
 std::string pairs_markdown(const PairTable& table, std::span<const PairResult> results, const std::string& command) {
   const Count c = count(results);
-  std::string text = "# Every kind meets every kind\n\n";
+  const bool rows = Json::parse(table.world).value("response", "") == "constraint";
+  std::string text = fmt::format("# Every kind meets every kind{}\n\n", rows ? ", by constraints" : "");
   text += fmt::format(
       "`{}` made this page. Each pair of kinds, each kind with itself included, meets {}: the "
       "upper body flies down at {:g} m/s on the lower one, which is at rest, for {} steps. **{} of {} pairs are "
