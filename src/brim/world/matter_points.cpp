@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 
 #include "brim/body/distance_bound.h"
 #include "brim/body/material_points.h"
@@ -20,6 +21,8 @@ constexpr double kMatter = 0.05;
 constexpr int kRounds = 120;
 /// Offset over the step at which it does.
 constexpr double kOnMiddle = 1e-10;
+/// [voxels] within which a point of a region is still the one that was asked for.
+constexpr double kBeside = 2.0;
 
 const PosedShape* solid_of(const WorldPart& part) {
   const auto* bound = dynamic_cast<const DistanceBound*>(part.body);
@@ -109,21 +112,43 @@ MatterPoints MatterPoints::of_part(const WorldPart& part, double w, std::span<co
     if (std::count(m.source_.begin(), m.source_.end(), -1) > 0) throw refuse();
   }
   // A map with an offset gives J q beside the point; on the middle it gives the point itself.
+  const std::vector<Vec3> wanted = m.x_;
   std::vector<Vec3> there(m.x_.size());
   std::unique_ptr<Map> map;
-  double off = 0.0;
-  for (int round = 0; round < kRounds; ++round) {
-    part.body->make_map(part.index, m.x_, m.source_, map);
-    map->velocity(q, there);
-    off = 0.0;
-    for (std::size_t i = 0; i < there.size(); ++i) {
-      off = std::max(off, (there[i] - m.x_[i]).norm());
-      if (!there[i].allFinite()) throw refuse();
+  std::vector<std::size_t> loose(m.x_.size());
+  std::iota(loose.begin(), loose.end(), 0);
+  for (int round = 0; round < kRounds && !loose.empty(); ++round) {
+    std::vector<Vec3> at(loose.size()), next(loose.size());
+    std::vector<std::int32_t> source(loose.size());
+    for (std::size_t k = 0; k < loose.size(); ++k) at[k] = m.x_[loose[k]], source[k] = m.source_[loose[k]];
+    part.body->make_map(part.index, at, source, map);
+    map->velocity(q, next);
+    std::vector<std::size_t> still;
+    for (std::size_t k = 0; k < loose.size(); ++k) {
+      if (!next[k].allFinite()) throw refuse();
+      const Vec3 offset = next[k] - at[k];
+      if (offset.norm() <= kOnMiddle * part.h) continue;
+      m.x_[loose[k]] += offset / 3.0;
+      still.push_back(loose[k]);
     }
-    if (off <= kOnMiddle * part.h) break;
-    for (std::size_t i = 0; i < there.size(); ++i) m.x_[i] += (there[i] - m.x_[i]) / 3.0;
+    loose = std::move(still);
   }
-  if (!(off <= kOnMiddle * part.h)) throw refuse();
+  // At the rim of a scan's matter a few have no such place, or one that is far: those beside them hold for these.
+  std::vector<std::uint8_t> is_loose(m.x_.size(), 0);
+  for (const std::size_t i : loose) is_loose[i] = 1;
+  std::vector<std::size_t> held;
+  for (std::size_t i = 0; i < m.x_.size(); ++i)
+    if (is_loose[i] == 0 && (m.x_[i] - wanted[i]).norm() <= kBeside * part.h) held.push_back(i);
+  if (2 * loose.size() > m.x_.size()) throw refuse();
+  for (std::size_t i = 0; i < m.x_.size() && !held.empty(); ++i) {
+    if (is_loose[i] == 0 && (m.x_[i] - wanted[i]).norm() <= kBeside * part.h) continue;
+    const std::size_t j = *std::min_element(held.begin(), held.end(), [&](std::size_t c, std::size_t d) {
+      return (wanted[c] - wanted[i]).squaredNorm() < (wanted[d] - wanted[i]).squaredNorm();
+    });
+    m.x_[i] = m.x_[j], m.source_[i] = m.source_[j];
+  }
+  part.body->make_map(part.index, m.x_, m.source_, map);
+  map->velocity(q, there);
   m.x_ = there;
   m.map_ = std::move(map);
   return m;

@@ -13,14 +13,16 @@ namespace brim {
 ///   a solid's pose            rigid bodies, obstacles, links of trees
 ///   MaterialPoints            bodies of one's own
 ///   J q, J the map at start   bodies of nodes, whose map is linear in their positions
-/// exactly, so that nothing needs to be kept from step to step.  Tests: tests/world/links_test.cpp
+/// exactly, so that nothing needs to be kept from step to step.  Tests: tests/world/links_test.cpp,
+/// matter_points_test.cpp
 class MatterPoints {
  public:
   /// Points of space. @param x  [m]
   static MatterPoints of_space(std::vector<Vec3> x);
   /// Takes the points of a part where it is now. Solids and bodies of one's own carry any point; other bodies must have
   /// matter within two voxels of it: else the nearest vertex of their display is taken, and a sheet's, a rod's or a
-  /// grain's point lies on its middle. @param part  its h must be known  @param w  [m] ramp  @param q  of the body
+  /// grain's point lies on its middle. Where several are asked for, those whose matter is more than two voxels off are
+  /// replaced by the nearest that is not. @param part  its h must be known  @param w  [m] ramp  @param q  of the body
   /// @throws InputError for fluids and bodies that have no points to hold
   static MatterPoints of_part(const WorldPart& part, double w, std::span<const double> q, std::vector<Vec3> x);
 
