@@ -159,7 +159,7 @@ struct FileTarget {
 inline constexpr FileTarget kFileTargets[] = {
     {"ply", Where::Here, [](Bytes b) { return surface(b, "a.ply"); }},
     {"off", Where::Here, [](Bytes b) { return surface(b, "a.off"); }},
-    {"obj", Where::Apart, [](Bytes b) { return surface(b, "a.obj"); }},
+    {"obj", Where::Here, [](Bytes b) { return surface(b, "a.obj"); }},
     {"stl", Where::Apart, [](Bytes b) { return surface(b, "a.stl"); }},
     {"gltf", Where::Apart, [](Bytes b) { return surface(b, "a.gltf"); }},
     {"glb", Where::Apart, [](Bytes b) { return surface(b, "a.glb"); }},

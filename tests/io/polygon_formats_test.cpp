@@ -72,6 +72,18 @@ TEST(PolygonFormats, WhatElseAPlyHoldsIsPassedOver) {
   EXPECT_EQ(soup.triangles().size(), 1u);
 }
 
+TEST(PolygonFormats, ObjFacesNameVerticesInAllTheirWays) {
+  const test::TemporaryFolder folder;
+  const PolygonSoup a = read_obj(folder.write("a.obj",
+                                              "# made by hand\no square\nv 0 0 0\nv +1. 0 0\nv 1 1 .5 \\\n 1 0 0\n"
+                                              "vt 0 0\nvn 0 0 1\nv 0 2 0 2\ng one\ns off\nusemtl red\n"
+                                              "f 1/1/1 2//1 3/1 4 # all four\nf -4 -3 -2\nl 1 2\n"));
+  const std::vector<Vec3> wanted = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0.5}, {0, 1, 0}};
+  EXPECT_EQ(a.vertices, wanted);
+  const std::vector<Triangle> faces = {{0, 1, 2}, {0, 2, 3}, {0, 1, 2}};
+  EXPECT_EQ(a.triangles(), faces);
+}
+
 TEST(PolygonFormats, OffMayHaveCommentsColoursAndItsCountsOnTheFirstLine) {
   const test::TemporaryFolder folder;
   const PolygonSoup a = read_off(folder.write(
@@ -96,6 +108,13 @@ TEST(PolygonFormats, DamagedFilesAreRefusedAtOnce) {
       {"f.off", "OFF BINARY\n4 1 0\n"},
       {"g.off", "4OFF\n1 1 0\n0 0 0 0\n"},
       {"h.ply", "ply\nformat ascii 1.0\n"},
+      {"a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 4\n"},
+      {"b.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 0\n"},
+      {"c.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 -4\n"},
+      {"d.obj", "v 0 0 0\nv 1 0 0\nv 1 1\nf 1 2 3\n"},
+      {"e.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0 0\nf 1 2 3\n"},
+      {"f.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 99999999999\n"},
+      {"g.obj", "v 0 0 0\nv 1 0 0\nv 1 1 x\nf 1 2 3\n"},
       {"i.ply", kPlyHead + square + "4 0 1 2 -1\n"},
       {"j.ply", kPlyHead + square + "4 0 1 2 4\n"},
       {"k.ply", kPlyHead + square + "4 0 1 2 1.5\n"},
@@ -117,7 +136,8 @@ TEST(PolygonFormats, MutatedFilesNeitherCrashNorHang) {
   SCOPED_TRACE(seed);
   std::mt19937 random(seed);
   const std::string good[][2] = {{"a.ply", kPlyHead + "0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n"},
-                                 {"a.off", "OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n"}};
+                                 {"a.off", "OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n"},
+                                 {"a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n"}};
   int refused = 0;
   for (const auto& [name, text] : good)
     for (int n = 0; n < 1500; ++n) {

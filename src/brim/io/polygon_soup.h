@@ -29,6 +29,7 @@ class PolygonSoup {
 /// is used (docs/dependencies.md says why they are not left to a library). Faces need three corners or more.
 /// @throws InputError  with the path, the place and the reason
 /// Tests: tests/io/polygon_formats_test.cpp
+PolygonSoup read_obj(const std::filesystem::path& path);  ///< positions and faces; all else is passed over
 PolygonSoup read_ply(const std::filesystem::path& path);  ///< text and both binary forms
 PolygonSoup read_off(const std::filesystem::path& path);  ///< text; colours, normals and textures are passed over
 

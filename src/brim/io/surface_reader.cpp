@@ -19,8 +19,12 @@ constexpr std::array<std::string_view, 6> kFormats = {".obj", ".stl", ".ply", ".
 
 /// Triangles as the file has them, before equal vertices are joined.
 TriMesh read_triangles(const std::filesystem::path& path, const std::string& extension) {
-  if (extension != ".ply" && extension != ".off") return read_by_assimp(path.string(), extension);
-  PolygonSoup soup = extension == ".ply" ? read_ply(path) : read_off(path);
+  const auto own = extension == ".obj"   ? read_obj
+                   : extension == ".ply" ? read_ply
+                   : extension == ".off" ? read_off
+                                         : nullptr;
+  if (own == nullptr) return read_by_assimp(path.string(), extension);
+  PolygonSoup soup = own(path);
   return {std::move(soup.vertices), soup.triangles()};
 }
 

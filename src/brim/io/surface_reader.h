@@ -7,7 +7,7 @@
 
 namespace brim {
 
-/// Reads a surface from OBJ, STL, PLY, OFF (read by brim), glTF or GLB (by Assimp): polygons become triangles, vertices
+/// Reads a surface from OBJ, PLY, OFF (read by brim), STL, glTF or GLB (by Assimp): polygons become triangles, vertices
 /// at equal positions are joined, node transforms are applied; normals, textures and materials are left out. Lengths as
 /// in the file, taken as metres; positions have single precision. Triangles with two equal corners are dropped.
 /// @throws InputError  with the path and the reason: missing, unknown format, not readable, no triangles, a vertex that
