@@ -1,6 +1,6 @@
 #include "brim/body/particles/mean_motion.h"
 
-#include "brim/math/rotation.h"
+#include "brim/math/free_turn.h"
 #include "brim/math/small_symmetric.h"
 
 namespace brim {
@@ -69,25 +69,30 @@ void take_inertia(const ParticleSet& p, std::span<const double> x, MeanMotion& m
 
 }  // namespace
 
-Vec3 MeanMotion::spin_of(const Vec3& L) const {
-  if (axis) {
-    const double about = axis->dot(inertia * *axis);
-    return about > 0.0 ? Vec3(*axis * (axis->dot(L) / about)) : Vec3::Zero();
-  }
-  const SymmetricAxes e = symmetric_axes(inertia);
+namespace {
+
+/// ω of an angular momentum, the axes of inertia known.
+Vec3 spin_about(const SymmetricAxes& e, const Vec3& L) {
   Vec3 w = Vec3::Zero();
   for (int k = 0; k < 3; ++k)
     if (e.values[k] > kNoInertia * e.values[2]) w += e.vectors.col(k) * (e.vectors.col(k).dot(L) / e.values[k]);
   return w;
 }
 
-Mat3 MeanMotion::turn(double dt) const {
-  Vec3 middle = spin;
-  if (!axis) {
-    const Mat3 half = rotation_from_vector(0.5 * dt * spin).toRotationMatrix();
-    middle = half * spin_of(half.transpose() * (inertia * spin));
+}  // namespace
+
+Vec3 MeanMotion::spin_of(const Vec3& L) const {
+  if (axis) {
+    const double about = axis->dot(inertia * *axis);
+    return about > 0.0 ? Vec3(*axis * (axis->dot(L) / about)) : Vec3::Zero();
   }
-  return rotation_from_vector(dt * middle).toRotationMatrix();
+  return spin_about(symmetric_axes(inertia), L);
+}
+
+Mat3 MeanMotion::turn(double dt) const {
+  if (axis) return rotation_from_vector(dt * spin).toRotationMatrix();
+  const SymmetricAxes axes = symmetric_axes(inertia);
+  return free_turn(inertia * spin, dt, [&](const Vec3& L) { return spin_about(axes, L); }).toRotationMatrix();
 }
 
 MeanMotion mean_motion(const ParticleSet& p, std::span<const double> x, std::span<const double> v) {

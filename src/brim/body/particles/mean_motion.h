@@ -26,7 +26,7 @@ struct MeanMotion {
 
   /// ω of an angular momentum about c; nothing about axes without inertia.
   Vec3 spin_of(const Vec3& L) const;
-  /// R of a step, by the midpoint rule with the angular momentum held: second order for what tumbles.
+  /// R of a step with the angular momentum held (free_turn).
   Mat3 turn(double dt) const;
 };
 

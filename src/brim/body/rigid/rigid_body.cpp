@@ -4,7 +4,7 @@
 
 #include "brim/core/error.h"
 #include "brim/map/rigid_map.h"
-#include "brim/math/rotation.h"
+#include "brim/math/free_turn.h"
 #include "brim/math/small_symmetric.h"
 
 namespace brim {
@@ -41,14 +41,11 @@ void RigidBody::update(double, std::span<const double> q, std::span<const double
 
 void RigidBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
   Eigen::Map<Vec3>(q.data()) += dt * Vec3(v[0], v[1], v[2]);
-  // Midpoint rule on the rotation with the angular momentum held: second order for tumbling bodies.
+  // The rotation of a free body: the angular momentum is held, the spin is not.
   const Quat r(q[3], q[4], q[5], q[6]);
-  const Vec3 w(v[3], v[4], v[5]);
-  const Mat3 R = r.toRotationMatrix();
-  const Vec3 L = R * (model_.inertia * (R.transpose() * w));
-  const Mat3 half = (rotation_from_vector(0.5 * dt * w) * r).toRotationMatrix();
-  const Vec3 mid = half * model_.inertia.llt().solve(half.transpose() * L);
-  const Quat next = (rotation_from_vector(dt * mid) * r).normalized();
+  const Mat3 R = r.toRotationMatrix(), inverse = R * model_inverse_ * R.transpose();
+  const Vec3 L = R * (model_.inertia * (R.transpose() * Vec3(v[3], v[4], v[5])));
+  const Quat next = (free_turn(L, dt, [&](const Vec3& l) -> Vec3 { return inverse * l; }) * r).normalized();
   q[3] = next.w(), q[4] = next.x(), q[5] = next.y(), q[6] = next.z();
 }
 
