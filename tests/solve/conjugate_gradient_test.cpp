@@ -60,7 +60,8 @@ TEST(ConjugateGradient, AScaleFromBeforeSavesAPreconditioningAndTellsWhenToStop)
   Problem p(120);
   Eigen::VectorXd first = Eigen::VectorXd::Zero(120);
   ConjugateGradient cg;
-  const SolveReport draft = cg.solve(p.system, view(p.b), 1e-2, 1000, view(first));
+  std::vector<double> scale;
+  cg.solve(p.system, view(p.b), 1e-2, 1000, view(first), scale);
   int preconditionings = 0;
   const auto precondition = p.system.precondition;
   p.system.precondition = [&](std::span<const double> r, std::span<double> z) {
@@ -70,7 +71,7 @@ TEST(ConjugateGradient, AScaleFromBeforeSavesAPreconditioningAndTellsWhenToStop)
   const SolveReport a = cg.solve(p.system, view(p.b), 1e-8, 1000, view(alone));
   EXPECT_EQ(preconditionings, a.iterations + 2);
   preconditionings = 0;
-  const SolveReport b = cg.solve(p.system, view(p.b), 1e-8, 1000, view(told), draft.scale);
+  const SolveReport b = cg.solve(p.system, view(p.b), 1e-8, 1000, view(told), scale);
   EXPECT_EQ(preconditionings, b.iterations + 1);
   EXPECT_EQ(alone, told);
   EXPECT_EQ(a.residual, b.residual);
@@ -135,14 +136,15 @@ TEST(ConjugateGradient, StartingFromTheSolutionTakesNoIteration) {
 TEST(ConjugateGradient, ARightHandSideThatChangesNothingIsNotResolved) {
   Problem p(40);
   Eigen::VectorXd x = Eigen::VectorXd::Zero(40), exact = p.A.ldlt().solve(p.b);
-  p.system.negligible = 0.25 * exact.dot(p.A * exact);
+  double negligible = 0.25 * exact.dot(p.A * exact);
+  p.system.negligible = {&negligible, 1};
   const int partly = ConjugateGradient().solve(p.system, view(p.b), 1e-12, 200, view(x)).iterations;
   EXPECT_GT(partly, 0);
-  p.system.negligible = 0.0;
+  negligible = 0.0;
   x.setZero();
   EXPECT_GT(ConjugateGradient().solve(p.system, view(p.b), 1e-12, 200, view(x)).iterations, partly);
   p.b *= 1e-9;  // rounding, beside what counts
-  p.system.negligible = 1e-14 * exact.dot(p.A * exact);
+  negligible = 1e-14 * exact.dot(p.A * exact);
   x.setZero();
   const SolveReport r = ConjugateGradient().solve(p.system, view(p.b), 1e-12, 200, view(x));
   EXPECT_EQ(r.iterations, 0);
@@ -157,6 +159,49 @@ TEST(ConjugateGradient, ZeroRightHandSideGivesZero) {
   EXPECT_TRUE(r.converged);
   EXPECT_EQ(r.iterations, 0);
   EXPECT_EQ(x.norm(), 0.0);
+}
+
+TEST(ConjugateGradient, AnIslandIsSolvedAsIfItWereAloneHoweverHardOthersArePushed) {
+  SCOPED_TRACE(kSeed);
+  // Unknowns 0 to 29 and 50 to 79 are one, 30 to 49 another, of which the first is pushed a million times as hard; its
+  // preconditioner is exact.
+  Problem p(80);
+  const auto in_one = [](int i) { return i < 30 || i >= 50; };
+  for (int i = 0; i < 80; ++i)
+    for (int j = 0; j < 80; ++j)
+      if (i != j && (in_one(i) || in_one(j))) p.A(i, j) = 0.0;
+  for (int i = 0; i < 80; ++i)
+    if (in_one(i)) p.b[i] *= 1e6;
+  Eigen::VectorXd light = p.b, alone = Eigen::VectorXd::Zero(80), together = alone, mixed = alone;
+  for (int i = 0; i < 80; ++i)
+    if (in_one(i)) light[i] = 0.0;
+  const std::vector<std::size_t> first = {0, 30, 50, 80};
+  const std::vector<std::int32_t> island = {0, 1, 0};
+  LinearSystem system = p.system;
+  ConjugateGradient cg;
+  cg.solve(p.system, view(p.b), 1e-3, 1000, view(mixed));
+  cg.solve(p.system, view(light), 1e-3, 1000, view(alone));
+  int left_out = 0;
+  system.first = first, system.island = island;
+  system.apply = [&](std::span<const double> x, std::span<double> y) {
+    p.system.apply(x, y);
+    EXPECT_EQ(cg.solved(0), cg.solved(2));
+    for (int i = 30; i < 50 && cg.solved(1); ++i) y[i] = std::numeric_limits<double>::quiet_NaN(), left_out = 1;
+    for (int i = 0; i < 80 && cg.solved(0); ++i)
+      if (in_one(i)) y[i] = std::numeric_limits<double>::quiet_NaN(), left_out = 1;
+  };
+  const SolveReport r = cg.solve(system, view(p.b), 1e-3, 1000, view(together));
+  EXPECT_TRUE(r.converged && r.finite);
+  EXPECT_LE(r.residual, 1e-3);
+  EXPECT_EQ(left_out, 1) << "one of them takes fewer iterations";
+  EXPECT_FALSE(cg.solved(0) || cg.solved(1)) << "after the solve all count again";
+  const Eigen::VectorXd exact = p.A.ldlt().solve(p.b);
+  const auto error = [&](const Eigen::VectorXd& x) {
+    return (x - exact).segment(30, 20).norm() / exact.segment(30, 20).norm();
+  };
+  for (int i = 30; i < 50; ++i) EXPECT_NEAR(together[i], alone[i], 1e-12 * exact.segment(30, 20).norm());
+  EXPECT_LT(error(together), 1e-2);
+  EXPECT_GT(error(mixed), 1e2 * error(together)) << "what one tolerance for both would leave";
 }
 
 TEST(ConjugateGradient, ReportsValuesThatAreNotFinite) {

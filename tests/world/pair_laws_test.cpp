@@ -21,12 +21,18 @@ int warnings_of(World& w, const std::string& code, int steps) {
   return said;
 }
 
+/// Of that stiffness, [Pa]; 0: chosen.
+World on_ground(double stiffness) {
+  WorldOptions o = options_at(0.125);
+  o.stiffness = stiffness;
+  World w(o);
+  w.add(ground(0.5));
+  return w;
+}
+
 TEST(PairLaws, AContactThirtyTimesStifferThanItsLoadsAskForIsTold) {
   const auto said = [](double stiffness) {
-    WorldOptions o = options_at(0.125);
-    o.stiffness = stiffness;
-    World w(o);
-    w.add(ground(0.5));
+    World w = on_ground(stiffness);
     FemOptions options;
     options.young = 1e5;
     w.add(std::make_unique<FemBody>(testing::block(2, 2, 2, 0.25), options));
@@ -41,10 +47,7 @@ TEST(PairLaws, AContactThirtyTimesStifferThanItsLoadsAskForIsTold) {
 /// kJ.
 TEST(PairLaws, AGigapascalBetweenRigidBoxesIsTold) {
   const auto said = [](double stiffness) {
-    WorldOptions o = options_at(0.125);
-    o.stiffness = stiffness;
-    World w(o);
-    w.add(ground(0.5));
+    World w = on_ground(stiffness);
     w.add(box("lower", {Vec3(0, 0, 0.6)}, 0.5, 0.4));
     w.add(box("upper", {Vec3(0.05, 0.02, 1.2)}, 0.5, 0.4));
     return warnings_of(w, "stiff_contact", 3);

@@ -8,7 +8,7 @@ namespace brim {
 
 /// Optional interface of bodies that may be set elsewhere as a whole between steps (World::move). Kinds whose place is
 /// not theirs to choose, as the box of a grid, do not have it.
-/// Tests: tests/world/editing_test.cpp
+/// Tests: tests/world/moving_test.cpp
 class Movable {
  public:
   virtual ~Movable() = default;

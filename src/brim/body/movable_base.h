@@ -6,7 +6,7 @@ namespace brim {
 
 /// Optional interface of bodies that stand on a base which is no coordinate of theirs: a tree that is fixed to the
 /// world, the box of a grid. The world keeps where the base is as a part of its state (World::move, Edits). Tests:
-/// tests/world/editing_test.cpp
+/// tests/world/moving_test.cpp
 class MovableBase {
  public:
   virtual ~MovableBase() = default;

@@ -1,132 +1,24 @@
 #include "brim/record/h5.h"
 
-#include <fmt/ranges.h>
 #include <hdf5.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <utility>
 
 #include "brim/record/h5_check.h"
 #include "brim/record/h5_driver.h"
+#include "brim/record/h5_native.h"
 #include "brim/record/journal.h"
 
 namespace brim::h5 {
 
-static_assert(sizeof(hid_t) == sizeof(Id));
-
 namespace {
-
-hid_t native(Type t) {
-  switch (t) {
-    case Type::Float64:
-      return H5T_NATIVE_DOUBLE;
-    case Type::Float32:
-      return H5T_NATIVE_FLOAT;
-    case Type::Int64:
-      return H5T_NATIVE_INT64;
-    case Type::Int32:
-      return H5T_NATIVE_INT32;
-    case Type::UInt8:
-      return H5T_NATIVE_UINT8;
-  }
-  return -1;
-}
-
-/// Little-endian in the file, whatever the machine.
-hid_t stored(Type t) {
-  switch (t) {
-    case Type::Float64:
-      return H5T_IEEE_F64LE;
-    case Type::Float32:
-      return H5T_IEEE_F32LE;
-    case Type::Int64:
-      return H5T_STD_I64LE;
-    case Type::Int32:
-      return H5T_STD_I32LE;
-    case Type::UInt8:
-      return H5T_STD_U8LE;
-  }
-  return -1;
-}
-
-/// Keeps the library from printing its error stack; we say what went wrong ourselves. Builds of HDF5 for threads keep
-/// the setting for each thread apart.
-void hush() {
-  // Every handle is closed by its owner. After a disk was full the library's own clearing up at exit crashes.
-  static const bool no_exit_handler = H5dont_atexit() >= 0;
-  (void)no_exit_handler;
-  thread_local const bool once = [] {
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-    return true;
-  }();
-  (void)once;
-}
-
-// Deflate packs at most 1032 : 1 (zlib's documentation): what a shape says beyond that is not in the file.
-constexpr std::uint64_t kMostDeflation = 1100;
-constexpr std::uint64_t kSmallBytes = 1 << 20;
-constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 40;
-
-std::uint64_t bytes_of(Type t) {
-  return t == Type::Float64 || t == Type::Int64 ? 8 : t == Type::Float32 || t == Type::Int32 ? 4 : 1;
-}
-
-bool real(Type t) { return t == Type::Float64 || t == Type::Float32; }
-
-template <class T>
-T need(T result, const std::string& path, const char* what) {
-  if (result < 0) throw InputError(fmt::format("{}: {}", path, what));
-  return result;
-}
-
-constexpr const char* kNotWritten = "cannot be written; is the disk full?";
 
 /// What the library holds back of a small data set is written when it is closed.
 void close_written(Handle& set, const std::string& path) { need(H5Dclose(set.release()), path, kNotWritten); }
-
-Handle text_type(std::size_t length) {
-  Handle type(H5Tcopy(H5T_C_S1));
-  H5Tset_size(type.id(), length);
-  H5Tset_strpad(type.id(), H5T_STR_NULLPAD);
-  H5Tset_cset(type.id(), H5T_CSET_UTF8);
-  return type;
-}
-
-/// Refuses attributes of more than one value: they are read into the room of one.
-void need_single(Id attribute, const std::string& where) {
-  const Handle space(need(H5Aget_space(attribute), where, "cannot be read"));
-  if (H5Sget_simple_extent_npoints(space.id()) != 1) throw InputError(fmt::format("{}: must be a single value", where));
-}
-
-/// Refuses data sets that store fewer bytes than their elements need: HDF5 1.10 takes a chunk or a compact data set for
-/// whole whatever its length in the file says, and would read beyond its end. Chunks whose lengths are wrong but right
-/// together are not seen, nor what packed chunks unpack to.
-void need_whole_storage(Id set, const std::string& path) {
-  const Handle list(need(H5Dget_create_plist(set), path, "cannot be read")),
-      space(need(H5Dget_space(set), path, "cannot be read")), type(need(H5Dget_type(set), path, "cannot be read"));
-  const H5D_layout_t layout = H5Pget_layout(list.id());
-  std::vector<hsize_t> extents(
-      static_cast<std::size_t>(need(H5Sget_simple_extent_ndims(space.id()), path, "has no shape")));
-  hsize_t pieces = 1;
-  if (layout == H5D_CHUNKED && H5Pget_nfilters(list.id()) == 0) {
-    need(H5Pget_chunk(list.id(), static_cast<int>(extents.size()), extents.data()), path, "is damaged");
-    need(H5Dget_num_chunks(set, space.id(), &pieces), path, "is damaged");
-  } else if (layout == H5D_COMPACT) {
-    H5Sget_simple_extent_dims(space.id(), extents.data(), nullptr);
-  } else {
-    return;
-  }
-  double wanted = static_cast<double>(H5Tget_size(type.id())) * static_cast<double>(pieces);
-  for (const hsize_t n : extents) wanted *= static_cast<double>(n);
-  const auto stored = static_cast<double>(H5Dget_storage_size(set));
-  if (wanted != stored)
-    throw InputError(
-        fmt::format("{}: stores {} bytes where its shape needs {}; the file is damaged", path, stored, wanted));
-}
 
 }  // namespace
 
@@ -158,125 +50,6 @@ Handle::~Handle() {
     default:
       break;
   }
-}
-
-std::vector<std::uint64_t> Dataset::shape() const {
-  hush();
-  const Handle space(need(H5Dget_space(handle_.id()), path_, "cannot be read"));
-  std::vector<hsize_t> dims(
-      static_cast<std::size_t>(need(H5Sget_simple_extent_ndims(space.id()), path_, "has no shape")));
-  if (dims.empty()) throw InputError(fmt::format("{}: is a single value; it must have rows", path_));
-  H5Sget_simple_extent_dims(space.id(), dims.data(), nullptr);
-  return {dims.begin(), dims.end()};
-}
-
-Type Dataset::type() const {
-  const Handle type(need(H5Dget_type(handle_.id()), path_, "cannot be read"));
-  const H5T_class_t kind = H5Tget_class(type.id());
-  const std::size_t size = H5Tget_size(type.id());
-  if (kind == H5T_FLOAT && size == 8) return Type::Float64;
-  if (kind == H5T_FLOAT && size == 4) return Type::Float32;
-  if (kind == H5T_INTEGER && size == 8) return Type::Int64;
-  if (kind == H5T_INTEGER && size == 4) return Type::Int32;
-  if (kind == H5T_INTEGER && size == 1) return Type::UInt8;
-  throw InputError(fmt::format("{}: has elements of a type that brim does not write", path_));
-}
-
-void Dataset::append(const void* data, std::uint64_t rows, Type type) {
-  if (rows == 0) return;
-  std::vector<std::uint64_t> dims = shape();
-  std::vector<hsize_t> size(dims.begin(), dims.end()), start(dims.size(), 0), count(dims.begin(), dims.end());
-  start[0] = size[0];
-  size[0] += rows;
-  count[0] = rows;
-  need(H5Dset_extent(handle_.id(), size.data()), path_, "cannot grow; is the disk full?");
-  for (std::size_t i = 1; i < count.size(); ++i)
-    if (count[i] == 0) return;
-  const Handle space(need(H5Dget_space(handle_.id()), path_, "cannot be read"));
-  need(H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), path_,
-       "bad rows");
-  const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr));
-  need(H5Dwrite(handle_.id(), native(type), memory.id(), space.id(), H5P_DEFAULT, data), path_, kNotWritten);
-}
-
-void Dataset::need_rows(std::uint64_t first, std::uint64_t rows, std::span<const std::uint64_t> row) const {
-  const std::vector<std::uint64_t> dims = shape();
-  if (dims.size() != row.size() + 1 || !std::equal(row.begin(), row.end(), dims.begin() + 1))
-    throw InputError(fmt::format("{}: has shape ({}); it must have rows of shape ({})", path_, fmt::join(dims, ", "),
-                                 fmt::join(row, ", ")));
-  if (first > dims[0] || rows > dims[0] - first)
-    throw InputError(fmt::format("{}: rows {} to {} asked for, but it has {}", path_, first, first + rows, dims[0]));
-  std::uint64_t bytes = bytes_of(type());
-  for (const std::uint64_t n : row) {
-    if (n > 0 && bytes > kMostBytes / n) throw InputError(fmt::format("{}: has rows that are too long", path_));
-    bytes *= n;
-  }
-  const std::uint64_t stored = H5Dget_storage_size(handle_.id());
-  if (bytes > 0 && rows > (kMostDeflation * stored + kSmallBytes) / bytes)
-    throw InputError(fmt::format("{}: says {} rows of {} bytes, but stores {} bytes; the file is damaged", path_, rows,
-                                 bytes, stored));
-}
-
-void Dataset::read(void* data, std::uint64_t elements, std::uint64_t first, std::uint64_t rows, Type type) const {
-  const std::vector<std::uint64_t> dims = shape();
-  need_rows(first, rows, std::span(dims).subspan(std::min<std::size_t>(1, dims.size())));
-  std::uint64_t held = rows;
-  for (std::size_t a = 1; a < dims.size(); ++a) held *= dims[a];
-  if (held != elements)
-    throw InputError(fmt::format("{}: has shape ({}); {} numbers in {} rows are needed", path_, fmt::join(dims, ", "),
-                                 elements, rows));
-  if (real(this->type()) != real(type))
-    throw InputError(fmt::format("{}: has {}; it must have {}", path_, real(type) ? "integers" : "real numbers",
-                                 real(type) ? "real numbers" : "integers"));
-  std::vector<hsize_t> start(dims.size(), 0), count(dims.begin(), dims.end());
-  start[0] = first;
-  count[0] = rows;
-  for (const hsize_t c : count)
-    if (c == 0) return;
-  need_whole_storage(handle_.id(), path_);
-  const Handle space(need(H5Dget_space(handle_.id()), path_, "cannot be read"));
-  need(H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr), path_,
-       "bad rows");
-  const Handle memory(H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr));
-  need(H5Dread(handle_.id(), native(type), memory.id(), space.id(), H5P_DEFAULT, data), path_, "is damaged");
-}
-
-void Dataset::cut(std::uint64_t rows) {
-  const std::vector<std::uint64_t> dims = shape();
-  std::vector<hsize_t> size(dims.begin(), dims.end());
-  if (size[0] <= rows) return;
-  size[0] = rows;
-  need(H5Dset_extent(handle_.id(), size.data()), path_, "cannot be cut");
-}
-
-void Dataset::set_rows(std::uint64_t rows) {
-  const std::vector<std::uint64_t> dims = shape();
-  std::vector<hsize_t> size(dims.begin(), dims.end());
-  size[0] = rows;
-  need(H5Dset_extent(handle_.id(), size.data()), path_, "cannot grow; is the disk full?");
-}
-
-std::uint64_t Dataset::chunk_rows() const {
-  const Handle list(need(H5Dget_create_plist(handle_.id()), path_, "cannot be read"));
-  const std::vector<std::uint64_t> dims = shape();
-  std::vector<hsize_t> chunk(dims.size(), 0);
-  if (H5Pget_layout(list.id()) != H5D_CHUNKED || H5Pget_nfilters(list.id()) != 0 ||
-      H5Pget_chunk(list.id(), static_cast<int>(chunk.size()), chunk.data()) != static_cast<int>(chunk.size()))
-    throw InputError(fmt::format("{}: is not stored in plain chunks, so it cannot be gone on with", path_));
-  for (std::size_t a = 1; a < dims.size(); ++a)
-    if (chunk[a] != std::max<std::uint64_t>(dims[a], 1))
-      throw InputError(fmt::format("{}: is not stored in whole rows, so it cannot be gone on with", path_));
-  return chunk[0];
-}
-
-void Dataset::write_chunk(std::uint64_t first, const void* data, std::size_t bytes) {
-  std::vector<hsize_t> offset(shape().size(), 0);
-  offset[0] = first;
-  need(H5Dwrite_chunk(handle_.id(), H5P_DEFAULT, 0, offset.data(), bytes, data), path_, kNotWritten);
-}
-
-void Dataset::overwrite(const void* data, Type type) {
-  need(H5Dwrite(handle_.id(), native(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data), path_, kNotWritten);
 }
 
 bool never_flushed(const std::string& path) {
@@ -445,73 +218,6 @@ std::vector<std::string> File::datasets() const {
   need(H5Lvisit(handle_.id(), H5_INDEX_NAME, H5_ITER_NATIVE, visit, &list), path_, "is damaged");
   std::sort(list.begin(), list.end());
   return list;
-}
-
-namespace {
-
-void put_attribute(Id file, const std::string& object, const std::string& name, hid_t stored_type, hid_t memory_type,
-                   const void* data) {
-  if (H5Aexists_by_name(file, object.c_str(), name.c_str(), H5P_DEFAULT) > 0)
-    H5Adelete_by_name(file, object.c_str(), name.c_str(), H5P_DEFAULT);
-  const Handle space(H5Screate(H5S_SCALAR));
-  const Handle a(H5Acreate_by_name(file, object.c_str(), name.c_str(), stored_type, space.id(), H5P_DEFAULT,
-                                   H5P_DEFAULT, H5P_DEFAULT));
-  need(a.id(), object + "@" + name, "the attribute cannot be made");
-  need(H5Awrite(a.id(), memory_type, data), object + "@" + name, "the attribute cannot be written");
-}
-
-}  // namespace
-
-void File::attribute(const std::string& object, const std::string& name, const std::string& value) {
-  const Handle type(text_type(std::max<std::size_t>(value.size(), 1)));
-  const std::string padded = value.empty() ? std::string(1, '\0') : value;
-  put_attribute(handle_.id(), object, name, type.id(), type.id(), padded.data());
-}
-
-void File::attribute(const std::string& object, const std::string& name, double value) {
-  put_attribute(handle_.id(), object, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, &value);
-}
-
-void File::attribute(const std::string& object, const std::string& name, std::int64_t value) {
-  put_attribute(handle_.id(), object, name, H5T_STD_I64LE, H5T_NATIVE_INT64, &value);
-}
-
-bool File::has_attribute(const std::string& object, const std::string& name) const {
-  hush();
-  return H5Aexists_by_name(handle_.id(), object.c_str(), name.c_str(), H5P_DEFAULT) > 0;
-}
-
-std::string File::text(const std::string& object, const std::string& name) const {
-  hush();
-  const Handle a(H5Aopen_by_name(handle_.id(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
-  need(a.id(), fmt::format("{}:{}", path_, object), ("has no attribute " + name).c_str());
-  const Handle type(H5Aget_type(a.id()));
-  if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) > 0)
-    throw InputError(fmt::format("{}:{}: the attribute {} must be a string of fixed length", path_, object, name));
-  need_single(a.id(), fmt::format("{}:{}@{}", path_, object, name));
-  std::string value(H5Tget_size(type.id()), '\0');
-  need(H5Aread(a.id(), type.id(), value.data()), object + "@" + name, "cannot be read");
-  while (!value.empty() && value.back() == '\0') value.pop_back();
-  return value;
-}
-
-double File::number(const std::string& object, const std::string& name) const {
-  hush();
-  const Handle a(H5Aopen_by_name(handle_.id(), object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
-  need(a.id(), fmt::format("{}:{}", path_, object), ("has no attribute " + name).c_str());
-  need_single(a.id(), fmt::format("{}:{}@{}", path_, object, name));
-  double value = 0.0;
-  need(H5Aread(a.id(), H5T_NATIVE_DOUBLE, &value), object + "@" + name, "cannot be read");
-  return value;
-}
-
-std::int64_t File::whole(const std::string& object, const std::string& name, std::int64_t least,
-                         std::int64_t most) const {
-  const double x = number(object, name);
-  if (!(x >= static_cast<double>(least) && x <= static_cast<double>(most)) || x != std::floor(x))
-    throw InputError(
-        fmt::format("{}:{}@{}: is {}; it must be a whole number from {} to {}", path_, object, name, x, least, most));
-  return static_cast<std::int64_t>(x);
 }
 
 void File::flush() { need(H5Fflush(handle_.id(), H5F_SCOPE_GLOBAL), path_, "cannot be flushed; is the disk full?"); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
@@ -11,31 +12,71 @@ struct LinearSystem {
   std::function<void(std::span<const double> x, std::span<double> y)> apply;         ///< y = A x
   std::function<void(std::span<const double> r, std::span<double> z)> precondition;  ///< z = P⁻¹ r
   std::function<void(std::span<double> x)> filter;                                   ///< zero in the imposed directions
-  double negligible = 0.0;  ///< xᵀ A x below which a solution changes nothing that counts, and any guess is good
+  /// Unknowns first[i] to first[i + 1] belong to island island[i]. Neither A nor P⁻¹ couples two islands, so that each
+  /// is a system of its own. Shapes (slices + 1) and (slices); both empty: all is one island.
+  std::span<const std::size_t> first{};
+  std::span<const std::int32_t> island{};
+  /// Of each island: xᵀ A x below which a solution changes nothing that counts, and any guess is good. Empty: 0.
+  std::span<const double> negligible{};
+  /// Of each island: its tolerance over that asked for. Empty: 1.
+  std::span<const double> sharpness{};
 };
 
 struct SolveReport {
-  int iterations = 0;
-  double residual = 0.0;  ///< |S(b − A x)| over |S b| in the preconditioner's norm
-  double scale = 0.0;     ///< |S b|² in that norm
+  int iterations = 0;  ///< of the island that took most
+  /// |S(b − A x)| over |S b| in the preconditioner's norm and over the island's sharpness, the largest of the islands
+  double residual = 0.0;
   bool converged = false;
   bool finite = true;
 };
 
 /// Solves S A S x = S b by preconditioned conjugate gradient, S the filter (Baraff and Witkin 1998, section 5.3; here
-/// the imposed directions of x are zero). Vectors are kept between calls.
+/// the imposed directions of x are zero). Islands are iterated side by side, each with steps and an end of its own: how
+/// well one is solved does not depend on forces elsewhere. Vectors are kept between calls.
+/// Tests: tests/solve/conjugate_gradient_test.cpp
 class ConjugateGradient {
  public:
   /// @param x      first guess on entry, solution on return; filtered
-  /// @param scale  what counts as |S b|², from an earlier solve of nearly the same system; 0: found here
+  /// @param scale  of each island: what counts as |S b|², from an earlier solve of nearly the same system. Empty, or
+  /// where
+  ///               x is zero: found here, and given back
   /// Same bits for any number of threads.
   SolveReport solve(const LinearSystem& system, std::span<const double> b, double tolerance, int max_iterations,
-                    std::span<double> x, double scale = 0.0);
+                    std::span<double> x, std::vector<double>& scale);
+  SolveReport solve(const LinearSystem& system, std::span<const double> b, double tolerance, int max_iterations,
+                    std::span<double> x) {
+    std::vector<double> scale;
+    return solve(system, b, tolerance, max_iterations, x, scale);
+  }
   /// S (b − A x) of the last solve.
   std::span<const double> residual() const { return r_; }
+  /// While a solve asks for products: true for slices whose island needs none any more.
+  bool solved(std::size_t slice) const { return slice < solved_.size() && solved_[slice] != 0; }
 
  private:
+  /// Unknowns of one island that are worked on together.
+  struct Chunk {
+    std::size_t begin, end;
+    std::int32_t island;
+  };
+  struct Island {
+    double rz = 0.0, goal = 0.0, step = 0.0, ratio = 0.0;
+    bool open = false, stuck = false;
+  };
+  void find_chunks(const LinearSystem& system, std::size_t n);
+  /// a · b of each island that is open, into `sum_`.
+  void dot(std::span<const double> a, std::span<const double> b);
+  /// Calls f(island, i) for the unknowns of open islands.
+  template <class F>
+  void for_open(const F& f) const;
+  /// Closes islands that are solved or cannot go on. @return true while some are open
+  bool close(const LinearSystem& system);
+
   std::vector<double> r_, z_, p_, y_;
+  std::vector<Chunk> chunks_;
+  std::vector<double> part_, sum_;
+  std::vector<Island> islands_;
+  std::vector<std::uint8_t> solved_;
 };
 
 }  // namespace brim

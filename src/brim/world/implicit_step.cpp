@@ -12,6 +12,7 @@
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/core/stopwatch.h"
+#include "brim/world/islands.h"
 
 namespace brim {
 
@@ -29,6 +30,9 @@ constexpr std::size_t kSmall = 6;
 constexpr double kExact = 1e-10;
 /// Times as many solves may be made there: each lets go of a third of the nodes that hold a body that tips over.
 constexpr int kExactPasses = 3;
+/// Tolerance of an island with links, over the usual one: rigid ones rule the residual, and what it leaves of softer
+/// motions would shake them.
+constexpr double kLinked = 1e-2;
 /// Overlap above which what lies on something fixed is guided by it: rows hold it at the brink.
 constexpr float kGuided = -0.1f;
 
@@ -117,8 +121,12 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   });
 
   LinearSystem system;
+  find_islands(bodies, parts, contact_set, settings);
+  negligible_.assign(sharpness_.size(), 0.0);
   for (std::size_t b = 0; b < bodies.size(); ++b)
-    system.negligible += kNegligible * kNegligible * 2.0 * bodies[b]->kinetic_energy(slice(v, b));
+    negligible_[island_[b]] += kNegligible * kNegligible * 2.0 * bodies[b]->kinetic_energy(slice(v, b));
+  system.first = first_v, system.island = island_, system.negligible = negligible_;
+  system.sharpness = sharpness_;
   system.filter = [&](std::span<double> x) {
     parallel_for(bodies.size(), [&](std::size_t b) {
       const auto xb = slice(x, b);
@@ -141,7 +149,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
       const ProfileScope scope("product", *bodies[b]);
       const auto yb = slice(y, b);
       std::fill(yb.begin(), yb.end(), 0.0);
-      if (asleep(b)) return;
+      if (asleep(b) || cg_.solved(b)) return;
       if (fill.handles(b))
         fill.apply_system(b, slice(x, b), yb);
       else
@@ -183,6 +191,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     parallel_for(bodies.size(), [&](std::size_t b) {
       const ProfileScope scope("precondition", *bodies[b]);
       const auto zb = slice(z, b);
+      if (cg_.solved(b)) return;
       if (asleep(b) || (coarse && modes_.complete(b)))
         std::fill(zb.begin(), zb.end(), 0.0);
       else
@@ -210,7 +219,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   std::fill(delta.begin(), delta.end(), 0.0);
   const int passes = contacts > 0 ? (whole ? kExactPasses * settings.passes : settings.passes) : 1;
   bool settled = contacts > 0 && response.settled(), near = false;
-  double scale = 0.0;  // of the first pass, for all
+  std::vector<double> scale;  // of the first pass, for all
   for (int pass = 0; pass < passes; ++pass) {
     rhs_ = internal_;
     if (contacts > 0) {
@@ -244,7 +253,6 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     const bool kept = settled || pass + 1 == passes;
     const double tolerance = std::min((kept || near ? 1.0 : kDraft) * settings.tolerance, whole ? kExact : 1.0);
     const SolveReport s = cg_.solve(system, rhs_, tolerance, settings.max_iterations, delta, scale);
-    scale = s.scale;
     report.cg_iterations += s.iterations;
     ++report.solves;
     if (!s.finite) return false;
@@ -305,6 +313,22 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   rows_timer.reset();
   contact_seconds = before + within;
   return finite;
+}
+
+void ImplicitStep::find_islands(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts,
+                                const ContactSet& contact_set, const Settings& settings) {
+  Islands islands(bodies.size());
+  const auto moves = [&](const WorldPart& p) {
+    return !is_fixed(p) && (settings.asleep.empty() || !settings.asleep[static_cast<std::size_t>(p.body_index)]);
+  };
+  for (const ContactPair& pair : contact_set.pairs)
+    if (moves(parts[pair.part_a]) && moves(parts[pair.part_b]))
+      islands.join(parts[pair.part_a].body_index, parts[pair.part_b].body_index);
+  island_ = islands.numbers();
+  sharpness_.assign(island_.empty() ? 0 : 1 + static_cast<std::size_t>(*std::ranges::max_element(island_)), 1.0);
+  for (std::size_t p = contact_set.first_link_pair(); p < contact_set.pairs.size(); ++p)
+    for (const int part : {contact_set.pairs[p].part_a, contact_set.pairs[p].part_b})
+      sharpness_[island_[parts[part].body_index]] = kLinked;
 }
 
 void ImplicitStep::guide(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,

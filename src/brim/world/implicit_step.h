@@ -64,6 +64,9 @@ class ImplicitStep {
   std::span<const Vec3> contact_delta() const { return contact_delta_; }
 
  private:
+  /// Bodies that contacts and links couple are solved together, others apart.
+  void find_islands(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts,
+                    const ContactSet& contact_set, const Settings& settings);
   /// Tells bodies of particles which of them lie on something fixed.
   void guide(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
              const ContactMaps& maps, const Penalty& response, const ContactSet& contact_set);
@@ -83,10 +86,12 @@ class ImplicitStep {
   std::size_t room_ = 0;  ///< most contacts so far
   RigidModes modes_;
   ContactRows contact_rows_;
-  std::vector<std::uint8_t> sparse_;   ///< per body: its maps show their rows
-  std::vector<std::uint8_t> lone_;     ///< per body: one block, without coarse modes
-  std::vector<std::uint8_t> without_;  ///< per body: without coarse modes
-  std::vector<double> residual_;       ///< of the last solve of the passes
+  std::vector<std::uint8_t> sparse_;            ///< per body: its maps show their rows
+  std::vector<std::uint8_t> lone_;              ///< per body: one block, without coarse modes
+  std::vector<std::uint8_t> without_;           ///< per body: without coarse modes
+  std::vector<double> residual_;                ///< of the last solve of the passes
+  std::vector<std::int32_t> island_;            ///< per body
+  std::vector<double> negligible_, sharpness_;  ///< per island, as LinearSystem has them
   ContactFactor factor_;
   ConjugateGradient cg_;
 };

@@ -1,9 +1,9 @@
 #include "brim/world/sleep.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "brim/body/restless.h"
+#include "brim/world/islands.h"
 
 namespace brim {
 
@@ -87,25 +87,18 @@ void Sleep::settle(std::span<const WorldPart> parts, std::span<const PairReport>
   for (std::size_t b = 0; b < n; ++b)
     if (!asleep(b)) rest_[b] = parted[b] && !fixed[b] && !stirs[b] && may_rest(*body_[b]) ? rest_[b] + dt : 0.0;
 
-  // Islands of bodies awake, named by their first.
-  std::vector<std::int32_t> root(n);
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](std::int32_t i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
+  // Of bodies awake, named by their first.
+  Islands islands(n);
   for (const PairReport& p : pairs) {
     const std::int32_t a = parts[p.part_a].body_index, b = parts[p.part_b].body_index;
-    if (fixed[a] || fixed[b]) continue;
-    const std::int32_t i = find(a), j = find(b);
-    root[std::max(i, j)] = std::min(i, j);
+    if (!fixed[a] && !fixed[b]) islands.join(a, b);
   }
   std::vector<std::uint8_t> rests(n, 1);
   // As sums of time steps round.
   for (std::size_t b = 0; b < n; ++b)
-    if (rest_[b] < kRest - 0.5 * dt) rests[find(static_cast<std::int32_t>(b))] = 0;
+    if (rest_[b] < kRest - 0.5 * dt) rests[islands.first_of(static_cast<std::int32_t>(b))] = 0;
   for (std::size_t b = 0; b < n; ++b) {
-    const std::int32_t island = find(static_cast<std::int32_t>(b));
+    const std::int32_t island = islands.first_of(static_cast<std::int32_t>(b));
     if (asleep(b) || fixed[b] || body_[b]->immobile() || !rests[island]) continue;
     island_[b] = island;
     std::fill(v.begin() + static_cast<std::ptrdiff_t>(first_v[b]),

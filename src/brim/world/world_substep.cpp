@@ -16,9 +16,6 @@ namespace {
 
 /// Motion of a sub-step, over what is allowed, above which it is solved again in pieces.
 constexpr double kOutrun = 1.25;
-/// Tolerance of the solve where there are links, over the usual one: rigid ones rule the residual, and what it leaves
-/// of softer motions would shake them.
-constexpr double kLinked = 1e-2;
 
 }  // namespace
 
@@ -102,7 +99,7 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
 
   ImplicitStep::Settings settings;
   settings.dt = dt;
-  settings.tolerance = (contacts.link_pairs > 0 ? kLinked : 1.0) * options.cg_tolerance;
+  settings.tolerance = options.cg_tolerance;
   settings.max_iterations = options.cg_max_iterations;
   settings.passes = options.max_passes;
   std::vector<std::uint8_t> asleep(sleep.on() || !edits.frozen.empty() ? bodies.size() : 0);
