@@ -34,7 +34,7 @@ struct Material {
 struct PartInfo {
   double voxel_size = 0.0;  ///< [m] grid step that fits the part's detail; the world rounds it to h0 2^l
   double areal_mass = 0.0;  ///< [kg/m²] mass behind a unit of contact surface, for the choice of stiffness; 0 if fixed
-  double thickness = std::numeric_limits<double>::infinity();  ///< [m] smallest extent: bounds a sub-step
+  double thickness = std::numeric_limits<double>::infinity();  ///< [m] smallest extent: longer sub-steps, least voxels
   /// [Pa] Young's modulus of the matter behind the surface: contact need not be much stiffer than what it presses.
   double modulus = std::numeric_limits<double>::infinity();
   bool shapeless = false;  ///< takes the shape of what holds it, as fluids do: contact normals are the other side's own
@@ -60,7 +60,14 @@ struct Display {
 /// A simulated thing with generalised coordinates q and velocities v (paper, section 5). Everything that the world,
 /// contact and the solver know of a body is said here; none of them knows its kind.
 ///
-/// Order of calls in a sub-step: prescribe, update, begin_solve, then the const operators, advance, finish_step.
+/// Order of calls in a sub-step:
+///   prescribe, update             state and imposed velocities, as the sub-step starts
+///   presence, rasterize, make_map contacts; these are const, and may be called whenever the last update holds
+///   begin_solve                   then add_forces and the other const operators
+///   prepare_preconditioner        before a solve whose contacts have changed; several solves are usual
+///   advance, finish_step
+/// A sub-step that moves too far is taken back before it advances, and begins again with prescribe. The speeds by which
+/// its length is chosen, and energies at the end of a step, are asked for after an update alone.
 class Body {
  public:
   virtual ~Body() = default;

@@ -40,8 +40,9 @@ struct ConstraintPair {
 /// corners of the flat part of the patch carry torques, and what lies nearer than the model says (a ring on a plane is
 /// no quadric) is modelled again, piece by piece. With u0 and u1 the normal velocities at the start and of the
 /// motion without this contact, a = (u1 − u0)/dt, and a touch at τ = φ/|u1|:
-///   no bounce   u >= −φ/dt (φ > 0), else u >= 0, and overlap is pushed out by a displacement that is no velocity
-///   bounce      u >= e |u0 + a (dt/2 + τ)| + a (dt/2 − τ), and the way of the step is the broken parabola's
+///   no bounce   u >= −max(0, φ − 0.005 h)/dt, and overlap is pushed out by a displacement that is no velocity
+///   bounce      u >= e |u0 + a (dt/2 + τ)| + a (dt/2 − τ), at least 0, and the way of the step is the broken
+///   parabola's
 class Constraint {
  public:
   /// Gathers the contacts to points.

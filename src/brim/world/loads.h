@@ -15,7 +15,7 @@ struct Loads {
 
 Loads estimate_loads(std::span<const WorldPart> parts, std::span<const double> part_speed, const Environment& env);
 
-/// One contact stiffness for the whole scene, [Pa]: the largest of
+/// Contact stiffness that the loads ask for between parts that do not deform, [Pa]: the largest of
 ///   2000 p_max                  static loads: penetration of 3.3 p/k voxels, stacks that stand
 ///   8 ρL v² / w                 impacts stop within about a voxel
 ///   4 ρL w / (1.2 dt²)          the implicit step resolves no softer contact than this

@@ -36,7 +36,7 @@ class PairLaws {
               const WorldOptions& options, std::span<const ContactPair> pairs);
   /// The last pairs, from `first` on, are links: neither response has a law of its own for them.
   void leave_to_links(std::size_t first);
-  /// Says of which materials the scene makes contact softer than five times the matter behind it, or a hundred times
+  /// Says of which materials the scene makes contact softer than five times the matter behind it, or thirty times
   /// stiffer than what would be chosen.
   void warn(std::span<const WorldPart> parts, const WorldOptions& options, StepReport& report) const;
   /// How rows would act between two parts.

@@ -74,7 +74,7 @@ struct StepReport {
   double angular_error = 0.0;     ///< [-] likewise for the torque about the body's centre of contact
   double max_speed = 0.0;         ///< [m/s] upper bound over movable parts
   int asleep = 0;                 ///< bodies that sleep at the end of the step
-  double stiffness = 0.0;         ///< [Pa] contact stiffness k in use
+  double stiffness = 0.0;         ///< [Pa] World::stiffness
   std::vector<PairReport> pairs;  ///< of the last sub-step, ordered by part numbers
   std::vector<LinkReport> links;  ///< of the last sub-step, one per attachment
   std::vector<Warning> warnings;

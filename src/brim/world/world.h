@@ -34,7 +34,7 @@ struct WorldOptions {
   double time_step = 1.0 / 60.0;   ///< [s] of one call of step()
   double voxel_size = 0.0;         ///< [m] h0, the finest step; 0: the finest that a part asks for
   double ramp_voxels = 3.0;        ///< ramp width over h, 2 to 4
-  double stiffness = 0.0;          ///< [Pa] k; 0: chosen from the loads
+  double stiffness = 0.0;          ///< [Pa] k; 0: chosen pair by pair, from the loads and the softer of the two
   double damping_steps = 2.0;      ///< β over dt, stiffness-proportional damping of contact
   double max_motion_voxels = 1.0;  ///< relative motion allowed in one sub-step, (0, 2]
   int max_substeps = 64;
@@ -59,7 +59,8 @@ struct State {
   std::int64_t step = 0;  ///< number of steps taken
   std::vector<double> q;  ///< generalised coordinates, shape (nq)
   std::vector<double> v;  ///< generalised velocities, shape (nv)
-  /// Impulses of constraint rows, where the next step starts from; references of solids; who sleeps; what was edited.
+  /// What the next step starts from besides: impulses of constraint rows, references of solids, who sleeps, links that
+  /// broke, edits, levels of detail, and what watchers keep.
   std::vector<double> memory;
 };
 
@@ -149,7 +150,7 @@ class World {
   std::span<const ContactSample> contacts() const;
   /// Tiles that were rasterized for two parts or more in the last sub-step: key and step h.
   std::span<const std::pair<TileKey, double>> active_tiles() const;
-  /// Contact stiffness chosen from the loads or given, [Pa].
+  /// Contact stiffness given, or the one that the loads ask for between parts that do not deform, [Pa].
   double stiffness() const;
   /// [m] grid step at which a part is sampled by itself.
   double voxel_size(int part) const;

@@ -18,7 +18,7 @@ namespace brim {
 /// Density and map of a particle fluid on the grid.
 ///   ρ(r) = (Σ_p V_p W(r − x_p) − 0.09) / 0.91 within [0, 1],   V_p = V max(1, 0.7/φ_p)
 /// ρ = 1/2 lies half a spacing outside of the outermost particles of a body of fluid. Particles with few neighbours
-/// count for more than their volume, so that a lone drop is as solid to contact as a pool: its centre has 0.7.
+/// count for more than their volume, so that a lone drop is solid to contact as well: at its centre ρ = 0.67.
 /// The kernel is narrow on purpose: the layer at a wall carries what the wall presses with, and the map must see it.
 /// Steps h of half the spacing hold a pool still; at the whole spacing the roughness of the particles against the nodes
 /// stirs it, above that it leaks.
