@@ -242,6 +242,9 @@ TEST_F(Program, ScenesWithoutEndAndWithControlCharactersEndInOnePlainLine) {
 TEST_F(Program, AFullDiskEndsTheRunWithOneLine) {
   // [kB] that a file may have: full while the first tables are written, while they are flushed, and among the frames.
   for (const int room : {0, 2, 4, 8, 16, 40, 200}) {
+#ifdef __SANITIZE_THREAD__
+    if (room == 0) continue;  // the sanitizer writes a file of its own before the program begins
+#endif
     SCOPED_TRACE(room);
     const std::string command = fmt::format(
         "cd '{}' && (ulimit -f {}; '{}/brim' run good.json -o full --force --frames 2000 2>&1 >/dev/null) | cat "

@@ -34,7 +34,8 @@ struct Material {
 struct PartInfo {
   double voxel_size = 0.0;  ///< [m] grid step that fits the part's detail; the world rounds it to h0 2^l
   double areal_mass = 0.0;  ///< [kg/m²] mass behind a unit of contact surface, for the choice of stiffness; 0 if fixed
-  double thickness = std::numeric_limits<double>::infinity();  ///< [m] smallest extent: longer sub-steps, least voxels
+  /// [m] Smallest extent: what is thick may move farther in a sub-step, what is thin is not seen in coarser voxels.
+  double thickness = std::numeric_limits<double>::infinity();
   /// [Pa] Young's modulus of the matter behind the surface: contact need not be much stiffer than what it presses.
   double modulus = std::numeric_limits<double>::infinity();
   bool shapeless = false;  ///< takes the shape of what holds it, as fluids do: contact normals are the other side's own
