@@ -167,7 +167,9 @@ std::string manual(const CLI::App& app, const CLI::App* command) {
   if (command) {
     std::string positional;
     for (const CLI::Option* o : shown_options(*command))
-      if (o->get_positional()) positional += " \\fI" + roff(o->get_name(true)) + "\\fR";
+      if (o->get_positional())
+        positional +=
+            fmt::format(fmt::runtime(o->get_required() ? " \\fI{}\\fR" : " [\\fI{}\\fR]"), roff(o->get_name(true)));
     return manual_head("brim-" + command->get_name(), command->get_description()) +
            fmt::format(".SH SYNOPSIS\n\\fBbrim {}\\fR [options]{}\n.SH OPTIONS\n{}{}.SH SEE ALSO\nbrim(1)\n",
                        command->get_name(), positional, roff_options(*command), kExitStatus);

@@ -15,6 +15,7 @@
 #include "live_view.h"
 #include "profile_table.h"
 #include "progress.h"
+#include "server/kept_scene.h"
 #include "server/page_folder.h"
 #include "settings.h"
 
@@ -42,18 +43,25 @@ bool on_terminal() {
 #endif
 }
 
+/// The scene that is named, or else the one that the run to go on with keeps.
+Scene read_scene(const Options& o) {
+  if (!o.scene.empty()) return load_scene(o.scene, o.settings.read());
+  const viewer::KeptScene kept = viewer::kept_scene(o.resume);
+  return parse_scene(kept.text, kept.file, o.settings.read());
+}
+
 int run(const Options& o) {
   const auto start = std::chrono::steady_clock::now();
   const ThreadLimit limit(o.threads);
-  const Scene scene = load_scene(o.scene, o.settings.read());
+  const Scene scene = read_scene(o);
   RunPlan plan;
   plan.resume = !o.resume.empty();
   plan.folder = plan.resume         ? o.resume
                 : !o.folder.empty() ? o.folder
                                     : (std::filesystem::path("out") / scene.name).string();
   plan.info = {scene.name, scene.text, scene.frame_time(), scene.steps_per_frame,
-               std::filesystem::absolute(o.scene).lexically_normal().string()};
-  plan.scene_file = o.scene;
+               std::filesystem::absolute(scene.file).lexically_normal().string()};
+  plan.scene_file = scene.file;
   plan.scene_frames = scene.frames;
   plan.frames = o.frames > 0 ? o.frames : scene.frames;
   plan.expect = scene.expect;
@@ -114,7 +122,7 @@ int run(const Options& o) {
 void add_run(CLI::App& app, int& code) {
   CLI::App* command = app.add_subcommand("run", "simulate a scene and record the run");
   auto o = std::make_shared<Options>();
-  command->add_option("scene", o->scene, "scene file (JSON)")->required();
+  command->add_option("scene", o->scene, "scene file (JSON); with --resume: absent takes the one that the run keeps");
   CLI::Option* folder =
       command->add_option("-o,--output", o->folder, "folder of the run; default out/<name of the scene>");
   o->settings.add_to(*command);
@@ -139,7 +147,10 @@ void add_run(CLI::App& app, int& code) {
       ->add_flag("--edit", o->edit,
                  "with --resume: take the scene though it differs from that of the run, and record it")
       ->needs(resume);
-  command->callback([o, &code] { code = run(*o); });
+  command->callback([o, &code] {
+    if (o->scene.empty() && o->resume.empty()) throw CLI::RequiredError("scene, or --resume with the folder of a run,");
+    code = run(*o);
+  });
 }
 
 }  // namespace brim::cli

@@ -1,17 +1,13 @@
 #include "server/rebuilt_world.h"
 
 #include <algorithm>
-#include <filesystem>
-#include <optional>
 
 #include "brim/core/error.h"
-#include "brim/io/regular_file.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/scene.h"
+#include "server/kept_scene.h"
 
 namespace brim::viewer {
-
-namespace fs = std::filesystem;
 
 std::vector<std::string> foreign_kinds(const RunReader& run) {
   std::vector<std::string> foreign;
@@ -22,16 +18,9 @@ std::vector<std::string> foreign_kinds(const RunReader& run) {
 }
 
 RebuiltWorld::RebuiltWorld(const RunReader& run) {
-  const fs::path kept = fs::path(run.path()).parent_path() / "scene.json";
-  const std::optional<std::string> text = read_regular_file(kept.string());
-  if (!text)
-    throw InputError(
-        fmt::format("{}: is not there; the densities of a run are made from the scene that it keeps", kept.string()));
-  // Paths inside start from where the scene was read, if that is still there.
-  std::error_code error;
-  const bool known = !run.scene_path().empty() && fs::is_directory(fs::path(run.scene_path()).parent_path(), error);
+  const KeptScene kept = kept_scene(run);
   try {
-    const Scene scene = parse_scene(*text, known ? run.scene_path() : kept.string());
+    const Scene scene = parse_scene(kept.text, kept.file);
     world_ = std::make_unique<World>(build_world(scene));
   } catch (const InputError&) {
     const std::vector<std::string> foreign = foreign_kinds(run);

@@ -203,6 +203,9 @@ Json RecordedRun::info() {
   const std::vector<std::string> link_names = reader_->link_names(), link_kinds = reader_->link_kinds();
   for (std::size_t i = 0; i < std::min(link_names.size(), link_kinds.size()); ++i)
     links.push_back({{"name", link_names[i]}, {"kind", link_kinds[i]}});
+  const std::vector<std::pair<int, int>> link_bodies = reader_->link_bodies();
+  for (std::size_t i = 0; i < std::min(links.size(), link_bodies.size()); ++i)
+    links[i]["bodies"] = {link_bodies[i].first, link_bodies[i].second};
   Json warnings = Json::array();
   for (const Warning& w : warnings_) warnings.push_back({{"time", w.time}, {"code", w.code}, {"message", w.message}});
   Progress end;

@@ -165,6 +165,34 @@ TEST_F(Program, GoodSceneIsRecordedAndChecked) {
   EXPECT_EQ(RunReader((folder_ / "made").string()).frames(), 6);
 }
 
+TEST_F(Program, ResumeAloneTakesTheSceneThatTheRunKeeps) {
+  // A file beside the scene, and a parameter that was set: both come from the run.
+  fs::create_directories(folder_ / "scenes");
+  write("scenes/cube.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 4 3 2 1\nf 5 6 7 8\n"
+        "f 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n");
+  write("scenes/set.json", R"({"brim": 1, "name": "set", "frames": 6, "parameters": {"z": 3},
+    "bodies": [{"kind": "rigid", "name": "cube", "shape": {"kind": "mesh", "file": "cube.obj"},
+                "transform": {"position": [0, 0, "=z"]}}]})");
+  ASSERT_EQ(run("run scenes/set.json --set z=2 -o straight").code, 0);
+  ASSERT_EQ(run("run scenes/set.json --set z=2 -o parts --frames 2").code, 0);
+  const Outcome o = run("run --resume parts");
+  ASSERT_EQ(o.code, 0) << o.err;
+  const RunReader a((folder_ / "straight").string()), b((folder_ / "parts").string());
+  ASSERT_EQ(b.frames(), 7);
+  EXPECT_EQ(a.state(6).q, b.state(6).q);
+  // Without a run, or a scene in it, it is said what is missing.
+  const Outcome none = run("run --resume nowhere"), nothing = run("run");
+  EXPECT_EQ(none.code, 2);
+  EXPECT_NE(none.err.find("nowhere"), std::string::npos) << none.err;
+  EXPECT_EQ(nothing.code, 2);
+  EXPECT_NE(nothing.err.find("--resume"), std::string::npos) << nothing.err;
+  fs::remove(folder_ / "parts/scene.json");
+  const Outcome lost = run("run --resume parts --frames 9");
+  EXPECT_EQ(lost.code, 2);
+  EXPECT_NE(lost.err.find("parts/scene.json"), std::string::npos) << lost.err;
+}
+
 TEST_F(Program, ProfileTellsPhasesKindsAndCounts) {
   const Outcome o = run("run good.json -o made --profile --threads 1");
   ASSERT_EQ(o.code, 0) << o.err;

@@ -50,6 +50,12 @@ TEST_F(Run, EndsOfAttachmentsAreThoseOfTheBodiesUntilTheyBreak) {
   ASSERT_EQ(run.link_kinds().size(), 4u);
   EXPECT_EQ(run.link_kinds()[static_cast<std::size_t>(hinge)], "hinge");
   EXPECT_EQ(run.link_kinds()[static_cast<std::size_t>(rope)], "point");
+  using Two = std::pair<int, int>;
+  const std::vector<Two> bodies = run.link_bodies();
+  ASSERT_EQ(bodies.size(), 4u);
+  EXPECT_EQ(bodies[static_cast<std::size_t>(hinge)], (Two{0, -1})) << "the door, to space";
+  EXPECT_EQ(bodies[static_cast<std::size_t>(rope)], (Two{1, 0})) << "the ball, to the door";
+  EXPECT_EQ(bodies[static_cast<std::size_t>(lift)], (Two{3, -1}));
   const auto of = [](const std::vector<RecordedEnd>& all, std::int32_t link) {
     std::vector<RecordedEnd> some;
     for (const RecordedEnd& e : all)
@@ -109,6 +115,7 @@ TEST_F(Run, WithoutAttachmentsThereAreNoEnds) {
   record_run(world, plan(scene, at("run")), {});
   EXPECT_TRUE(RunReader(at("run")).link_ends(3).empty());
   EXPECT_TRUE(RunReader(at("run")).link_kinds().empty());
+  EXPECT_TRUE(RunReader(at("run")).link_bodies().empty());
 }
 
 }  // namespace

@@ -84,6 +84,10 @@ TEST_F(Include, MistakesAreSaidWhereTheyStand) {
             std::string::npos);
   EXPECT_NE(message_of(R"([{"file": "parts/table.json", "set": {"hight": 1}}])").find("did you mean \"height\"?"),
             std::string::npos);
+  const std::string computed = message_of(R"([{"file": "=nope"}, {"file": "none.json"}])");
+  EXPECT_NE(computed.find("there is no parameter \"nope\""), std::string::npos) << computed;
+  EXPECT_NE(computed.find("none.json"), std::string::npos) << computed;
+  EXPECT_EQ(std::count(computed.begin(), computed.end(), '\n'), 1) << "one line each: " << computed;
   write("parts/wrong.json",
         "{\"brim\": 1,\n \"bodies\": [\n {\"kind\": \"rigid\", \"name\": \"a\", \"shape\": {\"kind\": "
         "\"sphere\", \"radius\": -1}}]}");

@@ -150,6 +150,34 @@ TEST(LinkJoints, ALimitStopsATurnAndASlide) {
   EXPECT_NEAR(position(w, 0).z(), -0.5, 1e-3);
 }
 
+/// What a hinge carries is the weight, whether the body lies on a limit, is held by a drive or by nothing along it; the
+/// points around the axis carry far more, of a couple with what acts along the coordinate.
+TEST(LinkJoints, TheForceOfAJointAtALimitOrUnderADriveIsWhatTheBodyNeeds) {
+  const double weight = 1000.0 * kGravity;
+  const auto settle = [&](JointKind kind, bool driven, double break_force) {
+    World w(options_at(0.125));
+    w.add(box("door", {Vec3(1, 0, 0)}));
+    Attachment a = joint(kind, "door", "", Vec3::Zero(), kind == JointKind::Revolute ? Vec3(0, 1, 0) : Vec3(0, 0, 1));
+    a.joint->damping = 2000.0, a.break_force = break_force;
+    if (driven)
+      a.joint->drive.stiffness = 1e6, a.joint->drive.damping = 1e4;
+    else
+      a.joint->upper = 0.4, a.joint->lower = -0.4;
+    w.attach(a);
+    StepReport r;
+    for (int s = 0; s < 300; ++s) r = w.step();
+    return r.links[0];
+  };
+  for (const JointKind kind : {JointKind::Revolute, JointKind::Prismatic})
+    for (const bool driven : {false, true}) {
+      SCOPED_TRACE(driven);
+      const LinkReport r = settle(kind, driven, std::numeric_limits<double>::infinity());
+      EXPECT_LT((r.force - Vec3(0, 0, weight)).norm(), 0.01 * weight) << r.force.transpose();
+      EXPECT_TRUE(settle(kind, driven, 0.9 * weight).broken);
+    }
+  EXPECT_FALSE(settle(JointKind::Revolute, true, 3.0 * weight).broken) << "twice what it needs as it is let go";
+}
+
 TEST(LinkJoints, ASoftBodyHangsOnAHingeOfARigidOne) {
   WorldOptions o = options_at(0.1);
   World w(o);

@@ -40,6 +40,7 @@ export class Picture {
   private parts: RunInfo['parts'] = [];
   private linkInfos: LinkInfo[] = [];
   private positions: (Float32Array | undefined)[] = [];
+  private cells: Int32Array[] = [];
   private fixedBoxes: THREE.Box3[] = [];
 
   constructor(canvas: HTMLCanvasElement) {
@@ -74,6 +75,7 @@ export class Picture {
       return view;
     });
     this.positions = topologies.map((t) => t.positions);
+    this.cells = topologies.map((t) => t.cells);
     topologies.forEach((t, i) => {
       if (!t.positions) return;
       this.views[i]!.update(t.positions);
@@ -135,7 +137,7 @@ export class Picture {
     }
     this.refreshContacts();
     this.tiles.update(frame.tiles);
-    this.links.update(frame.links, this.linkInfos, this.stage.radius);
+    this.refreshLinks();
     this.stage.invalidate();
   }
 
@@ -195,8 +197,19 @@ export class Picture {
 
   setLinks(on: boolean): void {
     this.links.object.visible = on;
-    if (this.shown) this.links.update(this.shown.links, this.linkInfos, this.stage.radius);
+    this.refreshLinks();
     this.stage.invalidate();
+  }
+
+  private refreshLinks() {
+    const { shown } = this;
+    if (!shown) return;
+    this.links.update(shown.links, this.linkInfos, this.stage.radius, (body) => {
+      const positions = this.positions[body];
+      const solid = this.bodies[body]?.display === 'triangles' && !this.bodies[body].twoSided;
+      const triangles = shown.cells.get(body) ?? this.cells[body];
+      return positions && triangles && solid ? { positions, triangles } : undefined;
+    });
   }
 
   /** What lies under a point of the canvas, given in -1..1 from bottom left; contacts come before bodies. */

@@ -34,6 +34,7 @@ export interface SensorInfo {
 export interface LinkInfo {
   name: string;
   kind: 'point' | 'region' | 'fixed' | 'ball' | 'hinge' | 'slider';
+  bodies?: [number, number] | undefined; // -1: space; none in runs of older versions
 }
 
 /** Points that attachments and joints hold; of a hinge or slider the first two lie on its axis. */

@@ -1,9 +1,11 @@
+import * as THREE from 'three';
 import { expect, test } from 'vitest';
 import { FrameCache } from '../src/frame_cache';
 import { array } from '../src/codec';
 import { contactSteps, frameFromArrays, type Frame } from '../src/run';
 import { roundLength } from '../src/scene/ground';
 import { linkMarks } from '../src/scene/link_view';
+import { outside } from '../src/scene/outside';
 import { tileEdges } from '../src/scene/tile_view';
 import { human } from '../src/ui/dom';
 import { appendSeries, plotSpecs, roundUp, squeeze } from '../src/ui/plot_data';
@@ -79,6 +81,47 @@ test('a rod joins the two ends of what is apart, and an axis goes through a hing
   expect(linkMarks(frameFromArrays(0, [], 0).links, [], 1)).toEqual({ beads: [], rods: [] });
   const long = linkMarks(ends, kinds, 100).rods[1]!;
   expect(long.to.x - long.from.x).toBeCloseTo(14);
+});
+
+test('an arm goes from the surface of a solid to what is held outside it, and from nothing else', () => {
+  // A cube from 0 to 1, corner v at (v & 1, v >> 1 & 1, v >> 2).
+  const positions = Float32Array.from({ length: 24 }, (_, i) => (Math.floor(i / 3) >> (i % 3)) & 1);
+  const triangles = new Int32Array([
+    0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7,
+    5,
+  ]);
+  const inside = new THREE.Vector3(0.5, 0.5, 0.9);
+  expect(outside(inside, positions, triangles)).toBeUndefined();
+  expect(
+    outside(new THREE.Vector3(0.25, 0.5, 3), positions, triangles)?.distanceTo(
+      new THREE.Vector3(0.25, 0.5, 1),
+    ),
+  ).toBeCloseTo(0);
+  const arms = (at: number[], bodies?: [number, number]) => {
+    const held = new Float32Array(at);
+    const arrays = [
+      array('links/link', new Int32Array([0])),
+      array('links/a', held, 3),
+      array('links/b', held, 3),
+    ];
+    const ends = frameFromArrays(0, arrays, 0).links;
+    const links = [{ name: 'pin', kind: 'point' as const, bodies }];
+    return linkMarks(ends, links, 1, (body) => (body === 0 ? { positions, triangles } : undefined)).rods.map(
+      (r) => [r.from.toArray(), r.to.toArray()],
+    );
+  };
+  const rod = [
+    [
+      [0.25, 0.5, 1],
+      [0.25, 0.5, 3],
+    ],
+  ];
+  expect(arms([0.25, 0.5, 3], [0, -1])).toEqual(rod);
+  expect(arms([0.25, 0.5, 3], [1, 0])).toEqual(rod);
+  expect(arms([0.25, 0.5, 0.9], [0, -1])).toEqual([]); // inside
+  expect(arms([0.25, 0.5, 1.01], [0, -1])).toEqual([]); // on its surface, as the eye sees it
+  expect(arms([0.25, 0.5, 3], [1, -1])).toEqual([]); // of a body without a surface
+  expect(arms([0.25, 0.5, 3])).toEqual([]); // a run that does not say whose it is
 });
 
 test('readings of a sensor are drawn together, axis by axis, before all else', () => {

@@ -1,5 +1,7 @@
 #include "brim/record/frame_lists.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -47,6 +49,13 @@ std::string kind_of(const Attachment& a) {
   }
 }
 
+/// −1: space.
+int number_of(const World& world, const std::string& body) {
+  int b = world.body_count() - 1;
+  while (b >= 0 && (body.empty() || world.body(b).name() != body)) --b;
+  return b;
+}
+
 }  // namespace
 
 FrameLists::FrameLists(h5::File& file, const World& world, bool create)
@@ -60,14 +69,16 @@ FrameLists::FrameLists(h5::File& file, const World& world, bool create)
   if (create || file.exists("/link_ends"))  // older runs have none
     link_ends_.emplace(file, "/link_ends", kEndColumns, kPairRows, create);
   if (!create) return;
-  std::string names, kinds;
+  std::string names, kinds, bodies;
   for (int i = 0; i < world.attachment_count(); ++i) {
     const Attachment& a = world.attachment(i);
     names += (i > 0 ? "\n" : "") + a.name;
     kinds += (i > 0 ? "\n" : "") + kind_of(a);
+    bodies += fmt::format("{}{} {}", i > 0 ? "\n" : "", number_of(world, a.body), number_of(world, a.to));
   }
   file.attribute("/links", "names", names);
   file.attribute("/links", "kinds", kinds);
+  file.attribute("/links", "bodies", bodies);
 }
 
 void FrameLists::add(const World& world, const StepReport& frame, std::span<const ContactSample> contacts,

@@ -378,6 +378,20 @@ std::vector<LinkReport> RunReader::links(std::int64_t frame) const {
 std::vector<std::string> RunReader::link_names() const { return impl_->lines_of("/links", "names"); }
 std::vector<std::string> RunReader::link_kinds() const { return impl_->lines_of("/links", "kinds"); }
 
+std::vector<std::pair<int, int>> RunReader::link_bodies() const {
+  std::vector<std::pair<int, int>> list;
+  const int n = static_cast<int>(impl_->tables.bodies.size());
+  for (const std::string& line : impl_->lines_of("/links", "bodies")) {
+    std::istringstream words(line);
+    std::pair<int, int> both{-1, -1};
+    if (!(words >> both.first >> both.second) || both.first < 0 || both.second < -1 ||
+        std::max(both.first, both.second) >= n)
+      throw InputError(fmt::format("{}: the bodies of its attachments are damaged: \"{}\"", impl_->path, line));
+    list.push_back(both);
+  }
+  return list;
+}
+
 std::vector<RecordedEnd> RunReader::link_ends(std::int64_t frame) const {
   impl_->need(frame);
   if (!impl_->file.exists("/link_ends")) return {};

@@ -61,6 +61,8 @@ class RunReader {
   std::vector<std::string> link_names() const;
   /// What each is: "point", "region", "fixed", "ball", "hinge" or "slider"; none in runs from before it was recorded.
   std::vector<std::string> link_kinds() const;
+  /// Numbers of the two bodies of each, -1 space; none of runs of older versions. @throws InputError  when damaged
+  std::vector<std::pair<int, int>> link_bodies() const;
   /// Where those that still hold have their ends at a frame; of a hinge or slider, the first two lie on its axis.
   std::vector<RecordedEnd> link_ends(std::int64_t frame) const;
   std::vector<Warning> warnings(std::int64_t frame) const;

@@ -28,6 +28,12 @@ void ErrorList::add(const std::string& pointer, const std::string& message) {
     ++more_;
 }
 
+ErrorList ErrorList::marks() const {
+  ErrorList list;
+  list.pointers_ = pointers_;
+  return list;
+}
+
 bool ErrorList::touches(const std::string& pointer) const {
   if (pointers_.size() > kMany) return true;
   return std::any_of(pointers_.begin(), pointers_.end(), [&](const std::string& p) {

@@ -25,6 +25,8 @@ class ErrorList {
 
   /// @param pointer  JSON pointer of the value that is wrong  @param message  whole, with its place
   void add(const std::string& pointer, const std::string& message);
+  /// What is wrong without its messages, for a reader of a part of the document.
+  ErrorList marks() const;
   /// Says nothing, but that a value is wrong for a reason that is told elsewhere.
   void mark(const std::string& pointer) { pointers_.push_back(pointer); }
 

@@ -30,15 +30,15 @@ struct Reading {
   std::size_t files = 0;
 };
 
-/// "include" alone, held against its part of the schema.
-Document checked_list(const Document& document) {
+/// "include" alone, held against its part of the schema. @param errors  what is wrong is added to it
+Document checked_list(const Document& document, ErrorList& errors) {
   Document part = document;
   part.root = {{"include", document.root.at("include")}};
   const Json& scene = scene_schema();
   const Json schema = {{"type", "object"},
                        {"properties", {{"include", scene.at("properties").at("include")}}},
                        {"$defs", scene.at("$defs")}};
-  validate(part, schema);
+  validate(part, schema, errors);
   return part;
 }
 
@@ -240,7 +240,7 @@ class Merger {
   std::string prefix_;
 };
 
-bool include_all(Document& document, Reading& reading);
+bool include_all(Document& document, Reading& reading, ErrorList errors);
 
 void include_one(Document& document, const Node& entry, Reading& reading) {
   const std::string path = scene_path(entry.at("file"));
@@ -260,33 +260,35 @@ void include_one(Document& document, const Node& entry, Reading& reading) {
     errors.raise();
   });
   reading.open.push_back(canonical);
-  errors.attempt("", [&] { include_all(*from, reading); });
+  errors.attempt("", [&] { include_all(*from, reading, {}); });
   reading.open.pop_back();
   errors.raise();
   const std::shared_ptr<const Document> read = std::move(from);
   Merger(document, read, entry).merge();
 }
 
-/// @throws InputError, InputErrors  for all entries that cannot be taken in
-bool include_all(Document& document, Reading& reading) {
+/// @param errors  marks of entries that are wrong for a reason told elsewhere: they are passed over
+/// @throws InputError, InputErrors  for all others that cannot be taken in
+bool include_all(Document& document, Reading& reading, ErrorList errors) {
   if (!document.root.is_object() || !document.root.contains("include")) return false;
-  const Document part = checked_list(document);
+  const Document part = checked_list(document, errors);
+  errors.raise();
   document.root.erase("include");
   const Node list(part, part.root.at("include"), "/include");
-  ErrorList errors;
-  for (std::size_t i = 0; i < list.size(); ++i) errors.attempt("", [&] { include_one(document, list.at(i), reading); });
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (!errors.touches(list.at(i).pointer())) errors.attempt("", [&] { include_one(document, list.at(i), reading); });
   errors.raise();
   return true;
 }
 
 }  // namespace
 
-bool apply_includes(Document& document) {
+bool apply_includes(Document& document, const ErrorList& errors) {
   Reading reading;
   std::error_code error;
   const auto self = std::filesystem::canonical(document.file, error);
   if (!error) reading.open.push_back(self);
-  return include_all(document, reading);
+  return include_all(document, reading, errors.marks());
 }
 
 }  // namespace brim

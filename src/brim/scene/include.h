@@ -1,6 +1,7 @@
 #pragma once
 
 #include "brim/scene/document.h"
+#include "brim/scene/errors.h"
 
 namespace brim {
 
@@ -11,9 +12,10 @@ namespace brim {
 /// move; what has a place or a direction moves with the transform; relative paths become
 /// relative to this file's folder. The world, the length and the expectations are those of the including scene.
 /// Included scenes may include others, up to 8 deep.
+/// @param errors  what is known to be wrong: entries that it touches are passed over
 /// @return  true when there was something to include
 /// @throws InputError, InputErrors  also for scenes that include themselves
 /// Tests: tests/scene/include_test.cpp
-bool apply_includes(Document& document);
+bool apply_includes(Document& document, const ErrorList& errors);
 
 }  // namespace brim

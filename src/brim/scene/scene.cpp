@@ -330,12 +330,13 @@ Scene check_scene(Document read, const SceneSettings& settings) {
   ErrorList errors;
   apply_parameters(*document, settings, errors);
   bool included = false;
-  const bool whole = errors.attempt("/include", [&] { included = apply_includes(*document); });
+  bool whole = errors.attempt("/include", [&] { included = apply_includes(*document, errors); });
+  whole = whole && !errors.touches("/include");
   if (settings.seed) errors.attempt("", [&] { apply_seed(*document, *settings.seed); });
   if (included || !settings.empty()) document->text = whole_text(document->root);
   apply_presets(*document, errors);
   // Where not all files could be read, the list of bodies may be empty, and names may be theirs.
-  if (!whole && !document->root.contains("bodies")) errors.raise();
+  if (!whole && (!document->root.contains("bodies") || document->root.at("bodies").empty())) errors.raise();
   validate(*document, scene_schema(), errors);
   if (!whole) errors.raise();
   Scene scene;
@@ -358,6 +359,10 @@ Scene load_scene(const std::string& path, const SceneSettings& settings) {
 }
 
 Scene parse_scene(std::string_view text, const std::string& file) { return check_scene(parse_document(text, file)); }
+
+Scene parse_scene(std::string_view text, const std::string& file, const SceneSettings& settings) {
+  return check_scene(parse_document(text, file), settings);
+}
 
 std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene) {
   std::vector<std::unique_ptr<Body>> bodies;

@@ -42,6 +42,8 @@ Scene load_scene(const std::string& path, const SceneSettings& settings);
 
 /// The same for a text. @param file  the name used in messages, and whose folder relative paths start from
 Scene parse_scene(std::string_view text, const std::string& file = "scene.json");
+/// The same with values of its parameters.
+Scene parse_scene(std::string_view text, const std::string& file, const SceneSettings& settings);
 
 /// Builds the bodies and puts them into a world.
 /// @throws InputError  likewise: files that cannot be read, meshes that are not fit, resolutions that do not fit into

@@ -442,11 +442,12 @@ void Links::finish(const ContactSet& set, std::span<const Vec3> force, double ti
     const Tie& tie = ties_[i];
     LinkReport& r = report.links[tie.link];
     const Hold hold = links_[tie.link].held[tie.held].hold;
+    // What acts along a coordinate that turns is one of a couple: the points that are held give the other.
+    r.force += force[first + i];
     if (hold == Hold::Drive || hold == Hold::Lower || hold == Hold::Upper) {
       r.effort += tie.lever * tie.n.dot(force[first + i]);
       continue;
     }
-    r.force += force[first + i];
     r.error = std::max(r.error, tie.error.norm());
   }
   for (std::size_t l = 0; l < links_.size(); ++l) {

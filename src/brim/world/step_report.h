@@ -28,7 +28,7 @@ struct PairReport {
 
 /// An attachment or joint in the last sub-step (World::attachment).
 struct LinkReport {
-  Vec3 force = Vec3::Zero();  ///< [N] on its first body, of all its points
+  Vec3 force = Vec3::Zero();  ///< [N] on its first body, in all: held points, drive and limits
   double error = 0.0;         ///< [m] worst distance from where it wants its points
   double coordinate = 0.0;    ///< [rad or m] of a joint that turns or slides, at the start of the sub-step
   double effort = 0.0;        ///< [N m or N] of its drive, spring and limits along it, on the first body

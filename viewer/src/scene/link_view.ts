@@ -1,10 +1,15 @@
-/** Attachments and joints of a frame: a bead at what is held, a rod to where it is held, the axis of what turns or slides. */
+/**
+ * Attachments and joints of a frame: a bead at what is held, a rod to where it is held, the axis of what turns or
+ * slides, and an arm from a body to a bead that lies outside it.
+ */
 import * as THREE from 'three';
 import type { LinkEnds, LinkInfo } from '../run';
 import { Glyphs } from './glyphs';
+import { outside } from './outside';
 
 export const linkColour = '#0f7f8c';
 const kApart = 1e-3; // distance of two ends, over the scene's radius, from which a rod is drawn between them
+const kArm = 0.02; // distance of a bead from a body's surface, likewise, from which an arm is drawn
 const kAxis = 0.07; // least half length of an axis, likewise
 
 export interface LinkMarks {
@@ -12,8 +17,16 @@ export interface LinkMarks {
   rods: { from: THREE.Vector3; to: THREE.Vector3; axis: boolean }[];
 }
 
+/** The triangles that a body shows, or none. */
+export type SurfaceOf = (body: number) => { positions: Float32Array; triangles: Int32Array } | undefined;
+
 /** What is drawn of the ends of a frame. @param radius [m] of the scene */
-export function linkMarks(ends: LinkEnds, links: LinkInfo[], radius: number): LinkMarks {
+export function linkMarks(
+  ends: LinkEnds,
+  links: LinkInfo[],
+  radius: number,
+  surface: SurfaceOf = () => undefined,
+): LinkMarks {
   const marks: LinkMarks = { beads: [], rods: [] };
   const at = (x: Float32Array, i: number) => new THREE.Vector3().fromArray(x, 3 * i);
   for (let first = 0, next = 0; first < ends.count; first = next) {
@@ -31,6 +44,11 @@ export function linkMarks(ends: LinkEnds, links: LinkInfo[], radius: number): Li
       if (apart) marks.rods.push({ from, to, axis: false });
       return apart;
     };
+    const arm = (side: 0 | 1, bead: THREE.Vector3) => {
+      const shown = surface(links[link]?.bodies?.[side] ?? -1);
+      const from = shown && outside(bead, shown.positions, shown.triangles);
+      if (from && from.distanceTo(bead) > kArm * radius) marks.rods.push({ from, to: bead, axis: false });
+    };
     if (kind === 'hinge' || kind === 'slider') {
       const half = at(ends.b, first + 1)
         .sub(at(ends.b, first))
@@ -46,7 +64,9 @@ export function linkMarks(ends: LinkEnds, links: LinkInfo[], radius: number): Li
       for (let i = first; i < next; ++i) {
         const [a, b] = [at(ends.a, i), at(ends.b, i)];
         marks.beads.push(a, ...(join(a, b) ? [b] : []));
+        if (kind !== 'region') (arm(0, a), arm(1, b));
       }
+    if (kind === 'hinge' || kind === 'slider' || kind === 'fixed') (arm(0, other), arm(1, middle));
   }
   return marks;
 }
@@ -64,9 +84,9 @@ export class LinkView {
     this.object.add(this.beads.object, this.rods.object);
   }
 
-  update(ends: LinkEnds, links: LinkInfo[], radius: number): void {
+  update(ends: LinkEnds, links: LinkInfo[], radius: number, surface: SurfaceOf): void {
     if (!this.object.visible) return;
-    const { beads, rods } = linkMarks(ends, links, radius);
+    const { beads, rods } = linkMarks(ends, links, radius, surface);
     const matrix = new THREE.Matrix4();
     const size = new THREE.Vector3().setScalar(0.008 * radius);
     const turn = new THREE.Quaternion();
