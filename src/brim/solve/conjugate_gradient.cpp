@@ -12,6 +12,9 @@ namespace {
 
 /// Unknowns of a chunk at most.
 constexpr std::size_t kChunk = 4096;
+/// Iterations after which directions are made as Polak and Ribière do: a preconditioner that single precision has made
+/// unsymmetric still leads somewhere (Golub and Ye 1999).
+constexpr int kFlexible = 50;
 /// Chunks worked on by one thread at a time: of small bodies there are many.
 constexpr std::size_t kGrain = 4;
 
@@ -160,13 +163,18 @@ SolveReport ConjugateGradient::solve(const LinearSystem& system, std::span<const
     });
     system.precondition(r_, z_);
     system.filter(z_);
-    dot(r_, z_);
     ++report.iterations;
+    const bool flexible = report.iterations >= kFlexible;
+    if (flexible) {
+      dot(y_, z_);
+      for (std::size_t k = 0; k < count; ++k) islands_[k].ratio = -islands_[k].step * sum_[k] / islands_[k].rz;
+    }
+    dot(r_, z_);
     if (!all_finite()) return report;
     for (std::size_t k = 0; k < count; ++k) {
       Island& island = islands_[k];
       if (!island.open || island.stuck) continue;
-      island.ratio = sum_[k] / island.rz;
+      if (!flexible) island.ratio = sum_[k] / island.rz;
       island.rz = sum_[k];
     }
     for_open([&](const Island& island, std::size_t i) { p_[i] = z_[i] + island.ratio * p_[i]; });
