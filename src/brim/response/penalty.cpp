@@ -243,7 +243,7 @@ void Penalty::settle_actions() {
 void Penalty::set_bonds(std::vector<Bond> bonds) {
   bonds_ = std::move(bonds);
   for (std::size_t i = 0; i < bonds_.size(); ++i) {
-    active_[first_bond() + i] = 1;
+    active_[first_bond() + i] = !bonds_[i].waits;
     settled_ = settled_ && !bonds_[i].one_way;
   }
   idle_ = idle_ && bonds_.empty();
@@ -255,15 +255,17 @@ Vec3 Penalty::bond_force(std::size_t i, const Vec3& delta) const {
   return b.force - (b.across * b.n.dot(delta) * b.n + b.along * delta) / options_.dt;
 }
 
-void Penalty::release_bonds(std::span<const Vec3> delta, double& changed, double& total) {
+void Penalty::update_bonds(std::span<const Vec3> delta, double& changed, double& total) {
   for (std::size_t i = 0; i < bonds_.size(); ++i) {
+    Bond& bond = bonds_[i];
     const std::size_t c = first_bond() + i;
-    if (!bonds_[i].one_way || !active_[c]) continue;
-    const double load = bond_force(i, delta[c]).dot(bonds_[i].n);
-    total += std::abs(load);
-    if (load >= 0.0) continue;
-    active_[c] = 0;
-    changed -= load;
+    if (!bond.one_way || !(active_[c] || bond.waits)) continue;
+    const double load = bond_force(i, delta[c]).dot(bond.n);
+    if (active_[c] || load > 0.0) total += std::abs(load);
+    if ((load > 0.0) == static_cast<bool>(active_[c])) continue;
+    active_[c] = !active_[c];
+    bond.waits = false;  // what is let go stays so for the step
+    changed += std::abs(load);
   }
 }
 
@@ -319,7 +321,7 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
     }
   });
   double changed = 0.0, load = 0.0;
-  release_bonds(delta, changed, load);
+  update_bonds(delta, changed, load);
   settle_actions();
   for (std::size_t p = 0; p < contacts.pairs.size(); ++p) changed += change[p], load += total[p];
   return load > 0.0 ? changed / load : changed > 0.0 ? 1.0 : 0.0;

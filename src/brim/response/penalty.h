@@ -40,6 +40,7 @@ struct Bond {
   Vec3 n = Vec3::UnitZ();     ///< unit
   double across = 0.0, along = 0.0;
   bool one_way = false;  ///< acts along n on a only: where it would pull the other way it is let go for the step
+  bool waits = false;    ///< of what acts one way: not in the first solve, only where the solve's motion calls for it
 };
 
 /// Penalty response (paper, section 4.2): contacts become forces at their points, equal and opposite on the two parts,
@@ -115,8 +116,9 @@ class Penalty {
   std::size_t first_bond() const { return force_.size() - bonds_.size(); }
   /// Force on a of a link over the step, [N]. @param delta  relative velocity change
   Vec3 bond_force(std::size_t i, const Vec3& delta) const;
-  /// Lets go of links that act one way and would act the other. @param changed, total  [N] added to
-  void release_bonds(std::span<const Vec3> delta, double& changed, double& total);
+  /// Lets go of links that act one way and would act the other, and takes up those that wait. @param changed, total [N]
+  /// added to
+  void update_bonds(std::span<const Vec3> delta, double& changed, double& total);
   void choose_normals(const ContactSet& contacts, std::span<const PairState> pairs);
   /// The normals of a surface that something shapeless lies against.
   void take_normals_of(bool side_b, const ContactSet& contacts, const ContactPair& pair);

@@ -360,7 +360,7 @@ void Links::append(std::span<const WorldPart> parts, std::span<const double> q, 
   set.link_point_b = std::move(point_b);
 }
 
-bool Links::drive(const Link& link, const Tie& tie, const Vec3& velocity, Bond& bond) const {
+void Links::drive(const Link& link, const Tie& tie, const Vec3& velocity, Bond& bond) const {
   const LinkJoint& j = *link.given.joint;
   const Hold hold = link.held[tie.held].hold;
   const double value = coordinate_[tie.link].value, lever = tie.lever, u = tie.n.dot(velocity) / lever;
@@ -381,15 +381,14 @@ bool Links::drive(const Link& link, const Tie& tie, const Vec3& velocity, Bond& 
   } else {
     const double sign = hold == Hold::Upper ? 1.0 : -1.0;
     const double beyond = sign * (value - (hold == Hold::Upper ? j.upper : j.lower));
-    if (!(beyond + dt_ * sign * u > 0.0)) return false;
     K = j.limit_stiffness > 0.0 ? j.limit_stiffness : rigid(link) * lever * lever;
     force = -sign * (K * beyond + dt_ * K * sign * u);
     bond.one_way = true;
+    bond.waits = !(beyond + dt_ * sign * u > 0.0);
     bond.n = -sign * tie.n;
   }
   bond.force = force / lever * tie.n;
   bond.across = dt_ * (dt_ * K + D) / (lever * lever);
-  return true;
 }
 
 void Links::begin(const ContactSet& set, std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b,
@@ -420,8 +419,7 @@ void Links::begin(const ContactSet& set, std::span<const Vec3> velocity_a, std::
         bond.one_way = link.given.pulls_only;
         if (!bond.one_way) break;
         bond.n = -tie.n;
-        // Slack, and slack at the end of the step as well.
-        if (tie.n.dot(tie.error + dt_ * u) <= 0.0) bond.across = 0.0, bond.force.setZero();
+        bond.waits = !(tie.n.dot(tie.error + dt_ * u) > 0.0);  // slack, and slack at the end of the step as well
         break;
       default:
         drive(link, tie, u, bond);

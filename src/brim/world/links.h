@@ -112,8 +112,8 @@ class Links {
   static std::vector<Vec3> joint_points(const LinkJoint& joint, double span);
   static Coordinate coordinate(const Link& link);
   double rigid(const Link& link) const { return kRigid * link.mass / (dt_ * dt_); }
-  /// Stiffness and damping along the coordinate, per length, and the force at the start; @return false: none
-  bool drive(const Link& link, const Tie& tie, const Vec3& u, Bond& bond) const;
+  /// Stiffness and damping along the coordinate, per length, and the force at the start.
+  void drive(const Link& link, const Tie& tie, const Vec3& u, Bond& bond) const;
 
   std::vector<Link> links_;
   std::vector<Tie> ties_;
