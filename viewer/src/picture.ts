@@ -2,7 +2,7 @@
 import * as THREE from 'three';
 import { contactSteps, type BodyInfo, type Frame, type LinkInfo, type RunInfo, type Topology } from './run';
 import { makeBodyView, type BodyView } from './scene/body_view';
-import { boxOf, framing } from './scene/bounds';
+import { boxOf, boxWithoutStrays, framing } from './scene/bounds';
 import { ContactView, type ContactStyle } from './scene/contact_view';
 import { LinkView } from './scene/link_view';
 import { defaultColours } from './scene/palette';
@@ -91,7 +91,7 @@ export class Picture {
     const boxes = samples.map((s) => {
       const box = new THREE.Box3();
       for (const [body, p] of s.positions) {
-        const own = boxOf(p);
+        const own = this.bodies[body]?.display === 'points' ? boxWithoutStrays(p) : boxOf(p);
         if (!own.isEmpty()) box.union(own.expandByScalar(this.bodies[body]?.radius ?? 0));
       }
       return box;

@@ -4,6 +4,7 @@ import { FrameCache } from '../src/frame_cache';
 import { array } from '../src/codec';
 import { contactSteps, frameFromArrays, type Frame } from '../src/run';
 import { roundLength } from '../src/scene/ground';
+import { boxWithoutStrays } from '../src/scene/bounds';
 import { linkMarks } from '../src/scene/link_view';
 import { outside } from '../src/scene/outside';
 import { tileEdges } from '../src/scene/tile_view';
@@ -78,9 +79,31 @@ test('a rod joins the two ends of what is apart, and an axis goes through a hing
     [5, 5, 5],
   ]);
   // A run from before ends were recorded has none, and an axis that is short for the scene is drawn longer.
-  expect(linkMarks(frameFromArrays(0, [], 0).links, [], 1)).toEqual({ beads: [], rods: [] });
+  expect(linkMarks(frameFromArrays(0, [], 0).links, [], 1)).toEqual({ beads: [], dots: [], rods: [] });
   const long = linkMarks(ends, kinds, 100).rods[1]!;
   expect(long.to.x - long.from.x).toBeCloseTo(14);
+});
+
+test('points of a region are dots, not beads', () => {
+  const held = new Float32Array([0, 0, 1, 0, 1, 1]);
+  const arrays = [
+    array('links/link', new Int32Array([0, 0])),
+    array('links/a', held, 3),
+    array('links/b', held, 3),
+  ];
+  const ends = frameFromArrays(0, arrays, 0).links;
+  const { beads, dots } = linkMarks(ends, [{ name: 'seam', kind: 'region' }], 1);
+  expect([beads.length, dots.length]).toEqual([0, 2]);
+});
+
+test('a few drops that flew far do not make the rest small, and nothing is cut off where none did', () => {
+  const cube = Array.from({ length: 3000 }, (_, i) => ((Math.floor(i / 3) * 37 + 11 * (i % 3)) % 100) / 100);
+  const drop = [50, 0.5, 0.5];
+  const box = boxWithoutStrays(Float32Array.from([...cube, ...drop]));
+  expect(box.max.x).toBeGreaterThan(0.9);
+  expect(box.max.x).toBeLessThan(1);
+  expect(boxWithoutStrays(Float32Array.from(cube)).max.x).toBeCloseTo(0.99);
+  expect(boxWithoutStrays(Float32Array.from(drop)).max.x).toBe(50);
 });
 
 test('an arm goes from the surface of a solid to what is held outside it, and from nothing else', () => {

@@ -12,6 +12,22 @@ export function boxOf(positions: Float32Array): THREE.Box3 {
   return box;
 }
 
+const kStray = 0.02; // share of the points at each end of an axis that may lie far from the rest
+
+/** Box of loose points without those few that flew far from the rest; all of them where none did. */
+export function boxWithoutStrays(positions: Float32Array): THREE.Box3 {
+  const whole = boxOf(positions);
+  const out = Math.floor((kStray * positions.length) / 3);
+  if (out === 0) return whole;
+  const inner = new THREE.Box3();
+  for (let a = 0; a < 3; ++a) {
+    const along = positions.filter((x, i) => i % 3 === a && Number.isFinite(x)).sort();
+    inner.min.setComponent(a, along[out] ?? NaN);
+    inner.max.setComponent(a, along[along.length - 1 - out] ?? NaN);
+  }
+  return diagonal(inner) < 0.8 * diagonal(whole) ? inner : whole;
+}
+
 const diagonal = (box: THREE.Box3) => (box.isEmpty() ? 0 : box.min.distanceTo(box.max));
 
 /**

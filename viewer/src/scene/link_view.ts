@@ -10,10 +10,13 @@ import { outside } from './outside';
 export const linkColour = '#0f7f8c';
 const kApart = 1e-3; // distance of two ends, over the scene's radius, from which a rod is drawn between them
 const kArm = 0.02; // distance of a bead from a body's surface, likewise, from which an arm is drawn
+const kBead = 0.008; // radius of a bead, likewise
+const kDot = 0.004; // radius of a point of a region, likewise
 const kAxis = 0.07; // least half length of an axis, likewise
 
 export interface LinkMarks {
   beads: THREE.Vector3[];
+  dots: THREE.Vector3[]; // points of regions, of which there are many: smaller than beads
   rods: { from: THREE.Vector3; to: THREE.Vector3; axis: boolean }[];
 }
 
@@ -27,7 +30,7 @@ export function linkMarks(
   radius: number,
   surface: SurfaceOf = () => undefined,
 ): LinkMarks {
-  const marks: LinkMarks = { beads: [], rods: [] };
+  const marks: LinkMarks = { beads: [], dots: [], rods: [] };
   const at = (x: Float32Array, i: number) => new THREE.Vector3().fromArray(x, 3 * i);
   for (let first = 0, next = 0; first < ends.count; first = next) {
     const link = ends.link[first]!;
@@ -63,7 +66,7 @@ export function linkMarks(
     } else
       for (let i = first; i < next; ++i) {
         const [a, b] = [at(ends.a, i), at(ends.b, i)];
-        marks.beads.push(a, ...(join(a, b) ? [b] : []));
+        (kind === 'region' ? marks.dots : marks.beads).push(a, ...(join(a, b) ? [b] : []));
         if (kind !== 'region') (arm(0, a), arm(1, b));
       }
     if (kind === 'hinge' || kind === 'slider' || kind === 'fixed') (arm(0, other), arm(1, middle));
@@ -86,12 +89,15 @@ export class LinkView {
 
   update(ends: LinkEnds, links: LinkInfo[], radius: number, surface: SurfaceOf): void {
     if (!this.object.visible) return;
-    const { beads, rods } = linkMarks(ends, links, radius, surface);
+    const { beads, dots, rods } = linkMarks(ends, links, radius, surface);
     const matrix = new THREE.Matrix4();
-    const size = new THREE.Vector3().setScalar(0.008 * radius);
+    const size = new THREE.Vector3();
     const turn = new THREE.Quaternion();
-    const bead = this.beads.begin(beads.length);
+    const bead = this.beads.begin(beads.length + dots.length);
+    size.setScalar(kBead * radius);
     beads.forEach((at, i) => bead.setMatrixAt(i, matrix.compose(at, turn, size)));
+    size.setScalar(kDot * radius);
+    dots.forEach((at, i) => bead.setMatrixAt(beads.length + i, matrix.compose(at, turn, size)));
     const up = new THREE.Vector3(0, 1, 0);
     const rod = this.rods.begin(rods.length);
     rods.forEach(({ from, to, axis }, i) => {
