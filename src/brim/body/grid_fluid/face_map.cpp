@@ -15,6 +15,36 @@ constexpr double kDeep = 2.0;
 /// ε of the class: below it the surface around a point is too ragged to have a normal.
 constexpr double kLeastArea = 0.1;
 
+/// Σ_e e φ(x + dx e) over the 27 offsets e of a cube: the slope of φ over two cells, up to its length. Along each axis
+/// the three interpolated samples take four cells, so that the whole sum is one product of weights over 4x4x4 cells.
+Vec3 slope_of_two_cells(const MacGrid& g, std::span<const double> phi, const Vec3& x) {
+  const Vec3 s = (x - g.origin) / g.dx - Vec3::Constant(0.5);
+  std::array<std::array<int, 4>, 3> at;
+  std::array<std::array<double, 4>, 3> sum, difference;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto axis = static_cast<Eigen::Index>(a);
+    const double low = std::floor(std::clamp(s[axis], -2.0, g.n[axis] + 1.0));
+    const double t = std::clamp(s[axis] - low, 0.0, 1.0);
+    for (int m = 0; m < 4; ++m)
+      at[a][static_cast<std::size_t>(m)] =
+          std::clamp(static_cast<int>(low) - 1 + m, 0, g.n[axis] - 1) * g.cell_stride(static_cast<int>(a));
+    sum[a] = {1.0 - t, 1.0, 1.0, t};
+    difference[a] = {t - 1.0, -t, 1.0 - t, t};
+  }
+  Vec3 slope = Vec3::Zero();
+  for (std::size_t k = 0; k < 4; ++k)
+    for (std::size_t j = 0; j < 4; ++j) {
+      const double* row = phi.data() + at[1][j] + at[2][k];
+      const double p0 = row[at[0][0]], p1 = row[at[0][1]], p2 = row[at[0][2]], p3 = row[at[0][3]];
+      const double along = sum[0][0] * p0 + sum[0][1] * p1 + sum[0][2] * p2 + sum[0][3] * p3;
+      const double across =
+          difference[0][0] * p0 + difference[0][1] * p1 + difference[0][2] * p2 + difference[0][3] * p3;
+      slope += Vec3(across * sum[1][j] * sum[2][k], along * difference[1][j] * sum[2][k],
+                    along * sum[1][j] * difference[2][k]);
+    }
+  return slope;
+}
+
 /// Calls f(face, weight) for the wet faces across axis a around x, Σ weight = 1, and returns whether there are any.
 template <class F>
 bool interpolate(const MacGrid& g, const WetFaces& wet, int a, const Vec3& x, const F& f) {
@@ -93,17 +123,13 @@ void surface_row(const MacGrid& g, const WetFaces& wet, std::span<const double> 
                  std::vector<FaceWeight>& row) {
   row.clear();
   // The point of the surface nearest to x, and the mean normal around it.
-  Vec3 slope, n = Vec3::Zero();
+  Vec3 slope, n = slope_of_two_cells(g, phi, x);
   for (int a = 0; a < 3; ++a) {
     const Vec3 e = 0.5 * g.dx * Vec3::Unit(a);
     slope[a] = sample_cells(g, phi, x + e) - sample_cells(g, phi, x - e);
   }
   slope /= std::max(slope.norm(), 1e-12 * g.dx);
   const double depth = sample_cells(g, phi, x);
-  for (int o = 0; o < 27; ++o) {
-    const Vec3 e(o % 3 - 1, o / 3 % 3 - 1, o / 9 - 1);
-    n += sample_cells(g, phi, x + g.dx * e) * e;
-  }
   n /= std::max(n.norm(), 1e-12 * g.dx);
   // Deep inside, at the walls of the box, the fluid has no surface: its matter is asked there, with shear and all.
   const bool deep = depth < -kDeep * g.dx;

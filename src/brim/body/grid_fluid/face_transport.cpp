@@ -68,22 +68,25 @@ void extend_velocity(const MacGrid& g, const WetFaces& wet, const std::array<boo
   }
 }
 
-void advect_velocity(const MacGrid& g, std::span<const double> u, double dt, std::span<double> out,
-                     std::vector<double>& scratch) {
-  scratch.assign(g.faces(), 0.0);
-  for (int a = 0; a < 3; ++a)
-    for_places(g.face_count(a), [&](int i, int j, int k) {
-      scratch[g.face(a, i, j, k)] = sample_face(g, u, a, trace_back(g, u, g.face_position(a, i, j, k), dt));
-    });
+void advect_velocity(const MacGrid& g, std::span<const double> u, std::span<const double> mass, double dt,
+                     std::span<double> out) {
+  std::vector<double> forth(g.faces(), 0.0);
+  std::vector<Vec3> from(g.faces());
   for (int a = 0; a < 3; ++a)
     for_places(g.face_count(a), [&](int i, int j, int k) {
       const int f = g.face(a, i, j, k);
-      const Vec3 x = g.face_position(a, i, j, k);
-      const double forth = scratch[f];
-      const double back = sample_face(g, scratch, a, trace_back(g, u, x, -dt));
+      from[f] = trace_back(g, u, g.face_position(a, i, j, k), dt);
+      forth[f] = sample_face(g, u, a, from[f]);
+    });
+  std::fill(out.begin(), out.end(), 0.0);
+  for (int a = 0; a < 3; ++a)
+    for_places(g.face_count(a), [&](int i, int j, int k) {
+      const int f = g.face(a, i, j, k);
+      if (mass[f] == 0.0) return;
+      const double back = sample_face(g, forth, a, trace_back(g, u, g.face_position(a, i, j, k), -dt));
       double low, high;
-      range_at(g, u, a, trace_back(g, u, x, dt), low, high);
-      out[f] = std::clamp(forth + 0.5 * (u[f] - back), low, high);
+      range_at(g, u, a, from[f], low, high);
+      out[f] = std::clamp(forth[f] + 0.5 * (u[f] - back), low, high);
     });
 }
 

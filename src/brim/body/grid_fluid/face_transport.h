@@ -21,9 +21,10 @@ void extend_velocity(const MacGrid& grid, const WetFaces& wet, const std::array<
 /// Carries a velocity field along itself for a time dt, by the scheme of MacCormack (Selle et al. 2008): a
 /// semi-Lagrangian step there and back finds the error of the first; the result is kept within the samples it came
 /// from. Second order in space and time where the field is smooth.
-/// @param u    extended beyond the surface
-/// @param out  shape (faces); scratch likewise
-void advect_velocity(const MacGrid& grid, std::span<const double> u, double dt, std::span<double> out,
-                     std::vector<double>& scratch);
+/// @param u     extended beyond the surface
+/// @param mass  [kg] per face: those without are left at zero
+/// @param out   shape (faces)
+void advect_velocity(const MacGrid& grid, std::span<const double> u, std::span<const double> mass, double dt,
+                     std::span<double> out);
 
 }  // namespace brim

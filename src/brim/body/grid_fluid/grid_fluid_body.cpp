@@ -12,7 +12,7 @@ namespace {
 using Kind = WetFaces::Kind;
 
 /// Flow that may remain in a cell, over the largest before the projection.
-constexpr double kPressureTolerance = 1e-9;
+constexpr double kPressureTolerance = 1e-11;
 /// Farthest that the volume correction may move the surface in a step, [cells].
 constexpr double kMostShift = 0.1;
 /// Layers of faces beyond the surface to which the velocity is extended, besides what the motion of a step needs.
@@ -141,8 +141,7 @@ void GridFluidBody::finish_step(double, double dt, std::span<double> q, std::spa
   take_level_set(q.first(g.cells()));
   std::vector<double>& moved = scratch_;
   moved.resize(g.faces());
-  std::vector<double> forth;
-  advect_velocity(g, extended_, dt, moved, forth);
+  advect_velocity(g, extended_, mass_, dt, moved);
   const bool closed = std::none_of(model_.open.begin(), model_.open.end(), [](bool open) { return open; });
   wall_impulse_ -= keeper_.restore(g, wet_, mass_, closed, moved);
   for (std::size_t f = 0; f < moved.size(); ++f) moved[f] *= mass_[f];

@@ -1,195 +1,184 @@
 #include "brim/body/grid_fluid/grid_poisson.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "brim/core/error.h"
+#include "brim/core/parallel.h"
+#include "brim/core/simd.h"
 
 namespace brim {
 
 namespace {
 
-/// [cells] of the coarsest level, along the longest side.
-constexpr int kCoarsest = 4;
-constexpr int kSweeps = 2, kCoarsestSweeps = 16;
-/// See the class: coarse matrices are halved.
-constexpr double kCoarseScale = 0.5;
+/// Rows that a thread takes at once; sums are made block by block, whatever the number of threads.
+constexpr std::size_t kRowsOfSum = 256;
 
-double dot(std::span<const double> a, std::span<const double> b) {
-  return ordered_sum(a.size(), [&](std::size_t begin, std::size_t end) {
-    double s = 0.0;
-    for (std::size_t i = begin; i < end; ++i) s += a[i] * b[i];
-    return s;
+struct PaddedMatrix {
+  const double *d, *x, *y, *z;
+  std::size_t row, plane;
+};
+
+BRIM_INLINE double sum_of(const Lanes& s) { return (s[0] + s[2]) + (s[1] + s[3]); }
+BRIM_INLINE Lanes larger(const Lanes& a, const Lanes& b) { return a > b ? a : b; }
+
+/// y = A x. @return x · y
+BRIM_WIDE double apply_rows(const PaddedMatrix& a, std::span<const std::size_t> rows, const double* x, double* y) {
+  Lanes sum = {};
+  for (const std::size_t first : rows)
+    for (std::size_t c = first; c < first + a.row; c += kLanes) {
+      const Lanes now = load_lanes(x + c);
+      const Lanes sx = load_lanes(a.x + c - 1) * load_lanes(x + c - 1) + load_lanes(a.x + c) * load_lanes(x + c + 1);
+      const Lanes sy =
+          load_lanes(a.y + c - a.row) * load_lanes(x + c - a.row) + load_lanes(a.y + c) * load_lanes(x + c + a.row);
+      const Lanes sz = load_lanes(a.z + c - a.plane) * load_lanes(x + c - a.plane) +
+                       load_lanes(a.z + c) * load_lanes(x + c + a.plane);
+      const Lanes out = load_lanes(a.d + c) * now - ((sx + sy) + sz);
+      store_lanes(y + c, out);
+      sum += now * out;
+    }
+  return sum_of(sum);
+}
+
+/// x += step p, r -= step y. @return the largest of |r|
+BRIM_WIDE double advance_rows(std::span<const std::size_t> rows, std::size_t row, double step, const double* p,
+                              const double* y, double* x, double* r) {
+  Lanes most = {};
+  for (const std::size_t first : rows)
+    for (std::size_t c = first; c < first + row; c += kLanes) {
+      store_lanes(x + c, load_lanes(x + c) + step * load_lanes(p + c));
+      const Lanes left = load_lanes(r + c) - step * load_lanes(y + c);
+      store_lanes(r + c, left);
+      most = larger(most, larger(left, -left));
+    }
+  return std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
+}
+
+/// b = s r over `most`
+BRIM_WIDE void scale_rows(std::span<const std::size_t> rows, std::size_t row, double inverse, const double* r,
+                          const float* s, float* b) {
+  for (const std::size_t first : rows)
+    for (std::size_t c = first; c < first + row; c += kLanes)
+      store_lanes(b + c, __builtin_convertvector(inverse * load_lanes(r + c), FloatLanes) * load_lanes(s + c));
+}
+
+/// @return Σ r s z
+BRIM_WIDE double product_rows(std::span<const std::size_t> rows, std::size_t row, const double* r, const float* s,
+                              const float* z) {
+  Lanes sum = {};
+  for (const std::size_t first : rows)
+    for (std::size_t c = first; c < first + row; c += kLanes)
+      sum += load_lanes(r + c) * (to_double(load_lanes(s + c)) * to_double(load_lanes(z + c)));
+  return sum_of(sum);
+}
+
+/// p = most s z + ratio p
+BRIM_WIDE void turn_rows(std::span<const std::size_t> rows, std::size_t row, double ratio, double most, const float* s,
+                         const float* z, double* p) {
+  for (const std::size_t first : rows)
+    for (std::size_t c = first; c < first + row; c += kLanes)
+      store_lanes(p + c,
+                  most * (to_double(load_lanes(s + c)) * to_double(load_lanes(z + c))) + ratio * load_lanes(p + c));
+}
+
+/// f(rows) over blocks of rows, its numbers block by block into `part`.
+template <class F>
+void fold_rows(std::span<const std::size_t> rows, std::vector<double>& part, const F& f) {
+  part.assign((rows.size() + kRowsOfSum - 1) / kRowsOfSum, 0.0);
+  parallel_blocks(rows.size(), kRowsOfSum, [&](std::size_t begin, std::size_t end) {
+    part[begin / kRowsOfSum] = f(rows.subspan(begin, end - begin));
   });
 }
 
-double largest(std::span<const double> a) {
-  double most = 0.0;
-  for (const double x : a) most = std::max(most, std::abs(x));
-  return most;
-}
-
-/// Sum of a x over the six neighbours.
-inline double neighbours(const GridPoisson::Level& l, const double* x, int c, int i, int j, int k) {
-  const int sy = l.n.x(), sz = l.n.x() * l.n.y();
+double sum_of(const std::vector<double>& part) {
   double s = 0.0;
-  if (i > 0) s += l.coupling[0][c - 1] * x[c - 1];
-  if (i + 1 < l.n.x()) s += l.coupling[0][c] * x[c + 1];
-  if (j > 0) s += l.coupling[1][c - sy] * x[c - sy];
-  if (j + 1 < l.n.y()) s += l.coupling[1][c] * x[c + sy];
-  if (k > 0) s += l.coupling[2][c - sz] * x[c - sz];
-  if (k + 1 < l.n.z()) s += l.coupling[2][c] * x[c + sz];
+  for (const double x : part) s += x;
   return s;
 }
 
-void resize(GridPoisson::Level& l, const Vec3i& n) {
-  l.n = n;
-  const auto cells = static_cast<std::size_t>(n.x()) * n.y() * n.z();
-  l.diagonal.assign(cells, 0.0);
-  for (auto& c : l.coupling) c.assign(cells, 0.0);
-  l.x.resize(cells), l.b.resize(cells), l.r.resize(cells), l.inverse.resize(cells);
-}
-
-void invert_diagonal(GridPoisson::Level& l) {
-  for (std::size_t c = 0; c < l.diagonal.size(); ++c) l.inverse[c] = l.diagonal[c] > 0.0 ? 1.0 / l.diagonal[c] : 0.0;
+double largest_of(const std::vector<double>& part) {
+  double most = 0.0;
+  for (const double x : part) most = std::max(most, x);
+  return most;
 }
 
 }  // namespace
 
-void GridPoisson::reset(const Vec3i& n) {
-  if (levels_.empty()) levels_.emplace_back();
-  resize(levels_.front(), n);
-  count_ = 1;
-}
-
 void GridPoisson::finish() {
-  invert_diagonal(levels_.front());
-  while (levels_[count_ - 1].n.maxCoeff() > kCoarsest) {
-    if (levels_.size() == count_) levels_.emplace_back();
-    coarsen(levels_[count_ - 1], levels_[count_]);
-    ++count_;
-  }
-}
-
-void GridPoisson::coarsen(const Level& fine, Level& coarse) {
-  resize(coarse, (fine.n + Vec3i::Ones()) / 2);
-  for_places(coarse.n, [&](int I, int J, int K) {
-    const int C = I + coarse.n.x() * (J + coarse.n.y() * K);
-    double diagonal = 0.0;
-    std::array<double, 3> outer{};
-    for (int k = 2 * K; k < std::min(2 * K + 2, fine.n.z()); ++k)
-      for (int j = 2 * J; j < std::min(2 * J + 2, fine.n.y()); ++j)
-        for (int i = 2 * I; i < std::min(2 * I + 2, fine.n.x()); ++i) {
-          const int c = i + fine.n.x() * (j + fine.n.y() * k);
-          const std::array<int, 3> at = {i, j, k};
-          diagonal += fine.diagonal[c];
-          for (int a = 0; a < 3; ++a) {
-            // An even place couples within the coarse cell, an odd one with the next.
-            if (at[a] % 2 == 0)
-              diagonal -= 2.0 * fine.coupling[a][c];
-            else
-              outer[a] += fine.coupling[a][c];
-          }
-        }
-    for (int a = 0; a < 3; ++a) coarse.coupling[a][C] = kCoarseScale * outer[a];
-    coarse.diagonal[C] = kCoarseScale * std::max(diagonal, 0.0);
-  });
-  // Rounding must not leave a diagonal below its couplings, nor a cell that is coupled to nothing at all.
-  for_places(coarse.n, [&](int i, int j, int k) {
-    const int c = i + coarse.n.x() * (j + coarse.n.y() * k);
-    coarse.x[c] = 1.0;
-  });
-  for_places(coarse.n, [&](int i, int j, int k) {
-    const int c = i + coarse.n.x() * (j + coarse.n.y() * k);
-    coarse.diagonal[c] = std::max(coarse.diagonal[c], neighbours(coarse, coarse.x.data(), c, i, j, k));
-  });
-  invert_diagonal(coarse);
-}
-
-void GridPoisson::smooth(Level& l, bool forth) {
-  for (int half = 0; half < 2; ++half) {
-    const int colour = forth ? half : 1 - half;
-    parallel_for(static_cast<std::size_t>(l.n.z()), [&](std::size_t plane) {
-      const int k = static_cast<int>(plane);
-      for (int j = 0; j < l.n.y(); ++j)
-        for (int i = (colour + j + k) % 2; i < l.n.x(); i += 2) {
-          const int c = i + l.n.x() * (j + l.n.y() * k);
-          if (l.inverse[c] > 0.0) l.x[c] = (l.b[c] + neighbours(l, l.x.data(), c, i, j, k)) * l.inverse[c];
-        }
-    });
-  }
-}
-
-void GridPoisson::residual(Level& l) const {
-  for_places(l.n, [&](int i, int j, int k) {
-    const int c = i + l.n.x() * (j + l.n.y() * k);
-    l.r[c] = l.inverse[c] > 0.0 ? l.b[c] - l.diagonal[c] * l.x[c] + neighbours(l, l.x.data(), c, i, j, k) : 0.0;
+  multigrid_.set(matrix_);
+  const PaddedBox& box = multigrid_.box();
+  for (std::vector<double>* array : {&diagonal_, &coupling_[0], &coupling_[1], &coupling_[2], &x_, &r_, &p_, &y_})
+    array->assign(box.size, 0.0);
+  box.for_cells([&](std::size_t at, std::size_t c) {
+    diagonal_[at] = matrix_.diagonal[c];
+    for (std::size_t a = 0; a < 3; ++a) coupling_[a][at] = matrix_.coupling[a][c];
   });
 }
 
-void GridPoisson::cycle(std::size_t at) {
-  Level& l = levels_[at];
-  std::fill(l.x.begin(), l.x.end(), 0.0);
-  if (at + 1 == count_) {
-    for (int s = 0; s < kCoarsestSweeps; ++s) smooth(l, true);
-    for (int s = 0; s < kCoarsestSweeps; ++s) smooth(l, false);
-    return;
-  }
-  for (int s = 0; s < kSweeps; ++s) smooth(l, true);
-  residual(l);
-  Level& coarse = levels_[at + 1];
-  for_places(coarse.n, [&](int I, int J, int K) {
-    double sum = 0.0;
-    for (int k = 2 * K; k < std::min(2 * K + 2, l.n.z()); ++k)
-      for (int j = 2 * J; j < std::min(2 * J + 2, l.n.y()); ++j)
-        for (int i = 2 * I; i < std::min(2 * I + 2, l.n.x()); ++i) sum += l.r[i + l.n.x() * (j + l.n.y() * k)];
-    coarse.b[I + coarse.n.x() * (J + coarse.n.y() * K)] = sum;
-  });
-  cycle(at + 1);
-  for_places(l.n, [&](int i, int j, int k) {
-    const int c = i + l.n.x() * (j + l.n.y() * k);
-    if (l.inverse[c] > 0.0) l.x[c] += coarse.x[i / 2 + coarse.n.x() * (j / 2 + coarse.n.y() * (k / 2))];
-  });
-  for (int s = 0; s < kSweeps; ++s) smooth(l, false);
+/// y = A x. @return x · y
+double GridPoisson::apply(std::span<const double> x, std::span<double> y) {
+  const PaddedBox& box = multigrid_.box();
+  const PaddedMatrix a = {diagonal_.data(), coupling_[0].data(), coupling_[1].data(), coupling_[2].data(), box.row,
+                          box.plane};
+  fold_rows(multigrid_.rows(), part_, [&](auto rows) { return apply_rows(a, rows, x.data(), y.data()); });
+  return sum_of(part_);
 }
 
-void GridPoisson::apply(std::span<const double> x, std::span<double> y) const {
-  const Level& l = levels_.front();
-  for_places(l.n, [&](int i, int j, int k) {
-    const int c = i + l.n.x() * (j + l.n.y() * k);
-    y[c] = l.inverse[c] > 0.0 ? l.diagonal[c] * x[c] - neighbours(l, x.data(), c, i, j, k) : 0.0;
+/// @return the largest residual
+double GridPoisson::advance(double step) {
+  fold_rows(multigrid_.rows(), part_, [&](auto rows) {
+    return advance_rows(rows, multigrid_.box().row, step, p_.data(), y_.data(), x_.data(), r_.data());
+  });
+  return largest_of(part_);
+}
+
+/// z = M⁻¹ r. @param most  the largest of |r|: the cycle gets numbers around one @return r · z
+double GridPoisson::precondition(double most) {
+  const std::size_t row = multigrid_.box().row;
+  const float* scale = multigrid_.scale().data();
+  float* b = multigrid_.scaled_rhs().data();
+  fold_rows(multigrid_.rows(), part_, [&](auto rows) {
+    scale_rows(rows, row, 1.0 / most, r_.data(), scale, b);
+    return 0.0;
+  });
+  const float* z = multigrid_.cycle().data();
+  fold_rows(multigrid_.rows(), part_, [&](auto rows) { return product_rows(rows, row, r_.data(), scale, z); });
+  return most * sum_of(part_);
+}
+
+/// p = z + ratio p
+void GridPoisson::turn(double ratio, double most) {
+  fold_rows(multigrid_.rows(), part_, [&](auto rows) {
+    turn_rows(rows, multigrid_.box().row, ratio, most, multigrid_.scale().data(), multigrid_.found().data(), p_.data());
+    return 0.0;
   });
 }
 
 int GridPoisson::solve(std::span<const double> b, double tolerance, int max_iterations, std::span<double> x) {
-  Level& fine = levels_.front();
-  const std::size_t n = fine.diagonal.size();
-  BRIM_CHECK(b.size(), ==, n);
-  BRIM_CHECK(x.size(), ==, n);
-  r_.resize(n), z_.resize(n), p_.resize(n), y_.resize(n);
-  for (std::size_t c = 0; c < n; ++c)
-    if (!(fine.inverse[c] > 0.0)) x[c] = 0.0;
-  apply(x, y_);
-  for (std::size_t c = 0; c < n; ++c) r_[c] = fine.inverse[c] > 0.0 ? b[c] - y_[c] : 0.0;
+  BRIM_CHECK(b.size(), ==, matrix_.diagonal.size());
+  BRIM_CHECK(x.size(), ==, matrix_.diagonal.size());
+  const PaddedBox& box = multigrid_.box();
+  const auto known = [&](std::size_t c) { return matrix_.diagonal[c] > 0.0; };
+  box.for_cells([&](std::size_t at, std::size_t c) { x_[at] = known(c) ? x[c] : 0.0; });
+  apply(x_, y_);
+  double most = 0.0;
+  box.for_cells([&](std::size_t at, std::size_t c) {
+    r_[at] = known(c) ? b[c] - y_[at] : 0.0;
+    most = std::max(most, std::abs(r_[at]));
+  });
   int iterations = 0;
   double rz = 0.0;
-  while (largest(r_) > tolerance && iterations < max_iterations) {
-    fine.b = r_;
-    cycle(0);
-    const double next = dot(r_, fine.x);
+  while (most > tolerance && iterations < max_iterations) {
+    const double next = precondition(most);
     if (!(next > 0.0) || !std::isfinite(next)) break;
-    const double ratio = iterations > 0 ? next / rz : 0.0;
+    turn(iterations > 0 ? next / rz : 0.0, most);
     rz = next;
-    for (std::size_t c = 0; c < n; ++c) p_[c] = iterations > 0 ? fine.x[c] + ratio * p_[c] : fine.x[c];
-    apply(p_, y_);
-    const double curvature = dot(p_, y_);
+    const double curvature = apply(p_, y_);
     if (!(curvature > 0.0)) break;
-    const double step = rz / curvature;
-    for (std::size_t c = 0; c < n; ++c) {
-      x[c] += step * p_[c];
-      r_[c] -= step * y_[c];
-    }
+    most = advance(rz / curvature);
     ++iterations;
   }
+  box.for_cells([&](std::size_t at, std::size_t c) { x[c] = x_[at]; });
   return iterations;
 }
 

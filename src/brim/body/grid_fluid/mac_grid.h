@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "brim/core/parallel.h"
+#include "brim/core/simd.h"
 #include "brim/math/types.h"
 
 namespace brim {
@@ -59,7 +60,7 @@ struct SamplePlace {
   int low;   ///< lower sample
   int step;  ///< to the upper: 1, or 0 when there is but one sample
   double t;  ///< [0, 1]
-  SamplePlace(double s, int count) {
+  BRIM_INLINE SamplePlace(double s, int count) {
     s = std::clamp(s, 0.0, static_cast<double>(count - 1));
     low = std::min(static_cast<int>(s), std::max(count - 2, 0));
     step = count > 1 ? 1 : 0;
@@ -68,7 +69,7 @@ struct SamplePlace {
 };
 
 /// Trilinear value of cell samples at x, held constant outside of the centres.
-inline double sample_cells(const MacGrid& g, std::span<const double> f, const Vec3& x) {
+BRIM_INLINE double sample_cells(const MacGrid& g, std::span<const double> f, const Vec3& x) {
   const Vec3 s = (x - g.origin) / g.dx - Vec3::Constant(0.5);
   const SamplePlace X(s.x(), g.n.x()), Y(s.y(), g.n.y()), Z(s.z(), g.n.z());
   const double* p = f.data() + g.cell(X.low, Y.low, Z.low);
@@ -83,7 +84,7 @@ inline double sample_cells(const MacGrid& g, std::span<const double> f, const Ve
 }
 
 /// Trilinear component a of the velocity at x.
-inline double sample_face(const MacGrid& g, std::span<const double> u, int a, const Vec3& x) {
+BRIM_INLINE double sample_face(const MacGrid& g, std::span<const double> u, int a, const Vec3& x) {
   const Vec3 s = (x - g.origin) / g.dx - g.face_offset(a);
   const Vec3i count = g.face_count(a);
   const SamplePlace X(s.x(), count.x()), Y(s.y(), count.y()), Z(s.z(), count.z());

@@ -1,5 +1,6 @@
 #include "brim/body/grid_fluid/pressure_projection.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace brim {
@@ -8,88 +9,99 @@ namespace {
 constexpr int kMaxIterations = 200;
 /// Flow that is rounding, over the area of a face times the fastest velocity before the pressure.
 constexpr double kRounding = 1e-15;
+/// Faces or cells that a thread takes at once.
+constexpr std::size_t kOfWork = 4096;
 }  // namespace
 
 void PressureProjection::prepare(const MacGrid& g, const WetFaces& wet, std::span<const double> mass) {
   grid_ = &g;
   wet_ = &wet;
-  inverse_mass_.assign(g.faces(), 0.0);
-  for (std::size_t f = 0; f < inverse_mass_.size(); ++f)
-    if (wet.kind[f] == WetFaces::Kind::Free) inverse_mass_[f] = 1.0 / mass[f];
+  push_.clear(), wet_cell_.clear();
   poisson_.reset(g.n);
-  GridPoisson::Level& A = poisson_.finest();
+  GridMatrix& A = poisson_.finest();
   const double area2 = g.dx * g.dx * g.dx * g.dx;
-  for_places(g.n, [&](int i, int j, int k) {
-    const int c = g.cell(i, j, k);
-    if (!wet.cell[c]) return;
-    for (int a = 0; a < 3; ++a) {
-      const int low = g.face(a, i, j, k), high = low + g.face_stride(a);
-      A.diagonal[c] += area2 * (inverse_mass_[low] + inverse_mass_[high]);
-      const bool last = Vec3i(i, j, k)[a] + 1 == g.n[a];
-      if (!last && wet.cell[c + g.cell_stride(a)]) A.coupling[a][c] = area2 * inverse_mass_[high];
-    }
-  });
+  const auto free_inverse = [&](int f) { return wet.kind[f] == WetFaces::Kind::Free ? 1.0 / mass[f] : 0.0; };
+  const auto air = static_cast<std::int32_t>(g.cells());
+  for (int k = 0; k <= g.n.z(); ++k)
+    for (int j = 0; j <= g.n.y(); ++j)
+      for (int i = 0; i <= g.n.x(); ++i) {
+        const Vec3i at(i, j, k);
+        for (int a = 0; a < 3; ++a) {
+          const int f = g.face(a, at);
+          if (wet.kind[f] != WetFaces::Kind::Free) continue;
+          const Vec3i below = at - Vec3i::Unit(a);
+          push_.push_back({f, g.inside(below) ? g.cell(below) : air, g.inside(at) ? g.cell(at) : air, 1.0 / mass[f]});
+        }
+        if (!g.inside(at) || !wet.cell[g.cell(at)]) continue;
+        const int c = g.cell(at);
+        wet_cell_.push_back({c, g.face(0, at)});
+        for (int a = 0; a < 3; ++a) {
+          const int low = g.face(a, at), high = low + g.face_stride(a);
+          const double above = free_inverse(high);
+          A.diagonal[c] += area2 * (free_inverse(low) + above);
+          const bool last = at[a] + 1 == g.n[a];
+          if (!last && wet.cell[c + g.cell_stride(a)]) A.coupling[a][c] = area2 * above;
+        }
+      }
   poisson_.finish();
 }
 
+/// Flow out of each wet cell, [m³/s]; the others are left alone.
 void PressureProjection::flow(std::span<const double> u, std::span<double> out) const {
   const MacGrid& g = *grid_;
   const double area = g.dx * g.dx;
-  for_places(g.n, [&](int i, int j, int k) {
-    const int c = g.cell(i, j, k);
-    double sum = 0.0;
-    if (wet_->cell[c])
-      for (int a = 0; a < 3; ++a) {
-        const int low = g.face(a, i, j, k);
-        sum += u[low + g.face_stride(a)] - u[low];
-      }
-    out[c] = area * sum;
-  });
+  const int sx = g.face_stride(0), sy = g.face_stride(1), sz = g.face_stride(2);
+  parallel_for(
+      wet_cell_.size(),
+      [&](std::size_t n) {
+        const auto [c, f] = wet_cell_[n];
+        out[c] = area * ((u[f + sx] - u[f]) + (u[f + 1 + sy] - u[f + 1]) + (u[f + 2 + sz] - u[f + 2]));
+      },
+      kOfWork);
 }
 
 double PressureProjection::divergence(std::span<const double> u) const {
-  std::vector<double> out(grid_->cells());
+  std::vector<double> out(grid_->cells(), 0.0);
   flow(u, out);
   double most = 0.0;
   for (const double x : out) most = std::max(most, std::abs(x));
   return most;
 }
 
-void PressureProjection::add_push(std::span<const double> pressure, std::span<double> z) const {
-  const MacGrid& g = *grid_;
-  const double area = g.dx * g.dx;
-  for (int a = 0; a < 3; ++a)
-    for_places(g.face_count(a), [&](int i, int j, int k) {
-      const int f = g.face(a, i, j, k);
-      if (inverse_mass_[f] == 0.0) return;
-      const Vec3i hi(i, j, k), lo = hi - Vec3i::Unit(a);
-      const double push = (g.inside(lo) ? pressure[g.cell(lo)] : 0.0) - (g.inside(hi) ? pressure[g.cell(hi)] : 0.0);
-      z[f] += inverse_mass_[f] * area * push;
-    });
-}
-
 int PressureProjection::project(std::span<const double> r, double tolerance, std::span<double> z,
                                 std::span<double> pressure) {
   const MacGrid& g = *grid_;
-  double fastest = 0.0, most = 0.0;
-  for (std::size_t f = 0; f < z.size(); ++f) {
-    z[f] = inverse_mass_[f] > 0.0 ? inverse_mass_[f] * r[f] : 0.0;
-    fastest = std::max(fastest, std::abs(z[f]));
-  }
-  for (std::size_t c = 0; c < g.cells(); ++c)
-    if (!wet_->cell[c]) pressure[c] = 0.0;
-  add_push(pressure, z);
-  flow_.resize(g.cells());
+  const double area = g.dx * g.dx;
+  // What is no unknown of the solve has no pressure, whatever the guess says; nor has the air.
+  known_.assign(g.cells() + 1, 0.0), change_.assign(g.cells() + 1, 0.0), flow_.assign(g.cells(), 0.0);
+  for (const auto& [c, f] : wet_cell_) known_[c] = pressure[c];
+  std::fill(z.begin(), z.end(), 0.0);
+  std::vector<double> fastest((push_.size() + kOfWork - 1) / kOfWork, 0.0);
+  parallel_blocks(push_.size(), kOfWork, [&](std::size_t begin, std::size_t end) {
+    double most = 0.0;
+    for (std::size_t n = begin; n < end; ++n) {
+      const Push& p = push_[n];
+      const double free = p.inverse_mass * r[p.face];
+      most = std::max(most, std::abs(free));
+      z[p.face] = free + p.inverse_mass * area * (known_[p.low] - known_[p.high]);
+    }
+    fastest[begin / kOfWork] = most;
+  });
   flow(z, flow_);
-  for (double& x : flow_) {
-    x = -x;
-    most = std::max(most, std::abs(x));
-  }
-  change_.assign(g.cells(), 0.0);
-  const double floor = kRounding * g.dx * g.dx * fastest;
-  const int iterations = poisson_.solve(flow_, std::max(tolerance * most, floor), kMaxIterations, change_);
-  add_push(change_, z);
-  for (std::size_t c = 0; c < g.cells(); ++c) pressure[c] += change_[c];
+  double most = 0.0;
+  for (const auto& [c, f] : wet_cell_) flow_[c] = -flow_[c], most = std::max(most, std::abs(flow_[c]));
+  const double rounding =
+      kRounding * area * (fastest.empty() ? 0.0 : *std::max_element(fastest.begin(), fastest.end()));
+  const int iterations =
+      poisson_.solve(flow_, std::max(tolerance * most, rounding), kMaxIterations, std::span(change_).first(g.cells()));
+  parallel_for(
+      push_.size(),
+      [&](std::size_t n) {
+        const Push& p = push_[n];
+        z[p.face] += p.inverse_mass * area * (change_[p.low] - change_[p.high]);
+      },
+      kOfWork);
+  for (std::size_t c = 0; c < g.cells(); ++c) pressure[c] = known_[c] + change_[c];
   return iterations;
 }
 

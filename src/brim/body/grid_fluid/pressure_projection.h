@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -31,14 +33,18 @@ class PressureProjection {
   double divergence(std::span<const double> u) const;
 
  private:
+  /// A free face, and the wet cells on its two sides; where there is none, a place of pressure zero.
+  struct Push {
+    std::int32_t face, low, high;
+    double inverse_mass;  ///< [1/kg]
+  };
   void flow(std::span<const double> u, std::span<double> out) const;
-  /// z += M⁻¹ Dᵀ π
-  void add_push(std::span<const double> pressure, std::span<double> z) const;
 
   const MacGrid* grid_ = nullptr;
   const WetFaces* wet_ = nullptr;
-  std::vector<double> inverse_mass_;  ///< [1/kg], 0 on faces that do not move
-  std::vector<double> flow_, change_;
+  std::vector<Push> push_;
+  std::vector<std::array<std::int32_t, 2>> wet_cell_;  ///< its number, and that of its low face along x
+  std::vector<double> known_, flow_, change_;          ///< per cell; of known_ and change_ the last is always 0
   GridPoisson poisson_;
 };
 
