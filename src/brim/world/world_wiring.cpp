@@ -23,6 +23,10 @@ int World::Impl::find(const std::string& name) const {
       if (out(b)) throw InputError(fmt::format("\"{}\" was removed", name));
       return static_cast<int>(b);
     }
+  // Of a repeated body each copy has a name of its own.
+  for (std::size_t b = 0; b < count(); ++b)
+    if (own(b).name() == name + ".0")
+      throw InputError(fmt::format("\"{}\" is repeated; name one of its copies, such as \"{}.0\"", name, name));
   throw InputError(fmt::format("\"{}\" is not a body", name));
 }
 
