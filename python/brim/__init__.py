@@ -20,11 +20,12 @@ from .link import Attachment
 from .own_body import OwnBody
 from .plugin import load_plugin
 from .recorded import Run, RunBody
+from .running import Frame, Running, StepError
 from .sensor import ContactEvent, RunSensor, Sensor
 from .shapes import (blob, bowl, box, capsule, cup, cylinder, gear, l_profile, mesh, plane, sphere, star, torus,
                      u_profile)
 from .view import View, view
-from .world import Frame, Running, StepError, World, load
+from .world import World, load
 
 __all__ = [
     "Attachment", "Body", "ContactEvent", "Defect", "Env", "Envs", "Frame", "InputError", "OwnBody", "Run", "RunBody",

@@ -43,6 +43,16 @@ TEST(ChildReader, AnswersComeBackWholeAndInOrder) {
   EXPECT_EQ(asked, 0);
 }
 
+TEST(ChildReader, AnInterruptOfTheGroupIsForTheParentAlone) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    ChildReader reader("a.vdb", [&](int question, ChildReader::Answer& answer) {
+      std::raise(signal);
+      answer.put(question + 1);
+    });
+    EXPECT_EQ(reader.ask(6).get<int>(), 7) << signal;
+  }
+}
+
 TEST(ChildReader, AnEmptyListIsAnAnswer) {
   ChildReader reader("a.obj", [](int, ChildReader::Answer& answer) { answer.put(nullptr, 0); });
   ChildReader::Received got = reader.ask(0);

@@ -197,6 +197,21 @@ TEST_F(ImageVolumes, ADeformableOneHoldsTheSameMatterAndMayBeHeld) {
   EXPECT_GT(std::count(v.begin(), v.end(), 0.0), 0);
 }
 
+TEST_F(ImageVolumes, ADeformableOneIsNotFinerThanTheFinestStepOfTheWorld) {
+  const auto mass = [](const char* world, const char* voxel) {
+    const std::string text = std::string(R"({"brim": 1, "name": "image", "duration": 1, "world": {)") + world +
+                             R"(}, "bodies": [{"kind": "image_volume", "name": "scan", "motion": "deformable",
+                               "shape": {"kind": "sphere", "radius": 0.1}, "image_spacing": 0.01, "lattice_spacing": 0.08)" +
+                             voxel + "}]}";
+    const World w = build_world(parse_scene(text, (folder_ / "scene.json").string()));
+    return std::pair{w.body(0).part(0).voxel_size, w.body(0).mass()};
+  };
+  EXPECT_LT(mass("", "").first, 0.01);
+  EXPECT_EQ(mass(R"("voxel_size": 0.03)", ""), mass("", R"(, "voxel_size": 0.03)"));
+  EXPECT_EQ(mass(R"("voxel_size": 0.03)", R"(, "voxel_size": 0.01)"), mass("", R"(, "voxel_size": 0.03)"));
+  EXPECT_EQ(mass(R"("voxel_size": 0.01)", R"(, "voxel_size": 0.03)"), mass("", R"(, "voxel_size": 0.03)"));
+}
+
 TEST_F(ImageVolumes, BadInputIsRefusedWithAMessage) {
   const auto expect = [](const std::string& body, const std::vector<std::string>& words) {
     const std::string text = message(body);

@@ -120,7 +120,10 @@ Reply reply_to(int question, const ChildReader::Serve& serve) {
 /// What the child is and does until nothing more is asked; never returns.
 [[noreturn]] void be_child(int channel, double bytes, double opening, double seconds, const ChildReader::Serve& serve) {
   // The parent's handlers are not for here; what libraries print when they give up is nobody's.
-  for (const int s : {SIGINT, SIGTERM, SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGPIPE}) std::signal(s, SIG_DFL);
+  for (const int s : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGILL, SIGPIPE}) std::signal(s, SIG_DFL);
+  // A terminal interrupts its whole foreground group. The parent decides what that means, and ends this process with
+  // its own: a reader that went first would look like a damaged file.
+  for (const int s : {SIGINT, SIGTERM}) std::signal(s, SIG_IGN);
   if (const int nowhere = ::open("/dev/null", O_RDWR); nowhere >= 0)
     for (const int standard : {0, 1, 2}) ::dup2(nowhere, standard);
   limit(RLIMIT_CORE, 0.0);

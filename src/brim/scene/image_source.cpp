@@ -145,7 +145,7 @@ void check_image_source(const Node& n) {
         fmt::format("{} is not allowed; the first must be at most the second", shown(n.at("window").json())));
 }
 
-ImageSolid read_image_solid(const Node& n, double scale, double cells_per_voxel, double limit) {
+ImageSolid read_image_solid(const Node& n, double scale, double cells_per_voxel, double limit, double finest) {
   ImageSolid solid;
   VoxelImage image;
   IntensityWindow window;
@@ -171,6 +171,7 @@ ImageSolid read_image_solid(const Node& n, double scale, double cells_per_voxel,
   }
   solid.voxel_size = n.number("voxel_size");
   if (!(solid.voxel_size > 0.0)) solid.voxel_size = box.extent().maxCoeff() / kVoxelsAcross;
+  solid.voxel_size = std::max(solid.voxel_size, finest);
   const double spacing = solid.voxel_size / cells_per_voxel;
   const Node size_node = n.number("voxel_size") > 0.0 ? n.at("voxel_size") : n;
   const auto tables =

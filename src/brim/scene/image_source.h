@@ -22,7 +22,9 @@ struct ImageSolid {
 /// @param scale           [-] of all lengths
 /// @param cells_per_voxel cells along a voxel of contact
 /// @param memory_limit    [bytes] of the scene
+/// @param finest          [m] least voxel of contact, as the world's voxel_size; 0: any
 /// @throws InputError
-ImageSolid read_image_solid(const Node& body, double scale, double cells_per_voxel, double memory_limit);
+ImageSolid read_image_solid(const Node& body, double scale, double cells_per_voxel, double memory_limit,
+                            double finest = 0.0);
 
 }  // namespace brim

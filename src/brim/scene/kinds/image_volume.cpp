@@ -90,7 +90,9 @@ class SoftImageMaker final : public BodyMaker {
  public:
   SoftImageMaker(const Node& n, const BuildContext& context) : node_(n), material_(context.material) {
     const double scale = n.at("transform").number("scale"), limit = context.world.memory_limit;
-    solid_ = read_image_solid(n, scale, kSoftCells, limit);
+    // Each point of a map gathers all particles within its ramp: much finer ones than the world's finest step cost
+    // memory by the third power of the ratio, and contact does not see them.
+    solid_ = read_image_solid(n, scale, kSoftCells, limit, context.world.voxel_size);
     spacing_ = scale * n.number("lattice_spacing");
     const Node at = n.at("lattice_spacing");
     const Aabb box = solid_.grid.matter_box();
