@@ -61,6 +61,20 @@ class Lists(unittest.TestCase):
                 self.assertEqual(bool(set(pair.split(" on ")) & user), table.startswith("user_"))
                 self.assertTrue(why)
 
+    def test_the_page_of_pairs_says_why_each_known_miss_fails(self):
+        own, user = (run_scenes.read_json(path) for path in (run_scenes.PAIRS / "kinds.json", run_scenes.ROOT / run_scenes.USER_KIND[1]))
+        misses = run_scenes.read_json(run_scenes.PAIRS / "known_misses.json")
+        for table, pairs in misses.items():
+            name = table.removeprefix("user_")
+            kind = "constraint_notes" if name == "constraint" else "notes"
+            notes = []
+            for source in (own, user):
+                where = source if name in ("penalty", "constraint") else source.get("worlds", {}).get(name, {})
+                notes += where.get(kind, [])
+            told = {pair for note in notes for pair in note["pairs"]}
+            for pair in pairs:
+                self.assertTrue({pair, *pair.split(" on ")} & told, f"no note of {table} is about {pair}")
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -5,9 +5,12 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "brim/scene/pairs/pair_log.h"
+#include "brim/scene/pairs/pair_page.h"
 #include "brim/scene/pairs/pair_report.h"
 #include "brim/scene/pairs/pair_trial.h"
 #include "commands.h"
@@ -20,7 +23,7 @@ namespace fs = std::filesystem;
 
 struct PairOptions {
   std::vector<std::string> only, with, worlds;
-  std::string out, table, scenes, response, command;
+  std::string out, table, scenes, response, resume, command;
   int threads = 0, steps = 0;
   bool json = false;
 };
@@ -62,9 +65,10 @@ std::vector<PairTable> tables(const PairOptions& o) {
   return chosen;
 }
 
-std::vector<PairResult> run_table(const PairTable& table, const PairOptions& o) {
+/// @param log  of earlier runs, or nullptr
+std::vector<PairResult> run_table(const PairTable& table, const PairOptions& o, PairLog* log) {
   if (!o.json) fmt::print("{} ({})\n{}\n", table.name, table.about, pair_line_head());
-  return run_pairs(table, o.only, [&](const PairResult& r) {
+  const auto each = [&](const PairResult& r) {
     if (!o.json) {
       fmt::print("{}\n", pair_line(r));
       std::fflush(stdout);
@@ -74,25 +78,33 @@ std::vector<PairResult> run_table(const PairTable& table, const PairOptions& o) 
                      fmt::format("{}{}_on_{}.json", o.worlds.empty() ? "" : table.name + "_", r.upper, r.lower),
                  pair_scene_text(table, table.find(r.lower), table.find(r.upper)));
     return !interrupted();
+  };
+  if (!log) return run_pairs(table, o.only, each);
+  return run_pairs(table, o.only, each, [&](const PairTable& t, const PairKind& a, const PairKind& b) {
+    if (const PairResult* kept = log->find(t, a, b)) return *kept;
+    const PairResult result = run_pair(t, a, b);
+    log->add(t, a, b, result);
+    return result;
   });
 }
 
 int pairs(const PairOptions& o) {
   const ThreadLimit limit(o.threads);
   watch_interrupts();
-  std::string page;
+  std::optional<PairLog> log;
+  if (!o.resume.empty()) log.emplace(o.resume, version_text());
+  std::vector<PairRun> runs;
   std::size_t run = 0, good = 0;
   for (const PairTable& table : tables(o)) {
-    const std::vector<PairResult> results = run_table(table, o);
-    if (o.json) std::fputs(pairs_json(table, results).c_str(), stdout);
+    runs.push_back({table, run_table(table, o, log ? &*log : nullptr)});
+    if (o.json) std::fputs(pairs_json(table, runs.back().results).c_str(), stdout);
     if (interrupted()) return kInterrupted;
-    page += page.empty() ? pairs_markdown(table, results, o.command) : pairs_section(table, results);
-    for (const PairResult& r : results) {
+    for (const PairResult& r : runs.back().results) {
       run += r.run ? 1 : 0;
       good += r.run && r.ok() ? 1 : 0;
     }
   }
-  if (!o.out.empty()) write_text(o.out, page);
+  if (!o.out.empty()) write_text(o.out, pairs_markdown(runs, o.command));
   fmt::print(stderr, "brim: {} of {} pairs are good\n", good, run);
   return good == run ? kGood : kFailed;
 }
@@ -116,6 +128,10 @@ void add_pairs(CLI::App& app, int& code) {
       ->delimiter(',');
   command->add_option("--steps", o->steps, "so many steps instead of those of the table")->check(CLI::Range(1, 100000));
   command->add_option("--scenes", o->scenes, "write the scene of each pair into this folder, for brim run");
+  command->add_option(
+      "--resume", o->resume,
+      "keep the figures of each pair in this file, and take over those that this version of brim left there; "
+      "make it anew where a plugin has changed");
   command->add_option("--threads", o->threads, "use at most this many threads; default all cores")
       ->check(CLI::Range(1, 4096));
   command->add_flag("--json", o->json, "print the figures as JSON");
@@ -127,7 +143,9 @@ void add_pairs(CLI::App& app, int& code) {
     if (!o->table.empty()) o->command += " --kinds " + o->table;
     if (!o->response.empty()) o->command += " --response " + o->response;
     if (!o->worlds.empty()) o->command += fmt::format(" --world {}", fmt::join(o->worlds, ","));
+    if (!o->only.empty()) o->command += fmt::format(" --only {}", fmt::join(o->only, ","));
     if (o->steps > 0) o->command += fmt::format(" --steps {}", o->steps);
+    if (o->threads > 0) o->command += fmt::format(" --threads {}", o->threads);
     if (!o->out.empty()) o->command += " -o " + o->out;
     code = pairs(*o);
   });

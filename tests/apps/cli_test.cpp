@@ -134,6 +134,13 @@ TEST_F(Program, PairsTellsHowEachDoesAndFailsWithOne) {
   EXPECT_EQ(good.code, 0) << good.err << good.out;
   EXPECT_NE(read(folder_ / "made/pairs.md").find("**1 of 1 pairs are good**"), std::string::npos);
   EXPECT_EQ(run("validate made/ball_on_ball.json").code, 0);
+  // Figures that were kept are taken over, wall times among them.
+  EXPECT_EQ(run("pairs --kinds loose.json -o made/page.md --resume made/kept.jsonl").code, 0);
+  const std::string page = read(folder_ / "made/page.md"), kept = read(folder_ / "made/kept.jsonl");
+  EXPECT_EQ(run("pairs --kinds loose.json -o made/page.md --resume made/kept.jsonl").code, 0);
+  EXPECT_EQ(read(folder_ / "made/page.md"), page);
+  EXPECT_EQ(read(folder_ / "made/kept.jsonl"), kept);
+  EXPECT_EQ(run("pairs --kinds loose.json --resume loose.json").code, 2);
   const Outcome bad = run("pairs --kinds tight.json --json");
   EXPECT_EQ(bad.code, 1);
   EXPECT_FALSE(nlohmann::json::parse(bad.out).at("pairs").at(0).at("ok").get<bool>());

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "brim/core/error.h"
+#include "brim/scene/pairs/pair_page.h"
 #include "brim/scene/pairs/pair_report.h"
 #include "brim/scene/pairs/pair_trial.h"
 #include "brim/scene/scene.h"
@@ -80,7 +81,7 @@ TEST(Pairs, AMissedBoundIsNamed) {
   ASSERT_EQ(r.failures.size(), 1u) << pair_line(r);
   EXPECT_NE(r.failures[0].find("overlap"), std::string::npos);
   const std::vector<PairResult> results = {r};
-  EXPECT_NE(pairs_markdown(table, results, "brim pairs").find("✗ overlap"), std::string::npos);
+  EXPECT_NE(pairs_markdown(std::vector<PairRun>{{table, results}}, "brim pairs").find("✗ overlap"), std::string::npos);
   EXPECT_NE(pairs_json(table, results).find("\"ok\": false"), std::string::npos);
 }
 
@@ -124,20 +125,6 @@ TEST(Pairs, AWorldOfTheTableChangesWhatItNames) {
   EXPECT_NE(pair_scene_text(rest, rest.find("block"), rest.find("block")).find("floor"), std::string::npos);
   EXPECT_EQ(pair_scene_text(table, table.find("block"), table.find("block")).find("floor"), std::string::npos);
   EXPECT_THROW(table.in_world("rset"), InputError);
-}
-
-TEST(Pairs, APageSaysWhyPairsFailWhereverItsTableSaysSo) {
-  const PairTable table = standard_pairs();
-  EXPECT_NE(pairs_markdown(table, {}, "").find("- " + table.notes.at(0)), std::string::npos);
-  PairTable rows = table;
-  rows.set_response("constraint");
-  EXPECT_NE(pairs_markdown(rows, {}, "").find("- " + table.constraint_notes.at(0)), std::string::npos);
-  EXPECT_NE(pairs_markdown(rows, {}, "").find("by constraints"), std::string::npos);
-  const PairTable rest = table.in_world("rest");
-  PairResult failed;
-  failed.failures = {"moves"};
-  EXPECT_NE(pairs_section(rest, std::vector{failed}).find("- " + rest.notes.at(0)), std::string::npos);
-  EXPECT_EQ(pairs_section(rest, {}).find("- " + rest.notes.at(0)), std::string::npos) << "none fails";
 }
 
 TEST(Pairs, ABlockComesToRestOnAnotherWhichCarriesIt) {

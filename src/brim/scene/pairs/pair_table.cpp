@@ -34,9 +34,13 @@ PairKind read_kind(const Node& n) {
   return kind;
 }
 
-std::vector<std::string> read_notes(const Node& n, const char* key = "notes") {
-  std::vector<std::string> notes;
-  for (std::size_t i = 0; i < n.at(key).size(); ++i) notes.push_back(n.at(key).at(i).string());
+std::vector<PairNote> read_notes(const Node& n, const char* key) {
+  std::vector<PairNote> notes(n.at(key).size());
+  for (std::size_t i = 0; i < notes.size(); ++i) {
+    const Node note = n.at(key).at(i), pairs = note.at("pairs");
+    notes[i].why = note.string("why");
+    for (std::size_t j = 0; j < pairs.size(); ++j) notes[i].pairs.push_back(pairs.at(j).string());
+  }
   return notes;
 }
 
@@ -48,7 +52,8 @@ PairWorld read_world(const Node& n, const std::string& name, const PairDrop& dro
   world.steps = n.has("steps") ? static_cast<int>(n.integer("steps")) : drop.steps;
   world.voxel_size = n.number("voxel_size");
   world.floor = n.boolean("floor");
-  world.notes = read_notes(n);
+  world.notes = read_notes(n, "notes");
+  world.constraint_notes = read_notes(n, "constraint_notes");
   return world;
 }
 
@@ -95,6 +100,7 @@ PairTable PairTable::in_world(const std::string& other) const {
   table.drop.steps = chosen.steps;
   table.worlds.clear();
   table.notes = chosen.notes;
+  table.constraint_notes = chosen.constraint_notes;
   Json settings = Json::parse(world);
   settings.merge_patch(Json::parse(chosen.patch));
   if (chosen.voxel_size > 0.0) {
@@ -120,7 +126,7 @@ void PairTable::set_response(const std::string& response) {
   world = settings.dump();
   if (response != "constraint") return;
   notes = constraint_notes;
-  for (PairWorld& other : worlds) other.notes = constraint_notes;
+  for (PairWorld& other : worlds) other.notes = other.constraint_notes;
 }
 
 void PairTable::add_kinds(const PairTable& other) {
@@ -130,6 +136,23 @@ void PairTable::add_kinds(const PairTable& other) {
         throw InputError(fmt::format("\"{}\" is already a kind of the table; choose another name", kind.name));
     kinds.push_back(kind);
   }
+  const auto append = [](std::vector<PairNote>& to, const std::vector<PairNote>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  append(notes, other.notes);
+  append(constraint_notes, other.constraint_notes);
+  for (PairWorld& mine : worlds)
+    for (const PairWorld& theirs : other.worlds) {
+      if (mine.name != theirs.name) continue;
+      append(mine.notes, theirs.notes);
+      append(mine.constraint_notes, theirs.constraint_notes);
+    }
+}
+
+bool PairNote::about(const std::string& lower, const std::string& upper) const {
+  for (const std::string& pair : pairs)
+    if (pair == lower || pair == upper || pair == upper + " on " + lower) return true;
+  return false;
 }
 
 const PairTable& standard_pairs() {
@@ -151,7 +174,7 @@ PairTable read_pair_table(std::string_view text, const std::string& file) {
   table.bounds = {bounds.number("overlap"), bounds.number("energy"), bounds.number("drift"),
                   bounds.number("leak"),    bounds.number("speed"),  bounds.number("carried")};
   table.world = root.at("world").json().dump();
-  table.notes = read_notes(root);
+  table.notes = read_notes(root, "notes");
   table.constraint_notes = read_notes(root, "constraint_notes");
   for (const auto& [name, entry] : root.at("worlds").json().items())
     table.worlds.push_back(read_world(root.at("worlds").at(name.c_str()), name, table.drop));

@@ -37,15 +37,23 @@ struct PairBounds {
   double carried = 0.1;  ///< [-] of the upper body's weight, more or less than what the last quarter carries of it
 };
 
+/// Why pairs fail.
+struct PairNote {
+  std::vector<std::string> pairs;  ///< "upper on lower", or a kind: each pair that holds it
+  std::string why;                 ///< Markdown
+
+  bool about(const std::string& lower, const std::string& upper) const;
+};
+
 /// Another way in which the kinds of a table meet.
 struct PairWorld {
   std::string name;
   std::string about;  ///< how they meet, for the page
   std::string patch;  ///< of the table's world: a JSON merge patch (RFC 7396)
   int steps = 0;
-  double voxel_size = 0.0;         ///< [m] of the world and of every body that tells one; 0: as it is
-  bool floor = false;              ///< a plane under the lower body
-  std::vector<std::string> notes;  ///< as those of the table, of penalties
+  double voxel_size = 0.0;                        ///< [m] of the world and of every body that tells one; 0: as it is
+  bool floor = false;                             ///< a plane under the lower body
+  std::vector<PairNote> notes, constraint_notes;  ///< as those of the table
 };
 
 struct PairTable {
@@ -57,12 +65,13 @@ struct PairTable {
   bool floor = false;  ///< a plane under the lower body, on which the pair comes to rest
   std::vector<PairKind> kinds;
   std::vector<PairWorld> worlds;
-  std::vector<std::string> notes;             ///< what is known of pairs that fail, for the page (Markdown)
-  std::vector<std::string> constraint_notes;  ///< the same under constraints, whatever the world
+  std::vector<PairNote> notes;             ///< what is known of pairs that fail; the first about a pair counts
+  std::vector<PairNote> constraint_notes;  ///< the same under constraints
 
   /// @throws InputError  naming the nearest kind
   const PairKind& find(const std::string& name) const;
-  /// Takes the kinds of another table in, under this table's drop, world and bounds.
+  /// Takes the kinds of another table in, under this table's drop, world and bounds, and its notes, also those of
+  /// worlds that this table has.
   /// @throws InputError  when a name is already here
   void add_kinds(const PairTable& other);
   /// Every pair answers like this, whatever the table's world says; its notes are those of that response. @param

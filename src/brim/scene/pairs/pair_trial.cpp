@@ -228,8 +228,9 @@ PairResult run_pair(const PairTable& table, const PairKind& a, const PairKind& b
   return moves(a, table) && !moves(b, table) ? run_ordered(table, b, a) : run_ordered(table, a, b);
 }
 
-std::vector<PairResult> run_pairs(const PairTable& table, const std::vector<std::string>& only,
-                                  const std::function<bool(const PairResult&)>& each) {
+std::vector<PairResult> run_pairs(
+    const PairTable& table, const std::vector<std::string>& only, const std::function<bool(const PairResult&)>& each,
+    const std::function<PairResult(const PairTable&, const PairKind&, const PairKind&)>& run) {
   for (const std::string& name : only) table.find(name);
   const auto wanted = [&](const PairKind& kind) {
     return only.empty() || std::find(only.begin(), only.end(), kind.name) != only.end();
@@ -239,7 +240,7 @@ std::vector<PairResult> run_pairs(const PairTable& table, const std::vector<std:
     for (std::size_t j = i; j < table.kinds.size(); ++j) {
       const PairKind &a = table.kinds[i], &b = table.kinds[j];
       if (!wanted(a) && !wanted(b)) continue;
-      results.push_back(run_pair(table, a, b));
+      results.push_back(run(table, a, b));
       if (each && !each(results.back())) return results;
     }
   return results;

@@ -43,7 +43,10 @@ PairResult run_pair(const PairTable& table, const PairKind& a, const PairKind& b
 /// Runs every unordered pair, each kind with itself included, in the order of the table.
 /// @param only  pairs that hold one of these kinds; empty: all  @throws InputError  for a name that is none
 /// @param each  called after each pair; false ends the run
-std::vector<PairResult> run_pairs(const PairTable& table, const std::vector<std::string>& only,
-                                  const std::function<bool(const PairResult&)>& each = {});
+/// @param run  makes the figures of a pair: run_pair, or what kept them
+std::vector<PairResult> run_pairs(
+    const PairTable& table, const std::vector<std::string>& only,
+    const std::function<bool(const PairResult&)>& each = {},
+    const std::function<PairResult(const PairTable&, const PairKind&, const PairKind&)>& run = run_pair);
 
 }  // namespace brim
