@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "brim/body/fem/tet_elements.h"
+#include "brim/body/meshless/sample_elements.h"
 #include "brim/body/particles/particle_body.h"
 #include "brim/body/particles/tet_display.h"
 
@@ -14,6 +15,9 @@ struct FemOptions : ParticleOptions {
   double young = 1e5;       ///< Young's modulus E [Pa]
   double poisson = 0.3;     ///< Poisson's ratio ν [-], in (−1, 0.5); above 0.45 linear tetrahedra lock
   ElasticLaw law = ElasticLaw::CorotationalLinear;
+  /// [-] in [0, 1): share of the energy that the mean F of tetrahedra with a common longest edge stores (EdgeGroups).
+  /// Locks less in bending; an assembly costs more. 0: each tetrahedron for itself
+  double averaging = 0.0;
   TriMesh display;  ///< fine surface carried by the elements, for viewers only; empty: the boundary itself
 };
 
@@ -24,10 +28,10 @@ class FemBody final : public ParticleBody {
  public:
   /// @param mesh  rest shape, world frame; every vertex in a tetrahedron
   /// @throws InputError  when a number is out of range or the mesh cannot be used
-  FemBody(TetMesh mesh, FemOptions options);
+  FemBody(TetMesh mesh, const FemOptions& options);
 
   std::string_view kind() const override { return "finite_elements"; }
-  double elastic_energy() const override { return elements_.energy(x_); }
+  double elastic_energy() const override { return elements_.energy(x_) + (groups_ ? groups_->energy(x_) : 0.0); }
 
   const Display& display() const override { return shown_->display(); }
   void display_positions(std::span<Vec3f> x) const override;
@@ -37,14 +41,18 @@ class FemBody final : public ParticleBody {
   const TetElements& elements() const { return elements_; }
 
  protected:
-  void add_inner() override { elements_.add(x_, force_, stiffness_); }
+  void add_inner() override {
+    elements_.add(x_, force_, stiffness_);
+    if (groups_) groups_->add(x_, force_, stiffness_);
+  }
 
  private:
-  FemBody(TetMesh mesh, FemOptions options, TetElements elements);
+  FemBody(TetMesh mesh, const FemOptions& options, TetElements elements);
 
   TetMesh mesh_;
   TetElements elements_;
-  std::span<const Triangle> surface_;  // owned by the contact
+  std::optional<SampleElements> groups_;  // where averaging is positive
+  std::span<const Triangle> surface_;     // owned by the contact
   std::optional<TetDisplay> shown_;
 };
 

@@ -38,6 +38,7 @@ class FiniteElementsMaker final : public BodyMaker {
     options.young = node_.number("young_modulus");
     options.poisson = node_.number("poisson_ratio");
     options.law = node_.string("law") == "neo_hookean" ? ElasticLaw::StableNeoHookean : ElasticLaw::CorotationalLinear;
+    options.averaging = node_.number("averaging");
     options.stiffness_damping = node_.number("stiffness_damping");
     options.mass_damping = node_.number("mass_damping");
     options.initial_velocity = place.velocity;
@@ -47,7 +48,7 @@ class FiniteElementsMaker final : public BodyMaker {
     options.display = solid_.display;
     for (Vec3& x : options.display.vertices) x = place.position + place.rotation * x;
     read_constraints(node_.at("constraints"), mesh.vertices, {}, options);
-    return std::make_unique<FemBody>(std::move(mesh), std::move(options));
+    return std::make_unique<FemBody>(std::move(mesh), options);
   }
 
  private:

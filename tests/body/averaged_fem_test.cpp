@@ -1,0 +1,117 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <numeric>
+
+#include "brim/body/fem/edge_groups.h"
+#include "brim/body/fem/fem_body.h"
+#include "brim/core/error.h"
+#include "brim/mesh/tet_lattice.h"
+#include "support/particle_laws.h"
+
+namespace brim {
+namespace {
+
+using testing::flat;
+
+constexpr unsigned kSeed = 37;
+constexpr ElasticLaw kLaws[] = {ElasticLaw::CorotationalLinear, ElasticLaw::StableNeoHookean};
+
+/// A ball on the lattice that fills shapes: whole, moved and cut tetrahedra.
+TetMesh ball(double spacing = 0.06) {
+  return tet_lattice([](const Vec3& p) { return p.norm() - 0.1; }, {Vec3::Constant(-0.1), Vec3::Constant(0.1)},
+                     spacing);
+}
+
+FemOptions options(ElasticLaw law) {
+  FemOptions o;
+  o.law = law;
+  o.young = 1e4;
+  o.averaging = 0.9;
+  return o;
+}
+
+std::vector<double> deformed(const FemBody& body, double amount, double stretch = 1.0) {
+  testing::Noise noise(kSeed);
+  const Mat3 R = Eigen::AngleAxisd(1.0, Vec3(1, 1, 0).normalized()).toRotationMatrix();
+  std::vector<Vec3> x;
+  for (const Vec3& p : body.rest_positions()) x.push_back(R * (stretch * p + amount * 0.01 * noise.vec()));
+  return flat(x);
+}
+
+TEST(AveragedFem, GroupsHoldAllVolumeAndTheirGradientsReproduceAffineMotion) {
+  const TetMesh mesh = ball();
+  const EdgeGroups groups = edge_groups(mesh);
+  EXPECT_LT(groups.volume.size(), mesh.tets.size() / 2);
+  EXPECT_NEAR(std::accumulate(groups.volume.begin(), groups.volume.end(), 0.0), tet_quality(mesh).total_volume, 1e-15);
+  for (std::size_t s = 0; s < groups.volume.size(); ++s) {
+    Mat3 F = Mat3::Zero();
+    Vec3 sum = Vec3::Zero();
+    for (auto e = static_cast<std::size_t>(groups.shape.rows.first[s]);
+         e < static_cast<std::size_t>(groups.shape.rows.first[s + 1]); ++e) {
+      F += mesh.vertices[static_cast<std::size_t>(groups.shape.rows.source[e])] * groups.shape.gradient[e].transpose();
+      sum += groups.shape.gradient[e];
+    }
+    EXPECT_LT((F - Mat3::Identity()).norm(), 1e-10);
+    EXPECT_LT(sum.norm(), 1e-8);
+  }
+}
+
+TEST(AveragedFem, ForcesAreMinusTheDerivativeOfEnergy) {
+  for (const ElasticLaw law : kLaws) {
+    FemBody body(ball(), options(law));
+    testing::expect_force_is_minus_energy_gradient(body, deformed(body, 0.6), 1e-7, 1e-6, kSeed);
+  }
+}
+
+TEST(AveragedFem, StiffnessIsTheDerivativeOfForcesWhereNothingIsProjected) {
+  for (const ElasticLaw law : kLaws) {
+    FemBody body(ball(), options(law));
+    testing::expect_stiffness_is_force_derivative(body, deformed(body, 0.02, 1.15), 1e-7, 1e-6, kSeed);
+  }
+}
+
+TEST(AveragedFem, StiffnessIsSymmetricAndDefiniteAlsoWhenInverted) {
+  for (const ElasticLaw law : kLaws) {
+    FemBody body(ball(), options(law));
+    testing::expect_stiffness_is_symmetric_and_definite(body, deformed(body, 10.0), kSeed);
+  }
+}
+
+TEST(AveragedFem, InnerForcesHaveNoResultantAndNoTorqueAndRigidMotionMakesNone) {
+  for (const ElasticLaw law : kLaws) {
+    FemBody body(ball(), options(law));
+    testing::expect_inner_forces_balance(body, deformed(body, 0.5));
+    testing::expect_inner_forces_balance(body, deformed(body, 10.0));
+    testing::expect_rigid_motion_makes_no_force(body);
+  }
+}
+
+TEST(AveragedFem, ThreadsDoNotChangeABit) {
+  FemBody body(ball(0.02), options(ElasticLaw::StableNeoHookean));
+  const std::vector<double> q = deformed(body, 0.3);
+  std::vector<double> force, product;
+  double energy = 0.0;
+  for (const int threads : {1, 2, 4}) {
+    ThreadLimit limit(threads);
+    testing::set(body, q);
+    body.begin_solve(0.01);
+    std::vector<double> y(q.size(), 0.0);
+    body.apply_system(q, y);
+    if (force.empty()) force = flat(body.inner_forces()), product = y, energy = body.elastic_energy();
+    EXPECT_EQ(flat(body.inner_forces()), force);
+    EXPECT_EQ(y, product);
+    EXPECT_EQ(body.elastic_energy(), energy);
+  }
+}
+
+TEST(AveragedFem, ShareOutsideItsRangeIsRefused) {
+  for (const double share : {-0.1, 1.0, std::nan("")}) {
+    FemOptions o = options(ElasticLaw::CorotationalLinear);
+    o.averaging = share;
+    EXPECT_THROW(FemBody(ball(), o), InputError);
+  }
+}
+
+}  // namespace
+}  // namespace brim
