@@ -90,7 +90,10 @@ TEST(PairPage, UnderConstraintsTheNotesOfConstraintsAreTaken) {
 TEST(PairPage, KindsThatAreAddedBringTheirNotesOfEveryWorldThatTheTableHas) {
   PairTable table = standard_pairs(), mine;
   mine.notes = {{{"mine on rod"}, "first"}};
-  mine.worlds = {{.name = "rest", .notes = {{{"mine on rod"}, "resting"}}}, {.name = "elsewhere"}};
+  mine.worlds.resize(2);
+  mine.worlds[0].name = "rest";
+  mine.worlds[0].notes = {{{"mine on rod"}, "resting"}};
+  mine.worlds[1].name = "elsewhere";
   const std::size_t worlds = table.worlds.size();
   table.add_kinds(mine);
   EXPECT_EQ(table.worlds.size(), worlds);
