@@ -68,7 +68,6 @@ TEST(RigidPairRows, VelocitiesResponsesAndForcesAreThoseOfTheGeneralForm) {
   const Vec3 impulse(1.3, -0.2, 0.7);
   for (std::size_t c = 0; c < 8; ++c) {
     EXPECT_LT((pairs.velocity(c, v) - general.velocity(c, v)).norm(), 1e-13);
-    EXPECT_NEAR(pairs.normal_response(c), general.normal_response(c), 1e-12);
     std::vector<double> one(12, 0.0), two(12, 0.0);
     pairs.add_response(c, impulse, one), general.add_response(c, impulse, two);
     for (std::size_t i = 0; i < 12; ++i) EXPECT_NEAR(one[i], two[i], 1e-12);

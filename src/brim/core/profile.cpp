@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <utility>
 
 namespace brim {
@@ -16,7 +17,7 @@ std::atomic<bool> profile_on{false};
 /// Written by one thread only.
 struct ProfileSlot {
   const char* phase;
-  std::string_view kind;
+  std::string kind;
   double seconds = 0.0, bytes = 0.0;
   std::int64_t calls = 0;
 };
@@ -54,10 +55,11 @@ ThreadProfile& this_thread() {
 ProfileSlot* open_profile(const char* phase, std::string_view kind, ProfileSlot*& outer) {
   ThreadProfile& t = this_thread();
   outer = t.open;
-  // Literals mostly have one address each; where they have two, the reader joins them.
+  // Literals mostly have one address each; where they have two, the reader joins them. Kinds may be a body's own
+  // strings.
   for (ProfileSlot& s : t.slots)
-    if (s.phase == phase && s.kind.data() == kind.data()) return t.open = &s;
-  t.slots.push_back({phase, kind});
+    if (s.phase == phase && s.kind == kind) return t.open = &s;
+  t.slots.push_back({phase, std::string(kind)});
   return t.open = &t.slots.back();
 }
 
@@ -99,7 +101,7 @@ std::vector<ProfileEntry> profile_entries() {
   for (const auto& t : detail::threads)
     for (const detail::ProfileSlot& s : t->slots) {
       if (s.calls == 0) continue;
-      ProfileEntry& e = joined[{s.phase, std::string(s.kind)}];
+      ProfileEntry& e = joined[{s.phase, s.kind}];
       e.phase = s.phase, e.kind = s.kind;
       e.seconds += s.seconds, e.calls += s.calls, e.bytes += s.bytes;
     }

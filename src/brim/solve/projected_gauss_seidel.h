@@ -68,11 +68,6 @@ class ProjectedGaussSeidel {
   void add_response(std::size_t c, const Vec3& impulse, std::span<double> v) const;
   /// Q += Rᵀ λ of contact c, for velocities below Q's size.
   void add_force(std::size_t c, const Vec3& impulse, std::span<double> Q) const;
-  /// u_n that an impulse along n alone makes at its own contact, per [N s].
-  double normal_response(std::size_t c) const {
-    const Place& p = place_[c];
-    return p.rigid ? pairs_.normal_response(p.row) : local_[p.row](0, 0);
-  }
 
  private:
   /// A contact among those of its form.

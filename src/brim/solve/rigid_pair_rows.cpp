@@ -12,6 +12,8 @@ struct Twist {
   Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
 };
 
+Mat3 doubles(const Eigen::Matrix3f& m) { return m.cast<double>(); }
+
 /// Velocity at x0 and spin of one side. @param arm  x0 − c
 Twist twist_of(const RigidPairRows::Side& s, const Vec3& arm, std::span<const double> v) {
   if (s.first == RigidPairRows::kFixed) return {};
@@ -35,18 +37,18 @@ void RigidPairRows::add(const Side& a, const Side& b, std::span<const Vec3> poin
   for (const Vec3& x : points) x0 += x / static_cast<double>(points.size());
   const Pair pair{a, b, x0 - a.center, x0 - b.center, friction, row_.size(), row_.size() + points.size()};
   for (std::size_t i = 0; i < points.size(); ++i) {
-    Row r;
-    r.frame = frames[i], r.pair = pair_.size();
+    Mat3 lever;
+    Eigen::Matrix<double, 6, 3> twist;
     for (int k = 0; k < 3; ++k) {
       const Vec3 f = frames[i].row(k).transpose(), torque = ((k == 0 ? points[i] : grips[i]) - x0).cross(f);
-      r.lever.row(k) = torque.transpose();
+      lever.row(k) = torque.transpose();
       const Twist by_a = response_of(a, pair.arm_a, f, torque), by_b = response_of(b, pair.arm_b, f, torque);
-      r.twist.col(k) << by_a.linear + by_b.linear, by_a.angular + by_b.angular;
+      twist.col(k) << by_a.linear + by_b.linear, by_a.angular + by_b.angular;
     }
-    r.local = r.frame * r.twist.topRows<3>() + r.lever * r.twist.bottomRows<3>();
-    r.local = 0.5 * (r.local + r.local.transpose()).eval();
-    r.local_inverse = invert_response(r.local);
-    row_.push_back(r);
+    Mat3 local = frames[i] * twist.topRows<3>() + lever * twist.bottomRows<3>();
+    local = 0.5 * (local + local.transpose()).eval();
+    row_.push_back({frames[i], lever, twist.cast<float>(), local.cast<float>(), invert_response(local).cast<float>(),
+                    static_cast<std::uint32_t>(pair_.size())});
   }
   pair_.push_back(pair);
 }
@@ -106,16 +108,18 @@ double RigidPairRows::relax(std::size_t pair, bool backward, int rounds, double 
       if (impulse[i].x() == 0.0 &&
           r.frame.row(0).dot(linear) + r.lever.row(0).dot(angular) + offset[i].x() >= target[i])
         continue;
+      const Mat3 local = doubles(r.local);
       Vec3 u = r.frame * linear + r.lever * angular + offset[i];
       u.x() -= target[i];
-      const Vec3 next = relax_contact(r.local, r.local_inverse, friction * p.friction, u, impulse[i]);
+      const Vec3 next = relax_contact(local, doubles(r.local_inverse), friction * p.friction, u, impulse[i]);
       const Vec3 change = next - impulse[i];
       if (change == Vec3::Zero()) continue;
       any = true;
       impulse[i] = next;
-      if (round == 0) worst = std::max(worst, (r.local * change).cwiseAbs().maxCoeff());
+      if (round == 0) worst = std::max(worst, (local * change).cwiseAbs().maxCoeff());
       force += r.frame.transpose() * change, torque += r.lever.transpose() * change;
-      linear += r.twist.topRows<3>() * change, angular += r.twist.bottomRows<3>() * change;
+      const Eigen::Matrix<double, 6, 3> twist = r.twist.cast<double>();
+      linear += twist.topRows<3>() * change, angular += twist.bottomRows<3>() * change;
     }
     if (!any) break;
     changed = true;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
@@ -18,7 +19,9 @@ namespace brim {
 ///   Δ(V, Ω) = B (F_iᵀ Δλ_i, G_iᵀ Δλ_i)                           B: response of the twist to a force and a torque at
 ///   x0
 /// with lever arms d = x_i − x0 of the normal impulse and e = y_i − x0 of friction, which may act at another place.
-/// The bodies take the sums of the forces and torques, equal and opposite: momentum is exact.
+/// The bodies take the sums of the forces and torques, equal and opposite: momentum is exact, linear and angular.
+/// Responses only say how far a contact is corrected at a time, not what it is corrected to, and are kept in single
+/// precision: sweeps over thousands of bodies wait for memory.
 /// Tests: tests/solve/rigid_pair_rows_test.cpp
 class RigidPairRows {
  public:
@@ -45,7 +48,6 @@ class RigidPairRows {
   void add_response(std::size_t i, const Vec3& impulse, std::span<double> v) const;
   /// Q += force and torque of the impulse on both bodies, for velocities below Q's size.
   void add_force(std::size_t i, const Vec3& impulse, std::span<double> Q) const;
-  double normal_response(std::size_t i) const { return row_[i].local(0, 0); }
 
   /// Relaxes the contacts of a pair in their order, or against it, so many times.
   /// @param friction  times that of the pair, 0 or 1  @param offset, target, impulse  of the pair's contacts
@@ -61,10 +63,10 @@ class RigidPairRows {
     std::size_t begin = 0, end = 0;
   };
   struct Row {
-    Mat3 frame, lever;                  ///< F; G, [m]
-    Eigen::Matrix<double, 6, 3> twist;  ///< B (f, torque of f) for unit impulses f along the rows
-    Mat3 local, local_inverse;          ///< W: response of u at this contact; its inverse or zero
-    std::size_t pair = 0;
+    Mat3 frame, lever;                     ///< F; G, [m]
+    Eigen::Matrix<float, 6, 3> twist;      ///< B (f, torque of f) for unit impulses f along the rows
+    Eigen::Matrix3f local, local_inverse;  ///< W: response of u at this contact; its inverse or zero
+    std::uint32_t pair = 0;
   };
   static void add_wrench(const Pair& p, const Vec3& force, const Vec3& torque, std::span<double> v);
 

@@ -172,29 +172,19 @@ void ContactStage::outline(std::span<const WorldPart> parts, std::span<const dou
 
 void ContactStage::sweep_boxes(double memory_limit) {
   const double most = memory_limit / kPairBytes;
-  // Along the axis on which the boxes' middles lie farthest apart.
   const std::size_t n = outline_.size();
-  Aabb middles;
-  for (const Outline& o : outline_)
-    if (o.swept.lo.allFinite() && o.swept.hi.allFinite()) middles.extend(o.swept.center());
-  int axis = 0;
-  if (!middles.empty()) middles.extent().maxCoeff(&axis);
-  order_.resize(n);
-  for (std::size_t p = 0; p < n; ++p) order_[p] = static_cast<std::int32_t>(p);
-  std::sort(order_.begin(), order_.end(), [&](std::int32_t i, std::int32_t j) {
-    const double a = outline_[i].swept.lo[axis], b = outline_[j].swept.lo[axis];
-    return a != b ? a < b : i < j;
-  });
+  swept_.clear();
+  for (const Outline& o : outline_) swept_.push_back(o.swept);
+  sweep_.build(swept_);
   near_.clear();
   first_touch_.assign(n + 1, 0);
-  swept_.clear();
-  for (const std::int32_t p : order_) swept_.push_back(outline_[p].swept);
   for (std::size_t i = 0; i < n; ++i) {
-    const Aabb one = swept_[i];
-    for (std::size_t j = i + 1; j < n && swept_[j].lo[axis] <= one.hi[axis]; ++j) {
-      if (!one.overlaps(swept_[j])) continue;
+    const std::int32_t own = sweep_.at(i);
+    partners_.clear();
+    sweep_.partners(i, partners_);
+    for (const std::int32_t other : partners_) {
       if (static_cast<double>(near_.size()) > most) refuse_crowd("pairs of bodies that may touch", most, memory_limit);
-      near_.emplace_back(std::min(order_[i], order_[j]), std::max(order_[i], order_[j]));
+      near_.emplace_back(std::min(own, other), std::max(own, other));
       ++first_touch_[near_.back().first + 1];
     }
   }

@@ -8,6 +8,7 @@
 #include "brim/body/body.h"
 #include "brim/body/octant_presence.h"
 #include "brim/contact/cube_contacts.h"
+#include "brim/math/box_sweep.h"
 #include "brim/world/rigid_contacts.h"
 #include "brim/world/step_report.h"
 #include "brim/world/tile_room.h"
@@ -101,8 +102,9 @@ class ContactStage {
   bool average_ = true;  ///< coarse densities are means of fine ones
   std::vector<RigidContacts::Touch> held_;
   std::vector<Outline> outline_;  ///< per part
-  std::vector<Aabb> swept_;       ///< in the order of the sweep
-  std::vector<std::int32_t> order_, first_touch_;
+  std::vector<Aabb> swept_;       ///< of each part
+  BoxSweep sweep_;
+  std::vector<std::int32_t> partners_, first_touch_;
   std::vector<std::pair<std::int32_t, std::int32_t>> near_, touching_;
   std::vector<PartAccess> access_;  ///< per part
   std::vector<Layer> layers_;

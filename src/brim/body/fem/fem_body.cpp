@@ -28,11 +28,12 @@ std::vector<double> masses_of(const TetMesh& mesh, const TetElements& elements, 
 
 }  // namespace
 
-FemBody::FemBody(TetMesh mesh, const FemOptions& options) : FemBody(mesh, options, make_elements(mesh, options)) {}
+FemBody::FemBody(const TetMesh& mesh, const FemOptions& options)
+    : FemBody(mesh, options, make_elements(mesh, options)) {}
 
-FemBody::FemBody(TetMesh mesh, const FemOptions& options, TetElements elements)
+FemBody::FemBody(const TetMesh& mesh, const FemOptions& options, TetElements elements)
     : ParticleBody(mesh.vertices, masses_of(mesh, elements, options.density), options),
-      mesh_(std::move(mesh)),
+      mesh_(mesh),
       elements_(std::move(elements)) {
   if (options.averaging > 0.0) {
     elements_.scale_stiffness(std::vector<double>(elements_.size(), 1.0 - options.averaging));

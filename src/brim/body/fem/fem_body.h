@@ -28,7 +28,7 @@ class FemBody final : public ParticleBody {
  public:
   /// @param mesh  rest shape, world frame; every vertex in a tetrahedron
   /// @throws InputError  when a number is out of range or the mesh cannot be used
-  FemBody(TetMesh mesh, const FemOptions& options);
+  FemBody(const TetMesh& mesh, const FemOptions& options);
 
   std::string_view kind() const override { return "finite_elements"; }
   double elastic_energy() const override { return elements_.energy(x_) + (groups_ ? groups_->energy(x_) : 0.0); }
@@ -47,7 +47,7 @@ class FemBody final : public ParticleBody {
   }
 
  private:
-  FemBody(TetMesh mesh, const FemOptions& options, TetElements elements);
+  FemBody(const TetMesh& mesh, const FemOptions& options, TetElements elements);
 
   TetMesh mesh_;
   TetElements elements_;
