@@ -44,6 +44,13 @@ auto in_words(const std::string& file, const std::string& what, const F& f) {
         text = text.substr(std::strlen(prefix));
         break;
       }
+    // The world names an attachment, force or sensor as well, in its own quotes.
+    if (const std::size_t from = what.find('"'), end = text.find("': ");
+        from != std::string::npos && end != std::string::npos) {
+      const std::string name = what.substr(from + 1, what.size() - from - 2);
+      for (const char* noun : {"attachment", "force", "sensor"})
+        if (text.starts_with(fmt::format("{} '{}': ", noun, name))) text = text.substr(end + 3);
+    }
     throw InputError(what + ": " + text);
   }
 }
@@ -233,9 +240,10 @@ int Session::wire(const std::string& list, const py::dict& given, const py::obje
     read_mirrors();
     unlocked([&] {
       const Node root(*scene.document, scene.document->root, ""), node = root.at(list.c_str()).at(std::size_t{0});
-      if (list == "filters")
+      if (list == "filters") {
+        check_filter_names(node, root, *world_);
         for (const TouchRule& rule : scene.world.touch_rules) world_->set_touch(rule);
-      else if (list == "attachments")
+      } else if (list == "attachments")
         number = node.placed([&] { return world_->attach(read_attachment(node)); });
       else if (list == "joints")
         number = node.placed([&] { return world_->attach(read_joint(node)); });

@@ -63,6 +63,16 @@ class Links(unittest.TestCase):
         world.step()
         self.assertAlmostEqual(ball.linear_momentum[0], 6 / 60, delta=0.03)
 
+    def test_a_filter_that_names_no_body_and_errors_that_name_a_link_once(self):
+        world, ball = ball_world(height=5.0)
+        with self.assertRaisesRegex(brim.InputError, r'^filter: between/1: "flor" is not a body.*did you mean "floor"'):
+            world.set_touch(ball, "flor")
+        with self.assertRaisesRegex(brim.InputError, r'^filter: between/1: "x\*" is not allowed; must match'):
+            world.set_touch(ball, "x*")
+        world.attach(ball, name="pin", point=(0, 0, 5))
+        with self.assertRaisesRegex(brim.InputError, '^attachment "pin": there is another one of that name$'):
+            world.attach(ball, name="pin", point=(0, 0, 5))
+
     def test_what_a_scene_file_could_not_say_is_refused_in_its_words(self):
         world, ball = ball_world(height=5.0)
         for call, words in (

@@ -194,7 +194,7 @@ const char* kTwo = R"("brim": 1, "name": "two", "duration": 1, "bodies": [
 TEST(LinkScenes, GroupsStandForTheirNamesInFilters) {
   const std::string head = std::string("{") + kTwo + R"(, "world": {"gravity": [0, 0, 0]}, )";
   EXPECT_GT(build_world(parse_scene(head + R"("filters": []})")).step().contacts, 0);
-  EXPECT_EQ(build_world(parse_scene(head + R"("groups": {"g": ["a*", "x"]}, "filters": [{"between": ["g", "c"]}]})"))
+  EXPECT_EQ(build_world(parse_scene(head + R"("groups": {"g": ["a*", "a.b"]}, "filters": [{"between": ["g", "c"]}]})"))
                 .step()
                 .contacts,
             0);
@@ -218,6 +218,44 @@ TEST(LinkScenes, BadOnesAreRefusedWithTheirPlace) {
   expect(R"("forces": [{"name": "x", "scale": [{"time": 1, "value": 1}, {"time": 1, "value": 2}]}])",
          {"/scale/1/time"});
   expect(R"("filters": [{"between": ["c"]}])", {"/filters/0/between"});
+}
+
+TEST(LinkScenes, AFilterThatNamesNoBodyIsRefusedWithTheNearestName) {
+  const std::string head =
+      R"({"brim": 1, "name": "three", "duration": 1, "groups": {"all": ["ball", "bo*"], "off": ["ball", "boll"]}, "bodies": [
+    {"kind": "rigid", "name": "ball", "shape": {"kind": "sphere", "radius": 0.1}},
+    {"kind": "rigid", "name": "box", "repeat": {"count": [2, 1, 1], "spacing": [1, 1, 1]},
+     "transform": {"position": [0, 3, 0]}, "shape": {"kind": "sphere", "radius": 0.1}}], "filters": [)";
+  const auto said = [&](const std::string& between) { return message(head + R"({"between": )" + between + "}]}"); };
+  for (const char* good :
+       {R"(["ball", "box"])", R"(["box.1", "b*"])", R"(["all", "*"])", R"(["ball", "box.?"])", R"(["ball", "ball"])"})
+    EXPECT_EQ(said(good), "") << good;
+  const struct {
+    const char* between;
+    std::vector<std::string> words;
+  } bad[] = {{R"(["bal", "box"])", {"/filters/0/between/0", "\"bal\" is not a body", "did you mean \"ball\"?"}},
+             {R"(["ball", "bix"])", {"/filters/0/between/1", "did you mean \"box\"?"}},
+             {R"(["ball", "box.7"])", {"/filters/0/between/1", "\"box.7\""}},
+             {R"(["c*", "box"])", {"/filters/0/between/0", "\"c*\"", "must match"}},
+             {R"(["off", "box"])", {"/groups/off/1", "\"boll\"", "did you mean \"ball\"?"}},
+             {R"(["al", "box"])", {"did you mean"}}};
+  for (const auto& b : bad)
+    for (const std::string& word : b.words)
+      EXPECT_NE(said(b.between).find(word), std::string::npos) << b.between << ": " << said(b.between);
+}
+
+TEST(LinkScenes, AHingeAboutARodsOwnAxisHasNoDrive) {
+  const std::string head =
+      R"({"brim": 1, "name": "axle", "duration": 1, "world": {"voxel_size": 0.02, "gravity": [0, 0, 0]}, "bodies": [
+    {"kind": "rod", "name": "rod", "points": [[-0.3, 0, 0], [0.3, 0, 0]], "segments": 12, "radius": 0.02, "linear_density": 1}], "joints": [{"name": "axle", "kind": "revolute", "body": "rod", "position": [0, 0, 0], "axis": )";
+  const std::string drive = R"(, "drive": {"target_velocity": 1, "damping": 0.1})", damping = R"(, "damping": 0.1)";
+  for (const std::string& acts : {drive, damping, std::string(R"(, "upper": 1)")}) {
+    const std::string text = message(head + "[1, 0, 0]" + acts + "}]}");
+    for (const char* word : {"/joints/0", "'axle'", "beside its axis", "turn the axis"})
+      EXPECT_NE(text.find(word), std::string::npos) << acts << ": " << text;
+  }
+  World w = build_world(parse_scene(head + "[1, 0, 0]}]}"));  // holds it all the same
+  for (int s = 0; s < 5; ++s) ASSERT_TRUE(w.step().ok);
 }
 
 }  // namespace

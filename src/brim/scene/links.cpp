@@ -1,6 +1,7 @@
 #include "brim/scene/links.h"
 
 #include <algorithm>
+#include <set>
 
 #include "brim/scene/articulated/trees.h"
 #include "brim/scene/constraints.h"
@@ -38,7 +39,41 @@ void check_names_differ(const Node& list) {
   }
 }
 
+/// Throws when `word`, a name or a pattern of names at `n`, stands for no body of the world.
+void need_bodies(const Node& n, const std::string& word, const Json& groups, const World& world) {
+  std::set<std::string> known;
+  for (int b = 0; b < world.body_count(); ++b) {
+    const std::string& name = world.body(b).name();
+    if (name_matches(word, name)) return;
+    known.insert(name);
+    // The stem of a numbered copy.
+    if (const auto dot = name.rfind('.'); dot != std::string::npos && name_matches(name.substr(0, dot), name))
+      known.insert(name.substr(0, dot));
+  }
+  if (word.find_first_of("*?") != std::string::npos)
+    throw n.error(fmt::format("\"{}\" is not allowed; must match the name of a body, and no body's does", word));
+  for (const auto& [name, unused] : groups.items()) known.insert(name);
+  const std::string near = nearest_word(word, known);
+  throw n.error(fmt::format("\"{}\" is not a body; must be a body, the stem of numbered copies, a pattern or a group{}",
+                            word, near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
+}
+
 }  // namespace
+
+void check_filter_names(const Node& filter, const Node& root, const World& world) {
+  const Json none = Json::object();
+  const Json& groups = root.has("groups") ? root.at("groups").json() : none;
+  for (const std::size_t side : {0, 1}) {
+    const Node n = filter.at("between").at(side);
+    const std::string word = n.string();
+    if (!groups.contains(word)) {
+      need_bodies(n, word, groups, world);
+      continue;
+    }
+    const Node members = root.at("groups").at(word.c_str());
+    for (std::size_t i = 0; i < members.size(); ++i) need_bodies(members.at(i), members.at(i).string(), none, world);
+  }
+}
 
 std::vector<TouchRule> read_filter(const Node& filter, const Json* groups) {
   std::vector<TouchRule> rules;
@@ -180,6 +215,7 @@ void wire_up(const Node& root, World& world) {
     n.placed([&] { world.apply(read_force(n)); });
   }
   add_sensors(root, world);
+  for (std::size_t i = 0; i < root.at("filters").size(); ++i) check_filter_names(root.at("filters").at(i), root, world);
   // What a filter's region cannot be about is said now, and not by the first step.
   for (std::size_t i = 0; i < root.at("filters").size(); ++i)
     if (const Node n = root.at("filters").at(i); n.has("region") || n.has("to_region"))

@@ -18,6 +18,9 @@ class World;
 
 /// Rules of one entry of "filters". @param groups  "groups" of the scene, or nothing
 std::vector<TouchRule> read_filter(const Node& filter, const Json* groups);
+/// Each name of an entry of "filters", and of the groups that it names, must be a body, the stem of numbered copies or
+/// a pattern that matches a body. @param root  the scene, for its "groups"  @throws InputError  with the nearest name
+void check_filter_names(const Node& filter, const Node& root, const World& world);
 Attachment read_attachment(const Node& attachment);
 /// An entry of "joints".
 Attachment read_joint(const Node& joint);

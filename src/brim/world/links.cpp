@@ -65,6 +65,21 @@ bool is_solid(const WorldPart& p) {
 
 bool carries_any(const WorldPart& p) { return is_solid(p) || dynamic_cast<const MaterialPoints*>(p.body) != nullptr; }
 
+/// Shortest distance from a hinge's axis that its angle is read at, as a share of the axis' held length.
+constexpr double kArm = 0.02;
+
+/// Distance of the third held point from the line through the others, as a share of their distance: the smaller one of
+/// the two sides.
+double least_arm(std::span<const Vec3> a, std::span<const Vec3> b) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& x : {a, b}) {
+    const Vec3 line = x[0] - x[1], r = x[2] - 0.5 * (x[0] + x[1]);
+    if (!(line.squaredNorm() > 0.0)) return 0.0;
+    least = std::min(least, line.cross(r).norm() / line.squaredNorm());
+  }
+  return least;
+}
+
 double span_of(const LinkJoint& joint, const WorldPart& part) {
   if (joint.span > 0.0) return joint.span;
   const double least = part.body->bounds(part.index).extent().minCoeff();
@@ -231,6 +246,11 @@ void Links::choose_held(Link& link, double h) {
   const bool limited = std::isfinite(j.lower) || std::isfinite(j.upper);
   if ((acts || limited) && !turns && !slides)
     throw InputError("only joints that turn or slide about an axis have limits, damping and drives");
+  if ((acts || limited) && turns && least_arm(link.a.positions(), link.b.positions()) < kArm)
+    throw InputError(
+        "a drive, damping or limit of a revolute joint needs matter beside its axis on both sides, and one has none at "
+        "the place that is held (a rod about its own axis has none at all); turn the axis, or hold it by bodies that "
+        "are wider there");
   if (acts) hold(n - 1, Hold::Drive, 1.0);
   if (std::isfinite(j.lower)) hold(n - 1, Hold::Lower, 1.0);
   if (std::isfinite(j.upper)) hold(n - 1, Hold::Upper, 1.0);
