@@ -21,3 +21,23 @@ autodoc_typehints = "description"
 highlight_language = "none"
 # Keys of scenes and tables of the C++ reference are no pages; pages of the project link to files that are downloads.
 suppress_warnings = ["myst.header", "misc.highlighting_failure"]
+
+
+def field_of_raises(app, what, name, obj, options, lines):
+    """Docstrings end in "@raises Kind when": made a field, in its own paragraph, with the lines that follow it."""
+    out, inside = [], False
+    for line in lines:
+        before, raises, after = line.partition("@raises ")
+        inside = inside and bool(line.strip())
+        if not raises:
+            out.append(f"    {line.strip()}" if inside else line)
+            continue
+        kind, _, when = after.partition(" ")
+        out += [before.rstrip()] if before.strip() else []
+        out += ["", f":raises {kind}: {when}".rstrip()]
+        inside = True
+    lines[:] = out
+
+
+def setup(app):
+    app.connect("autodoc-process-docstring", field_of_raises)
