@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "brim/body/points/points_body.h"
+#include "support/soft_worlds.h"
 #include "support/solids.h"
 #include "support/worlds.h"
 
@@ -71,6 +72,31 @@ TEST(Friction, GrainsInsideTheConeStickAsSoonAsTheyAreDown) {
   run(w, 0.15);
   for (std::size_t i = 0; i + 2 < w.v(b).size(); i += 3)
     EXPECT_LT(Vec3(w.v(b)[i], w.v(b)[i + 1], w.v(b)[i + 2]).norm(), 1e-3) << i / 3;
+}
+
+TEST(Friction, OfABlockThatSpreadsUnderItsWeightIsThatOfItsLoad) {
+  // The middle of its face sticks while the rim slides outward: friction of one slip for all would be far off.
+  WorldOptions options = options_at(0.05);
+  options.time_step = 0.01;
+  World w(options);
+  const double mu = 0.2;
+  w.add(ground(mu));
+  FemOptions o;
+  o.young = 1e5, o.material.friction = mu;
+  w.add(testing::named<FemBody>("block", testing::block_at(6, 0.6, Vec3(-0.3, -0.3, 0.01)), o));
+  double worst = 0.0;
+  int beyond = 0;
+  constexpr int kSteps = 60;
+  for (int i = 0; i < kSteps; ++i) {
+    w.step();
+    double load = 0.0, friction = 0.0;
+    for (const ContactSample& c : w.contacts()) load += c.force.norm(), friction += c.friction.norm();
+    if (!(load > 0.0)) continue;
+    worst = std::max(worst, friction / (mu * load));
+    beyond += friction > 1.05 * mu * load;
+  }
+  EXPECT_LT(worst, 1.4);
+  EXPECT_LE(beyond, kSteps / 10);
 }
 
 }  // namespace

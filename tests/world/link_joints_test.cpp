@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "brim/core/error.h"
@@ -196,6 +197,37 @@ TEST(LinkJoints, ASoftBodyHangsOnAHingeOfARigidOne) {
   EXPECT_GT(r.links[0].coordinate, 0.3);  // it swings down
 }
 
+TEST(LinkJoints, SidesOfNodesAreHeldWhereTheyAreNearestToEachOther) {
+  // A rope just above a sheet, and a jelly that a sheet cuts: neither side carries points that it has no matter at.
+  for (const JointKind kind : {JointKind::Ball, JointKind::Fixed, JointKind::Revolute, JointKind::Prismatic})
+    for (const std::string other : {"rope", "jelly"}) {
+      SCOPED_TRACE(fmt::format("{} to {}", static_cast<int>(kind), other));
+      WorldOptions o = floating();
+      o.voxel_size = 0.05;
+      World w(o);
+      w.add(testing::sheet("sheet", 1.0, Vec3(0.0, 0.0, 0.0)));
+      if (other == "rope")
+        w.add(testing::rope("rope", Vec3(-0.5, 0.0, 0.04), Vec3(0.5, 0.0, 0.04)));
+      else
+        w.add(testing::jelly("jelly", 0.4, Vec3(-0.2, -0.2, -0.1)));
+      w.attach(joint(kind, other, "sheet", Vec3(0.02, 0.01, 0.03), Vec3(1, 0, 0)));
+      StepReport r;
+      for (int s = 0; s < 90; ++s) {
+        r = w.step();
+        ASSERT_TRUE(r.ok);
+        EXPECT_LT(r.momentum_error, 1e-9);
+        if (s == 0) {
+          EXPECT_NEAR(r.links[0].coordinate, 0.0, 1e-3);
+        }
+      }
+      EXPECT_LT(r.links[0].error, 0.1 * o.voxel_size);
+      double fastest = 0.0;
+      for (int b = 0; b < 2; ++b)
+        for (std::size_t i = 0; i < w.v(b).size(); ++i) fastest = std::max(fastest, std::abs(w.v(b)[i]));
+      EXPECT_LT(fastest, 1.0);  // drawn together gently
+    }
+}
+
 TEST(LinkJoints, WhatCannotBeIsRefused) {
   World w(floating());
   w.add(box("box", {Vec3(0, 0, 0)}));
@@ -210,6 +242,11 @@ TEST(LinkJoints, WhatCannotBeIsRefused) {
   a.point.reset();
   w.attach(a);
   EXPECT_THROW(w.set_drive(0, 1.0, 0.0), InputError);
+
+  World far(floating());
+  far.add(testing::sheet("sheet", 1.0, Vec3::Zero()));
+  far.add(testing::jelly("jelly", 0.6, Vec3(0, 0, 2)));
+  EXPECT_THROW(far.attach(joint(JointKind::Ball, "jelly", "sheet", Vec3(0, 0, 1))), InputError);
 }
 
 }  // namespace

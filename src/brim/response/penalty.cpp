@@ -26,6 +26,9 @@ constexpr double kNone = 1e-300;
 /// Least share of a pair's mass that friction can feel, as its inverse: 3.5 of a ball that slides.
 constexpr double kLightest = 8.0;
 
+/// Share of what lies between two slips, of which one is too small and one too large, that the next is away from both.
+constexpr double kLeastShare = 0.1;
+
 double weight_of(const ContactSet& contacts, std::size_t c) { return PatchNormals::weight_of(contacts, c); }
 
 /// Frobenius norm of a packed tensor (tangent_tensor).
@@ -95,6 +98,7 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
     const bool stuck = deforms && slip < kNearlyStuck * slip_[p].stick * load;
     for (std::size_t c = pair.begin; c < pair.end; ++c)
       set_friction(c, load_[c], stuck ? Vec3::Zero() : slip_after(c, {}), slip_[p].stick);
+    slip_[p].assumed = std::max(slip_[p].stick, stuck || !(load > 0.0) ? 0.0 : slip / load);
     inverse_mass_[p] = pairs[p].inverse_mass, rigid_[p] = pairs[p].rigid;
     fixed_[p] = pairs[p].fixed;
     filled_[p] = pairs[p].filled;
@@ -312,13 +316,17 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
     total[p] = push;
     const double share = push > 0.0 ? std::max(0.0, net) / (push + come) : 1.0;
     const SlipForecast next = expected_slip(pair, p, delta, share);
+    double load = 0.0, assumed = 0.0;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const Vec3 slip = slip_after(c, delta);
       const double before = drag_[c];
       const Vec3 expected = slip + (next.ratio - 1.0) * (rigid_[p] ? next.mean : slip);
-      set_friction(c, share * load_[c], expected - normal_[c] * normal_[c].dot(expected), slip_[p].stick);
+      const Vec3 tangential = expected - normal_[c] * normal_[c].dot(expected);
+      set_friction(c, share * load_[c], tangential, slip_[p].stick);
+      load += std::max(0.0, load_[c]), assumed += std::max(0.0, load_[c]) * tangential.norm();
       if (active_[c] && !filled_[p]) change[p] += std::abs(drag_[c] - before) * slip.norm();
     }
+    slip_[p].assumed = std::max(slip_[p].stick, load > 0.0 ? assumed / load : 0.0);
   });
   double changed = 0.0, load = 0.0;
   update_bonds(delta, changed, load);
@@ -350,6 +358,21 @@ Vec3 Penalty::mean_slip(const ContactPair& pair, std::span<const Vec3> delta) co
   return load > 0.0 ? Vec3(sum / load) : Vec3::Zero();
 }
 
+double Penalty::SlipHistory::between(double found, bool too_much) {
+  if (!(assumed > 0.0)) return 0.0;
+  const double excess = std::log(found / assumed);
+  // As long as friction is less than there may be, what slips is a few nodes that jump: the patch may stick.
+  if (excess > 0.0 && !too_much && !(tight.assumed > 0.0)) return 0.0;
+  (excess > 0.0 ? tight : loose) = {assumed, excess};
+  if (!(tight.assumed > 0.0 && loose.assumed > 0.0)) return 0.0;
+  if (tight.assumed >= loose.assumed) {  // loads have changed: what was seen before tells nothing
+    (excess > 0.0 ? loose : tight) = {};
+    return 0.0;
+  }
+  const double share = std::clamp(tight.excess / (tight.excess - loose.excess), kLeastShare, 1.0 - kLeastShare);
+  return tight.assumed * std::pow(loose.assumed / tight.assumed, share);
+}
+
 Penalty::SlipForecast Penalty::expected_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta,
                                              double share) {
   SlipHistory& h = slip_[p];
@@ -378,6 +401,9 @@ Penalty::SlipForecast Penalty::expected_slip(const ContactPair& pair, std::size_
   // Where a part deforms and both move, masses alone tell too little: pressed between heavy bodies, a sheet would stick
   // and slip by turns.
   if (tells || rigid_[p] || fixed_[p]) f.ratio = std::max(0.0, 1.0 + b * (friction - most) / found);
+  // Where a part deforms, some nodes of a patch stick while others slide, and friction does not fall in a line.
+  if (!rigid_[p])
+    if (const double told = h.between(found, friction > most); told > 0.0) f.ratio = told / found;
   h.friction_before = friction, h.found_before = found, ++h.solves;
   return f;
 }

@@ -146,7 +146,16 @@ class Penalty {
     double friction_before = 0.0;  ///< [N] that acted in the last solve
     double found_before = 0.0;     ///< [m/s] mean slip that it left
     int solves = 0;
-    double stick = 0.0;  ///< [m/s] slip below which friction is viscous
+    double stick = 0.0;    ///< [m/s] slip below which friction is viscous
+    double assumed = 0.0;  ///< [m/s] mean slip that the last solve was told
+    /// Solves that were told too small a slip, and too large a one; `assumed` is none where there was no such solve.
+    struct Side {
+      double assumed = 0.0;
+      double excess = 0.0;  ///< logarithm of the slip found over the one assumed
+    } tight, loose;
+    /// Takes the last solve as one of the sides. @param too_much  friction was more than there may be
+    /// @return [m/s] the slip between them that should be found as assumed, or none where one side is not known
+    double between(double found, bool too_much);
   };
 
   struct Workspaces;

@@ -13,7 +13,7 @@ void BlockCholesky::with_stream(const Supernode& s, const F& f) {
   const std::size_t column = 3 * static_cast<std::size_t>(s.begin);
   float *square = square_.data() + panel::kBlock * column, *step = step_.data() + column;
   if (compressed_)
-    f(panel::Stream<std::int16_t>{short_stream_.data() + s.stream, square, step});
+    f(panel::Stream<panel::Triple>{triple_stream_.data() + s.stream, square, step});
   else
     f(panel::Stream<float>{stream_.data() + s.stream, square, step});
 }

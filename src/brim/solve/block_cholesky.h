@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "brim/solve/panel.h"
+
 namespace brim {
 
 /// Cholesky factor of a sparse symmetric positive definite matrix of 3x3 blocks, in single precision: an exact part of
@@ -14,7 +16,7 @@ namespace brim {
 ///   order by approximate minimum degree -> elimination tree -> supernodes (columns of one pattern, small ones joined)
 ///   -> panels of floats, filled left to right by products of dense panels (Ng and Peyton 1993)
 ///   -> squares on the diagonal inverted, so that a solve is products only
-///   -> a stream in the order in which solves read it; of large factors, whose solves are bound by memory, in sixteen
+///   -> a stream in the order in which solves read it; of large factors, whose solves are bound by memory, in ten
 ///      bits
 ///
 /// Subtrees of the elimination tree are independent: they are dealt into a fixed number of tasks, which threads share;
@@ -81,9 +83,9 @@ class BlockCholesky {
   std::vector<Supernode> supernode_;
   std::vector<std::int32_t> row_, supernode_of_;
   std::vector<float> panel_;
-  // The same as solves read it (panel::Stream): of large factors in sixteen bits, of small ones as floats.
+  // The same as solves read it (panel::Stream): of large factors in ten bits, of small ones as floats.
   bool compressed_ = false;
-  std::vector<std::int16_t> short_stream_;
+  std::vector<panel::Triple> triple_stream_;
   std::vector<float> stream_, square_, step_;
   std::vector<Task> task_;               ///< the last one is the top
   std::vector<std::int32_t> task_of_;    ///< per supernode

@@ -208,13 +208,17 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
     s.stride = panel::padded(3 * static_cast<std::size_t>(s.rows));
     s.panel = total;
     total += s.stride * 3 * static_cast<std::size_t>(s.end - s.begin);
-    s.stream = streamed;
-    streamed += panel::stream_size(3 * static_cast<std::size_t>(s.rows), 3 * static_cast<std::size_t>(s.end - s.begin));
   }
   grow(panel_, total + 2 * panel::kPad);
   compressed_ = total > kWorthCompressing;
+  for (Supernode& s : supernode_) {
+    const std::size_t rows = 3 * static_cast<std::size_t>(s.rows),
+                      width = 3 * static_cast<std::size_t>(s.end - s.begin);
+    s.stream = streamed;
+    streamed += compressed_ ? panel::stream_size<panel::Triple>(rows, width) : panel::stream_size<float>(rows, width);
+  }
   if (compressed_)
-    grow(short_stream_, streamed);
+    grow(triple_stream_, streamed);
   else
     grow(stream_, streamed);
   square_.resize(panel::kBlock * 3 * static_cast<std::size_t>(n));

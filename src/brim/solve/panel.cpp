@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "brim/core/simd.h"
 
@@ -11,21 +12,24 @@ namespace {
 
 constexpr int kWide = 8;
 typedef float Wide __attribute__((vector_size(kWide * sizeof(float))));
-/// Steps from zero to the largest number of a compressed column.
-constexpr std::int32_t kSteps = 32767;
+typedef std::int32_t WideWord __attribute__((vector_size(kWide * sizeof(std::int32_t))));
+/// Steps from zero to the largest number of a column in ten bits.
+constexpr std::int32_t kSteps = 511;
 /// Makes all of them positive, and a half more.
 constexpr float kLift = kSteps + 1.5f;
+/// Where the ten bits of a triple's first, second and third number lie in its word.
+constexpr int kFirst = 0, kSecond = 11, kThird = 22;
+constexpr std::uint32_t kTenBits = 0x3ff;
 
 BRIM_INLINE Wide load(const float* p) {
   Wide w;
   __builtin_memcpy(&w, p, sizeof w);
   return w;
 }
-BRIM_INLINE Wide load(const std::int16_t* p) {
-  typedef std::int16_t Narrow __attribute__((vector_size(kWide * sizeof(std::int16_t))));
-  Narrow n;
-  __builtin_memcpy(&n, p, sizeof n);
-  return __builtin_convertvector(n, Wide);
+BRIM_INLINE WideWord load(const Triple* p) {
+  WideWord w;
+  __builtin_memcpy(&w, p, sizeof w);
+  return w;
 }
 BRIM_INLINE void store(float* p, Wide w) { __builtin_memcpy(p, &w, sizeof w); }
 
@@ -96,18 +100,40 @@ BRIM_INLINE void divide(float* square, std::size_t stride, std::size_t rows) {
 
 /// Chunks of rows of a stream.
 BRIM_INLINE std::size_t chunks(std::size_t rows) { return (rows + kWide - 1) / kWide; }
+/// Numbers of T in a chunk of some columns, a multiple of three.
+template <class T>
+constexpr std::size_t chunk_size(std::size_t columns) {
+  return kWide * (std::is_same_v<T, float> ? columns : columns / 3);
+}
 
-/// What a number of the stream is worth, of which the column's largest is `most`; and the number for a value.
+/// What a number of the stream is worth, of which the column's largest is `most`; and the number for a value. Those of
+/// ten bits are read where the highest bits of a word are.
 BRIM_INLINE float step_for(float, float) { return 1.0f; }
-BRIM_INLINE float step_for(std::int16_t, float most) { return most / kSteps; }
+BRIM_INLINE float step_for(Triple, float most) { return most / (static_cast<float>(1 << kThird) * kSteps); }
 BRIM_INLINE float inverse_step(float, float) { return 1.0f; }
-BRIM_INLINE float inverse_step(std::int16_t, float most) { return most > 0.0f ? kSteps / most : 0.0f; }
-BRIM_INLINE void encode(Wide x, float* out) { store(out, x); }
-BRIM_INLINE void encode(Wide x, std::int16_t* out) {  // to the nearest: what is cut off here is positive
-  typedef std::int32_t Long __attribute__((vector_size(kWide * sizeof(std::int32_t))));
-  typedef std::int16_t Narrow __attribute__((vector_size(kWide * sizeof(std::int16_t))));
-  const Narrow n = __builtin_convertvector(__builtin_convertvector(x + kLift, Long) - (kSteps + 1), Narrow);
-  __builtin_memcpy(out, &n, sizeof n);
+BRIM_INLINE float inverse_step(Triple, float most) { return most > 0.0f ? kSteps / most : 0.0f; }
+BRIM_INLINE void encode(Wide x, int, float* out) { store(out, x); }
+/// Writes the number of a triple that `which` tells; the first one clears the word.
+BRIM_INLINE void encode(Wide x, int which, Triple* out) {  // to the nearest: what is cut off here is positive
+  const WideWord n = __builtin_convertvector(x + kLift, WideWord) - (kSteps + 1);
+  const int shift = which == 0 ? kFirst : which == 1 ? kSecond : kThird;
+  WideWord word = which == 0 ? WideWord{} : load(out);
+  word |= (n & static_cast<std::int32_t>(kTenBits)) << shift;
+  __builtin_memcpy(out, &word, sizeof word);
+}
+
+/// Eight rows of three columns.
+struct Three {
+  Wide column[3];
+};
+BRIM_INLINE Three decode(const float* stream) {
+  return {{load(stream), load(stream + kWide), load(stream + 2 * kWide)}};
+}
+BRIM_INLINE Three decode(const Triple* stream) {
+  constexpr auto kHigh = static_cast<std::int32_t>(kTenBits << kThird);
+  const WideWord w = load(stream);
+  return {{__builtin_convertvector(w << (kThird - kFirst), Wide),
+           __builtin_convertvector((w << (kThird - kSecond)) & kHigh, Wide), __builtin_convertvector(w & kHigh, Wide)}};
 }
 
 /// The largest magnitude of some numbers.
@@ -130,6 +156,7 @@ BRIM_INLINE void to_stream(const float* panel, std::size_t stride, std::size_t r
   T* stream = out.below;
   for (std::size_t first = 0; first < width; first += kBlock) {
     const std::size_t block = std::min(kBlock, width - first), end = first + block, n = chunks(rows - end);
+    const std::size_t chunk = chunk_size<T>(block);
     for (std::size_t k = 0; k < block; ++k) {
       const float *column = panel + (first + k) * stride, *below = column + end;
       std::copy_n(column + first, block, out.square + (first + k) * kBlock);
@@ -137,28 +164,28 @@ BRIM_INLINE void to_stream(const float* panel, std::size_t stride, std::size_t r
       out.step[first + k] = step_for(T{}, most);
       const float inverse = inverse_step(T{}, most);
       const std::size_t full = (rows - end) / kWide, rest = (rows - end) % kWide;
-      for (std::size_t c = 0; c < full; ++c)
-        encode(load(below + c * kWide) * inverse, stream + (c * block + k) * kWide);
+      T* at = stream + (std::is_same_v<T, float> ? k : k / 3) * kWide;
+      const int which = static_cast<int>(k % 3);
+      for (std::size_t c = 0; c < full; ++c) encode(load(below + c * kWide) * inverse, which, at + c * chunk);
       if (rest == 0) continue;
       float last[kWide] = {};
       std::copy_n(below + full * kWide, rest, last);
-      encode(load(last) * inverse, stream + (full * block + k) * kWide);
+      encode(load(last) * inverse, which, at + full * chunk);
     }
-    stream += n * kWide * block;
+    stream += n * chunk;
   }
 }
 
 /// y -= B x, B the N columns of a block as a stream.
 template <int N, class T>
 BRIM_INLINE void subtract_product(const T* stream, const float* x, std::size_t n, float* y) {
-  for (std::size_t c = 0; c < n; ++c, stream += N * kWide, y += kWide) {
-    Wide a = load(stream) * x[0], b = load(stream + kWide) * x[1], d = load(stream + 2 * kWide) * x[2];
-    for (int k = 3; k < N; k += 3) {
-      a += load(stream + k * kWide) * x[k];
-      b += load(stream + (k + 1) * kWide) * x[k + 1];
-      d += load(stream + (k + 2) * kWide) * x[k + 2];
+  for (std::size_t c = 0; c < n; ++c, y += kWide) {
+    Wide sum[3];
+    for (int k = 0; k < N; k += 3, stream += chunk_size<T>(3)) {
+      const Three b = decode(stream);
+      for (int i = 0; i < 3; ++i) sum[i] = k == 0 ? b.column[i] * x[i] : sum[i] + b.column[i] * x[k + i];
     }
-    store(y, load(y) - ((a + b) + d));
+    store(y, load(y) - ((sum[0] + sum[1]) + sum[2]));
   }
 }
 
@@ -166,9 +193,12 @@ BRIM_INLINE void subtract_product(const T* stream, const float* x, std::size_t n
 template <int N, class T>
 BRIM_INLINE void transposed_product(const T* stream, const float* y, std::size_t n, float* t) {
   Wide sum[N] = {};
-  for (std::size_t c = 0; c < n; ++c, stream += N * kWide, y += kWide) {
+  for (std::size_t c = 0; c < n; ++c, y += kWide) {
     const Wide v = load(y);
-    for (int k = 0; k < N; ++k) sum[k] += load(stream + k * kWide) * v;
+    for (int k = 0; k < N; k += 3, stream += chunk_size<T>(3)) {
+      const Three b = decode(stream);
+      for (int i = 0; i < 3; ++i) sum[k + i] += b.column[i] * v;
+    }
   }
   for (int k = 0; k < N; ++k) t[k] = sum_of(sum[k]);
 }
@@ -199,16 +229,16 @@ BRIM_INLINE void forward(const Stream<T>& panel, std::size_t rows, std::size_t w
       default:
         subtract_product<12>(stream, x, n, y + end);
     }
-    stream += n * kWide * block;
+    stream += n * chunk_size<T>(block);
   }
 }
 
 template <class T>
 BRIM_INLINE void backward(const Stream<T>& panel, std::size_t rows, std::size_t width, float* y) {
-  const T* stream = panel.below + stream_size(rows, width);
+  const T* stream = panel.below + stream_size<T>(rows, width);
   for (std::size_t first = (width - 1) / kBlock * kBlock;; first -= kBlock) {
     const std::size_t block = std::min(kBlock, width - first), end = first + block, n = chunks(rows - end);
-    stream -= n * kWide * block;
+    stream -= n * chunk_size<T>(block);
     float t[kBlock];
     switch (block) {
       case 3:
@@ -309,33 +339,37 @@ BRIM_WIDE int factor(float* panel, std::size_t stride, std::size_t rows, std::si
   return lifted;
 }
 
+template <class T>
 std::size_t stream_size(std::size_t rows, std::size_t width) {
   std::size_t sum = 0;
   for (std::size_t first = 0; first < width; first += kBlock) {
     const std::size_t end = std::min(first + kBlock, width);
-    sum += chunks(rows - end) * kWide * (end - first);
+    sum += chunks(rows - end) * chunk_size<T>(end - first);
   }
   return sum;
 }
+
+template std::size_t stream_size<float>(std::size_t rows, std::size_t width);
+template std::size_t stream_size<Triple>(std::size_t rows, std::size_t width);
 
 BRIM_WIDE void make_stream(const float* panel, std::size_t stride, std::size_t rows, std::size_t width,
                            const Stream<float>& out) {
   to_stream(panel, stride, rows, width, out);
 }
 BRIM_WIDE void make_stream(const float* panel, std::size_t stride, std::size_t rows, std::size_t width,
-                           const Stream<std::int16_t>& out) {
+                           const Stream<Triple>& out) {
   to_stream(panel, stride, rows, width, out);
 }
 BRIM_WIDE void solve_forward(const Stream<float>& panel, std::size_t rows, std::size_t width, float* y) {
   forward(panel, rows, width, y);
 }
-BRIM_WIDE void solve_forward(const Stream<std::int16_t>& panel, std::size_t rows, std::size_t width, float* y) {
+BRIM_WIDE void solve_forward(const Stream<Triple>& panel, std::size_t rows, std::size_t width, float* y) {
   forward(panel, rows, width, y);
 }
 BRIM_WIDE void solve_backward(const Stream<float>& panel, std::size_t rows, std::size_t width, float* y) {
   backward(panel, rows, width, y);
 }
-BRIM_WIDE void solve_backward(const Stream<std::int16_t>& panel, std::size_t rows, std::size_t width, float* y) {
+BRIM_WIDE void solve_backward(const Stream<Triple>& panel, std::size_t rows, std::size_t width, float* y) {
   backward(panel, rows, width, y);
 }
 

@@ -26,6 +26,12 @@ constexpr double kSamePlace = 1e-3;
 /// exp(−t / kClosing).
 constexpr double kSeam = 0.5;
 constexpr double kClosing = 0.1;  // [s]
+/// The same of a joint, whose two sides have been placed where their matter is nearest to each other.
+constexpr double kJointSeam = 3.0;
+/// Turns in which each side follows the other to a place that both have matter at.
+constexpr int kTogether = 12;
+/// [voxels] Distance of the points that a joint needs to hold a direction.
+constexpr double kLeastSpread = 0.1;
 
 /// The part of a side that is meant, or the one whose box lies nearest to x.
 int choose_part(std::span<const WorldPart> parts, const std::vector<int>& mine, int wanted, const Vec3& x) {
@@ -80,10 +86,21 @@ double least_arm(std::span<const Vec3> a, std::span<const Vec3> b) {
   return least;
 }
 
-double span_of(const LinkJoint& joint, const WorldPart& part) {
+/// A quarter of the smallest extent of either side, where it has one. @param b  none: space
+double span_of(const LinkJoint& joint, const WorldPart& a, const WorldPart* b) {
   if (joint.span > 0.0) return joint.span;
-  const double least = part.body->bounds(part.index).extent().minCoeff();
-  return std::isfinite(least) && least > 0.0 ? 0.25 * least : 4.0 * part.h;
+  double span = std::numeric_limits<double>::infinity();
+  for (const WorldPart* part : {&a, b}) {
+    const double least = part != nullptr ? part->body->bounds(part->index).extent().minCoeff() : 0.0;
+    if (std::isfinite(least) && least > 0.0) span = std::min(span, 0.25 * least);
+  }
+  return std::isfinite(span) ? span : 4.0 * a.h;
+}
+
+double worst_gap(const MatterPoints& a, const MatterPoints& b) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, (a.positions()[i] - b.positions()[i]).norm());
+  return worst;
 }
 
 /// Value and rate that a drive aims at over a sub-step, as JointForces has it.
@@ -148,7 +165,10 @@ int Links::add(const Attachment& given, std::span<const WorldPart> parts, const 
     }
     const WorldPart& pa = parts[link.part_a];
     link.body_a = pa.body_index;
-    if (given.joint) x = joint_points(*given.joint, span_of(*given.joint, pa));
+    if (given.joint) {
+      if (!b.parts.empty()) link.part_b = choose_part(parts, b.parts, given.to_part, x[0]);
+      x = joint_points(*given.joint, span_of(*given.joint, pa, link.part_b < 0 ? nullptr : &parts[link.part_b]));
+    }
     std::vector<Vec3> y = x;
     if (given.to_point) y = {*given.to_point};
     double mass_b = std::numeric_limits<double>::infinity();
@@ -157,7 +177,7 @@ int Links::add(const Attachment& given, std::span<const WorldPart> parts, const 
       if (!given.to_point) y.assign(link.a.positions().begin(), link.a.positions().end());
       link.b = MatterPoints::of_space(y);
     } else {
-      link.part_b = choose_part(parts, b.parts, given.to_part, y[0]);
+      if (!given.joint) link.part_b = choose_part(parts, b.parts, given.to_part, y[0]);
       const WorldPart& pb = parts[link.part_b];
       link.body_b = pb.body_index;
       mass_b = pb.body->mass();
@@ -176,6 +196,23 @@ int Links::add(const Attachment& given, std::span<const WorldPart> parts, const 
         bind_a();
         if (!given.to_point) y = same(link.a);
         bind_b();
+        // Where neither carries any point, each follows the other in turn; the turn that brings them nearest counts.
+        std::vector<Vec3> nearest = x;
+        double least = worst_gap(link.a, link.b), now = least;
+        for (int i = 1; i < kTogether && given.joint && least > kSamePlace * pa.h; ++i) {
+          x = same(link.b);
+          bind_a();
+          y = same(link.a);
+          bind_b();
+          now = worst_gap(link.a, link.b);
+          if (now < least) least = now, nearest = x;
+        }
+        if (given.joint && now > least) {
+          x = nearest;
+          bind_a();
+          y = same(link.a);
+          bind_b();
+        }
       }
     }
     for (const Vec3& p : link.b.positions()) link.middle += p / static_cast<double>(link.b.size());
@@ -235,13 +272,26 @@ void Links::choose_held(Link& link, double h) {
   }
   const LinkJoint& j = *link.given.joint;
   const bool slides = j.kind == JointKind::Prismatic, turns = j.kind == JointKind::Revolute;
-  for (std::size_t i = 0; i < n; ++i)
-    if ((link.a.positions()[i] - link.b.positions()[i]).norm() > same_place)
-      throw InputError("the two sides have no matter in common at the joint; give a smaller span or another place");
-  if ((turns || slides) && (link.b.positions()[0] - link.b.positions()[1]).norm() < same_place)
-    throw InputError("the body has too little matter about the axis; give a larger span");
+  if (const double apart = worst_gap(link.a, link.b); apart > kJointSeam * h)
+    throw InputError(fmt::format(
+        "the two sides have no matter within {:.3g} m ({:.0f} voxels) of each other at the joint (theirs is "
+        "{:.3g} m apart); give a smaller span or another place",
+        kJointSeam * h, kJointSeam, apart));
+  const auto apart_by = [&](std::span<const Vec3> x, std::size_t i) { return (x[i] - x[0]).norm(); };
+  const std::size_t ends = j.kind == JointKind::Fixed ? n : turns || slides ? 2 : 0;
+  double spread = ends > 0 ? 0.0 : std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < ends; ++i)
+    spread = std::max(spread, std::min(apart_by(link.a.positions(), i), apart_by(link.b.positions(), i)));
+  if (spread < kLeastSpread * h)
+    throw InputError(fmt::format("the bodies have too little matter about the {}; give a larger span",
+                                 j.kind == JointKind::Fixed ? "joint" : "axis"));
   const std::size_t held = turns ? 2 : slides ? 4 : n;
-  for (std::size_t i = 0; i < held; ++i) hold(i, slides ? Hold::Across : Hold::Point, 1.0 / static_cast<double>(held));
+  for (std::size_t i = 0; i < held; ++i) {
+    hold(i, slides ? Hold::Across : Hold::Point, 1.0 / static_cast<double>(held));
+    const Vec3 gap = link.a.positions()[i] - link.b.positions()[i];
+    if (gap.norm() > same_place) link.held.back().gap = gap;
+  }
+  link.zero = coordinate(link).value;
   const bool acts = j.drive.stiffness > 0.0 || j.drive.damping > 0.0 || j.damping > 0.0;
   const bool limited = std::isfinite(j.lower) || std::isfinite(j.upper);
   if ((acts || limited) && !turns && !slides)
@@ -263,7 +313,7 @@ Links::Coordinate Links::coordinate(const Link& link) {
   const auto a = link.a.positions(), b = link.b.positions();
   c.axis = (b[0] - b[1]).normalized();
   if (kind == JointKind::Prismatic) {
-    c.value = c.axis.dot(a[4] - b[4]);
+    c.value = c.axis.dot(a[4] - b[4]) - link.zero;
     c.n = c.axis;
     c.point = a[4];
     return c;
@@ -273,7 +323,7 @@ Links::Coordinate Links::coordinate(const Link& link) {
     return Vec3(r - c.axis * c.axis.dot(r));
   };
   const Vec3 ra = arm(a), rb = arm(b);
-  c.value = std::atan2(c.axis.dot(rb.cross(ra)), rb.dot(ra));
+  c.value = std::remainder(std::atan2(c.axis.dot(rb.cross(ra)), rb.dot(ra)) - link.zero, 2.0 * std::numbers::pi);
   const bool at_b = link.b.on_nodes() && !link.a.on_nodes();
   const Vec3& r = at_b ? rb : ra;
   c.lever = r.norm();

@@ -88,6 +88,7 @@ class Links {
     std::vector<Held> held;
     Vec3 middle = Vec3::Zero();  ///< [m] of side b as it was attached
     double start = 0.0;          ///< [s] when that was
+    double zero = 0.0;           ///< [rad or m] what its points say of a joint's coordinate as they were attached
     double mass = 0.0;           ///< [kg] that a rigid one is made for
     bool broken = false;
     void follow(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q);
