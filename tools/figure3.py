@@ -8,7 +8,7 @@ A made field of 256² and, where the Python module of brim and the folder BRIM_D
 mesh of 256³ (spot) are reduced by subsampling, by averaging over boxes, and by a pyramid of binomial filters; read back by
 constant, linear and cubic (Catmull-Rom) interpolation. From points of the true surface one looks along the true normal for the
 isovalue 0.5 that was read back: its distance is the error of place, the angle of its gradient that of the normal.
-Needs NumPy and Matplotlib.
+Needs NumPy and Matplotlib (and Pillow, which it brings).
 """
 
 import argparse
@@ -183,6 +183,7 @@ def picture(fields, out):
     import matplotlib
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    from PIL import Image
     methods = ("subsampling", "box", "binomial")
     figure, axes = plt.subplots(len(methods) * len(fields), 4, figsize=(9.6, 7.4 * len(fields)), layout="constrained",
                                 squeeze=False)
@@ -206,6 +207,9 @@ def picture(fields, out):
                 axis.set_title(f"{name}: original" if title == "original" else title, fontsize=8)
                 axis.set_axis_off()
     figure.savefig(out, dpi=70, metadata={"Software": "brim"})
+    with Image.open(out) as picture:  # as a palette it has half the bytes
+        small = picture.convert("RGB").quantize(256)
+    small.save(out, optimize=True)
 
 
 def main(arguments):

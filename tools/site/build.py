@@ -21,6 +21,7 @@ ROOT = HERE.parents[1]
 sys.path.insert(0, str(HERE))
 import notebooks  # noqa: E402
 
+SIDE_TITLES = {"../README": "Build and run"}  # at the side, where the page's own heading is the project's name
 TOP = ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", "THIRD_PARTY.md"]
 LINK = re.compile(r"(!?\[(?:[^\[\]]|\[[^\]]*\])*\]\()([^)\s#]+)((?:#[^)]*)?\))")
 FENCES = re.compile(r"^```(layers|third-party)$", re.M)  # blocks that tools read; no language
@@ -64,7 +65,8 @@ def contents(front, books):
         for target in re.findall(r"\]\(([^)#\s]+\.md)", body):
             if target not in used and "://" not in target:
                 used.add(target)
-                pages.append(target.removesuffix(".md"))
+                page = target.removesuffix(".md")
+                pages.append(f"{SIDE_TITLES[page]} <{page}>" if page in SIDE_TITLES else page)
         if pages:
             out.append(f"```{{toctree}}\n:hidden:\n:caption: {title}\n\n" + "\n".join(pages) + "\n```\n")
     return "\n".join(out)
@@ -148,6 +150,9 @@ def problems(site, out):
         for target in re.findall(r'(?:href|src)="([^"#?]+)', page.read_text(encoding="utf-8")):
             if "://" not in target and not target.startswith(("mailto:", "data:", "file:")) and not (page.parent / target).exists():
                 yield f"{page.relative_to(site)}: {target} is not there"
+    for page in sorted((site / "docs").rglob("*.html")):
+        if "$$" in page.read_text(encoding="utf-8"):
+            yield f"{page.relative_to(site)}: $$ is left where a formula should be"
     text = (site / "docs/api/python.html").read_text(encoding="utf-8")
     for name in brim.__all__:
         if f'id="brim.{name}"' not in text:

@@ -15,7 +15,9 @@ html_static_path = ["_static"] if os.path.isdir(os.path.join(os.path.dirname(__f
 html_copy_source = False
 # Debian's MathJax, copied into the site: formulas need no network.
 mathjax_path = "mathjax/MathJax.js?config=TeX-AMS_SVG"
-mathjax2_config = {"tex2jax": {"inlineMath": [["\\(", "\\)"]]}, "messageStyle": "none"}
+# MyST marks whole pages to be left alone, and what it means as maths with the class "math"; told to MathJax 2 here (MyST knows 3 only).
+mathjax2_config = {"tex2jax": {"inlineMath": [["\\(", "\\)"]], "processClass": "math"}, "messageStyle": "none"}
+myst_update_mathjax = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "description"
 highlight_language = "none"

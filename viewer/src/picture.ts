@@ -4,7 +4,7 @@ import { contactSteps, type BodyInfo, type Frame, type LinkInfo, type RunInfo, t
 import { makeBodyView, type BodyView } from './scene/body_view';
 import { boxOf, boxWithoutStrays, framing } from './scene/bounds';
 import { ContactView, type ContactStyle } from './scene/contact_view';
-import { LinkView } from './scene/link_view';
+import { LinkView, linkBox } from './scene/link_view';
 import { defaultColours } from './scene/palette';
 import { Stage } from './scene/stage';
 import { SliceView } from './scene/slice_view';
@@ -94,7 +94,7 @@ export class Picture {
         const own = this.bodies[body]?.display === 'points' ? boxWithoutStrays(p) : boxOf(p);
         if (!own.isEmpty()) box.union(own.expandByScalar(this.bodies[body]?.radius ?? 0));
       }
-      return box;
+      return this.links.object.visible ? box.union(linkBox(s.links, this.linkInfos, box)) : box;
     });
     const box = framing(boxes, this.fixedBoxes);
     if (box.isEmpty()) return;

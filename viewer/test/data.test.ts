@@ -5,7 +5,7 @@ import { array } from '../src/codec';
 import { contactSteps, frameFromArrays, type Frame } from '../src/run';
 import { roundLength } from '../src/scene/ground';
 import { boxWithoutStrays } from '../src/scene/bounds';
-import { linkMarks } from '../src/scene/link_view';
+import { linkBox, linkMarks } from '../src/scene/link_view';
 import { outside } from '../src/scene/outside';
 import { tileEdges } from '../src/scene/tile_view';
 import { human } from '../src/ui/dom';
@@ -82,6 +82,22 @@ test('a rod joins the two ends of what is apart, and an axis goes through a hing
   expect(linkMarks(frameFromArrays(0, [], 0).links, [], 1)).toEqual({ beads: [], dots: [], rods: [] });
   const long = linkMarks(ends, kinds, 100).rods[1]!;
   expect(long.to.x - long.from.x).toBeCloseTo(14);
+});
+
+test('what a picture is to show holds far beads and the ends of axes, with the size of a bead', () => {
+  const arrays = [
+    array('links/link', new Int32Array([0, 1, 1])),
+    array('links/a', new Float32Array([0, 0, 1, 2, 0, 0, 3, 0, 0]), 3),
+    array('links/b', new Float32Array([0, 0, 9, 2, 0, 0, 3, 0, 0]), 3),
+  ];
+  const ends = frameFromArrays(0, arrays, 0).links;
+  const kinds = (['point', 'hinge'] as const).map((kind) => ({ name: kind, kind }));
+  const bodies = new THREE.Box3(new THREE.Vector3(0, 0, 0), new THREE.Vector3(0, 0, 100)); // radius 50 m
+  const box = linkBox(ends, kinds, bodies);
+  const bead = 0.008 * 50;
+  expect(box.max.z).toBeCloseTo(9 + bead); // the far end of the point
+  expect(box.max.x).toBeCloseTo(2.5 + 0.07 * 50 + bead); // an axis that is short for the scene is drawn longer
+  expect(linkBox(frameFromArrays(0, [], 0).links, [], bodies).isEmpty()).toBe(true);
 });
 
 test('points of a region are dots, not beads', () => {

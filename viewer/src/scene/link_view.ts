@@ -74,6 +74,16 @@ export function linkMarks(
   return marks;
 }
 
+/** Box of the beads and rods of a frame. @param bodies box of the bodies, which sets the size of the marks */
+export function linkBox(ends: LinkEnds, links: LinkInfo[], bodies: THREE.Box3): THREE.Box3 {
+  const radius = bodies.isEmpty() ? 0 : 0.5 * bodies.min.distanceTo(bodies.max);
+  const { beads, dots, rods } = linkMarks(ends, links, radius);
+  const box = new THREE.Box3();
+  for (const p of [...beads, ...dots, ...rods.flatMap((r) => [r.from, r.to])])
+    if (Number.isFinite(p.x + p.y + p.z)) box.expandByPoint(p);
+  return box.isEmpty() ? box : box.expandByScalar(kBead * radius);
+}
+
 export class LinkView {
   readonly object = new THREE.Group();
   private readonly beads = new Glyphs(new THREE.IcosahedronGeometry(1, 2), linkColour, 0.45);
