@@ -141,6 +141,37 @@ TEST(VolumeLayer, AffineWeightsTurnExactlyWhereMassWeightsErr) {
   EXPECT_LT(error[2], 1e-9);
 }
 
+TEST(VolumeLayer, WeightsDoNotDependOnWhereInSpaceTheBodyIs) {
+  // Points at the rim of the influence and beyond, which see particles far away: the same weights after any move.
+  std::mt19937 rng(kSeed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const Ball ball(0.08, kH);
+  const Nodes nodes(ball);
+  std::vector<Vec3> points;
+  std::vector<std::int32_t> sources;
+  const double reach = ball.layer.influence(0, kW);
+  for (std::size_t p = 0; p < nodes.point.size(); p += 11) {
+    points.push_back(nodes.point[p].normalized() * (0.08 + 1.2 * reach * std::abs(unit(rng))));
+    sources.push_back(nodes.source[p]);
+  }
+  for (const LayerWeights kind : {LayerWeights::Affine, LayerWeights::DensityRate}) {
+    const WeightRows rows = ball.layer.weights(points, sources, kind);
+    for (int trial = 0; trial < 8; ++trial) {
+      const Vec3 move(unit(rng), unit(rng), unit(rng));
+      const Ball moved(0.08, kH, move);
+      const Nodes seen(moved);  // as many ramp widths are known
+      std::vector<Vec3> there;
+      for (const Vec3& p : points) there.push_back(p + move);
+      const WeightRows other = moved.layer.weights(there, sources, kind);
+      ASSERT_EQ(rows.source, other.source) << "other particles are in reach";
+      double worst = 0.0;
+      for (std::size_t e = 0; e < rows.weight.size(); ++e)
+        worst = std::max(worst, std::abs(rows.weight[e] - other.weight[e]));
+      EXPECT_LT(worst, 1e-9);
+    }
+  }
+}
+
 TEST(VolumeLayer, DensityRateIsTheDerivativeOfTheDensity) {
   // Particles that move any way at all: n · (J v) |∇ρ| = −dρ/dt where ρ is neither lifted nor cut.
   Ball ball(0.1, kH);

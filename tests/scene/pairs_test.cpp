@@ -75,6 +75,30 @@ TEST(Pairs, SoftBodiesBounceOffUnderConstraintsWithoutGainingEnergy) {
   }
 }
 
+TEST(Pairs, ByRowsTheAxisOfAThinLinkPushesNothingThatIsALevelCoarser) {
+  // The capsules' radius is one coarse voxel: at nodes on their axes the gradient points along the chain.
+  PairTable table = standard_pairs();
+  table.set_response("constraint");
+  const PairTable levels = table.in_world("levels");
+  for (const char* upper : {"meshless", "soft_image"}) {
+    const PairResult r = run_pair(levels, levels.find("articulated"), levels.find(upper));
+    EXPECT_TRUE(r.ok()) << pair_line(r);
+    EXPECT_LE(r.energy, 1e-3) << upper;
+  }
+}
+
+TEST(Pairs, ByRowsSlippingSheetsAndChainsAtRestAreSolved) {
+  PairTable table = standard_pairs();
+  table.set_response("constraint");
+  const PairResult blow = run_pair(table, table.find("mass_spring"), table.find("cloth"));
+  EXPECT_TRUE(blow.ok()) << pair_line(blow);
+  const PairTable rest = table.in_world("rest");
+  for (const char* upper : {"rod", "rigid_image", "meshless"}) {
+    const PairResult r = run_pair(rest, rest.find("articulated"), rest.find(upper));
+    EXPECT_TRUE(r.ok()) << pair_line(r);
+  }
+}
+
 TEST(Pairs, AMissedBoundIsNamed) {
   const PairTable table = read_pair_table(small_table(R"("overlap": 0.01)"), "table.json");
   const PairResult r = run_pair(table, table.find("ball"), table.find("ball"));

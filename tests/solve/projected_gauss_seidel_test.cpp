@@ -5,6 +5,8 @@
 #include <Eigen/LU>
 #include <random>
 
+#include "brim/solve/contact_cone.h"
+
 namespace brim {
 namespace {
 
@@ -136,6 +138,66 @@ TEST(ProjectedGaussSeidel, WithoutFrictionTheSolutionIsThatOfEveryActiveSetTried
       for (int c = 0; c < n; ++c) EXPECT_NEAR(impulse[c].x(), lambda[c], 1e-7);
     }
     EXPECT_GE(found, 1);
+  }
+}
+
+TEST(ProjectedGaussSeidel, OneContactHoldsCoulombsLawHoweverItsTangentsPressOnItsNormal) {
+  constexpr unsigned kSeed = 2;
+  SCOPED_TRACE(kSeed);
+  std::mt19937 rng(kSeed);
+  std::normal_distribution<double> normal;
+  int slips = 0, coupled = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    const double mu = 0.1 + 0.5 * std::abs(normal(rng));
+    const Mat3 B = Mat3::NullaryExpr([&] { return normal(rng); });
+    const Mat3 W = B * B.transpose() + 0.01 * Mat3::Identity();
+    const Vec3 q(normal(rng), normal(rng), normal(rng)), guess(std::abs(normal(rng)), normal(rng), normal(rng));
+    const Vec3 impulse = solve_contact(W, invert_response(W), mu, q + W * guess, guess), u = q + W * impulse;
+    const double slip = u.tail<2>().norm(), most = mu * impulse.x();
+    ASSERT_GE(impulse.x(), 0.0);
+    ASSERT_GT(u.x(), -1e-8);
+    ASSERT_LT(impulse.x() * u.x(), 1e-8 * (1.0 + impulse.x()));
+    ASSERT_LE(impulse.tail<2>().norm(), most * (1.0 + 1e-12));
+    ASSERT_LT((impulse.tail<2>() * slip + most * u.tail<2>()).norm(), 1e-7 * (1.0 + most * slip));
+    if (slip < 1e-9 || most == 0.0) continue;
+    ++slips;
+    coupled += mu * W.row(0).tail<2>().norm() > W(0, 0) ? 1 : 0;
+  }
+  EXPECT_GT(slips, 300);
+  EXPECT_GT(coupled, 30);
+}
+
+/// A column of points, the upper ones heavy: sweeps pass the weight on slowly.
+ProjectedGaussSeidel column(int points) {
+  ProjectedGaussSeidel s;
+  for (int i = 0; i < points; ++i) {
+    std::vector<Entry> entries;
+    const auto add = [&](int point, double sign) {
+      const double mass = point == points - 1 ? 30.0 : 1.0;
+      for (int k = 0; k < 3; ++k) {
+        const Vec3 row = sign * Vec3::Unit(k);
+        entries.push_back({static_cast<std::size_t>(3 * point + k), row, row / mass});
+      }
+    };
+    add(i, 1.0);
+    if (i > 0) add(i - 1, -1.0);
+    s.add(entries, 0.5);
+  }
+  return s;
+}
+
+TEST(ProjectedGaussSeidel, WhereSweepsAreTooFewAllContactsAreSolvedAtOnce) {
+  constexpr int n = 6;
+  ProjectedGaussSeidel s = column(n);
+  std::vector<double> v(3 * n, 0.0);
+  for (int i = 0; i < n; ++i) v[static_cast<std::size_t>(3 * i)] = -1.0;
+  std::vector<Vec3> impulse(n, Vec3::Zero());
+  const auto r = s.solve(std::vector<Vec3>(n, Vec3::Zero()), std::vector<double>(n, 0.0), 1e-6, 20, 0.0, impulse, v);
+  EXPECT_TRUE(r.converged) << r.residual;
+  for (int i = 0; i < n; ++i) {
+    const auto c = static_cast<std::size_t>(i);
+    EXPECT_NEAR(impulse[c].x(), 30.0 + n - 1 - i, 1e-3);
+    EXPECT_NEAR(v[3 * c], 0.0, 1e-4);
   }
 }
 

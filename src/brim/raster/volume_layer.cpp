@@ -162,7 +162,7 @@ WeightRows VolumeLayer::weights(std::span<const Vec3> points, std::span<const st
   auto workspace = workspace_.borrow();
   workspace->index.build(tiles);
   workspace->bins.build(workspace->index, tiles.size(), step, x_.size(), [&](std::size_t i) {
-    return Aabb{x_[i], x_[i]}.inflated(influence(i, widest));
+    return Aabb{x_[i], x_[i]}.inflated(wider * influence(i, widest));
   });
 
   const bool rate = kind == LayerWeights::DensityRate;

@@ -39,6 +39,7 @@ void EdgePoints::read(const ContactSet& s, const ContactPair& pair, std::span<co
       continue;
     }
     if (!on_ramps(s, c, pair) || facing(s, c) < kLeastFacing) continue;
+    if (!tells_direction(s, c, true, pair) || !tells_direction(s, c, false, pair)) continue;
     const Vec3 away_a = -s.gradient_a[c].normalized(), away_b = -s.gradient_b[c].normalized();
     const double bend_a = s.curvature_a(c).norm() / s.gradient_a[c].norm(),
                  bend_b = s.curvature_b(c).norm() / s.gradient_b[c].norm();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brim/math/ramp.h"
 #include "brim/math/small_symmetric.h"
 
 namespace brim {
@@ -16,6 +17,9 @@ constexpr double kNearDeepest = 0.25;
 constexpr double kFacing = 0.9;
 /// Part of the ramp's width within which a density tells a distance well; 1/2 is the whole ramp.
 constexpr double kOnRamp = 0.46;
+/// Least slope of a density over that of its ramp: 0.87 or more beside a plane, as the stencil reads it, 0.6 on the
+/// bisector within a right-angled edge, 0.5 and less at the end of an axis.
+constexpr double kSteep = 0.55;
 /// Least cosine of the normal at the least gap to the patch's.
 constexpr double kAlikeToModel = 0.9;
 /// [1/h] curvature below which the place of the least gap is not sought; [voxels] farthest that it is.
@@ -135,6 +139,11 @@ bool on_ramps(const ContactSet& s, std::size_t c, const ContactPair& pair) {
 
 double distance_to(const ContactSet& s, std::size_t c, bool of_a, double h) {
   return (of_a ? lean(s, c, h) : -lean(s, c, h)) - 0.5 * s.depth[c];
+}
+
+bool tells_direction(const ContactSet& s, std::size_t c, bool of_a, const ContactPair& pair) {
+  const double slope = (of_a ? s.gradient_a[c] : s.gradient_b[c]).norm();
+  return slope >= kSteep * -ramp_slope(distance_to(s, c, of_a, pair.h), pair.w);
 }
 
 bool tells_distances(const ContactSet& s, std::size_t c, const ContactPair& pair) {

@@ -17,6 +17,9 @@ bool tells_distances(const ContactSet& contacts, std::size_t c, const ContactPai
 bool on_ramps(const ContactSet& contacts, std::size_t c, const ContactPair& pair);
 /// What a node on both ramps says of the distance to one of the two surfaces, [m].
 double distance_to(const ContactSet& contacts, std::size_t c, bool of_a, double h);
+/// True where the density of one part rises as its ramp does at that density. In the middle of what is thinner than its
+/// ramp, as at the axis of a capsule, it does not: there the gradient has the direction of no surface nearby.
+bool tells_direction(const ContactSet& contacts, std::size_t c, bool of_a, const ContactPair& pair);
 /// Cosine between the normals of the two surfaces at a node, 1 where they face each other; −1 where one has none.
 double facing(const ContactSet& contacts, std::size_t c);
 

@@ -35,6 +35,54 @@ inline Vec3 relax_contact(const Mat3& W, const Mat3& inverse, double friction, c
   return next;
 }
 
+/// The impulse that solves one contact of Coulomb friction alone, all others held: it parts, sticks, or slips with
+/// λ_n, λ_t and a rate s > 0 such that u_n = 0, u_t = −s λ_t, |λ_t| = μ λ_n. Where the tangents press on the normal
+/// (μ |W_nt| > W_nn), one direction after the other (relax_contact) moves away from it; this does not.
+///   λ_t(s) = −(S + s)⁻¹ (q_t − W_tn q_n / W_nn),   S = W_tt − W_tn W_nt / W_nn,   s by bracketing
+/// Arguments as of relax_contact.
+inline Vec3 solve_contact(const Mat3& W, const Mat3& inverse, double friction, const Vec3& u, const Vec3& impulse) {
+  constexpr int kMost = 60;
+  constexpr double kClose = 1e-13, kLeast = 1e-12;
+  const Vec3 q = u - W * impulse;  // without any impulse
+  if (!(friction > 0.0)) return {std::max(0.0, -q.x() / W(0, 0)), 0.0, 0.0};
+  if (inverse(0, 0) > 0.0) {
+    const Vec3 stick = -(inverse * q);
+    const double most = friction * stick.x();
+    if (stick.x() >= 0.0 && stick.y() * stick.y() + stick.z() * stick.z() <= most * most) return stick;
+  }
+  if (q.x() >= 0.0) return Vec3::Zero();
+  const double nn = W(0, 0), yn = W(1, 0) / nn, zn = W(2, 0) / nn;
+  const double yy = std::max(0.0, W(1, 1) - yn * W(0, 1)), zz = std::max(0.0, W(2, 2) - zn * W(0, 2)),
+               yz = W(1, 2) - yn * W(0, 2), y = q.y() - yn * q.x(), z = q.z() - zn * q.x();
+  Vec3 found;
+  const auto miss = [&](double s) {
+    const double a = yy + s, b = zz + s, det = a * b - yz * yz;
+    found.y() = -(b * y - yz * z) / det, found.z() = -(a * z - yz * y) / det;
+    found.x() = -(q.x() + W(0, 1) * found.y() + W(0, 2) * found.z()) / nn;
+    return std::sqrt(found.y() * found.y() + found.z() * found.z()) - friction * found.x();
+  };
+  double lo = kLeast * W.trace(), at_lo = miss(lo);
+  if (!(at_lo > 0.0)) return found;
+  double hi = W.trace(), at_hi = miss(hi);
+  for (int i = 0; i < kMost && at_hi > 0.0; ++i) lo = hi, at_lo = at_hi, hi *= 8.0, at_hi = miss(hi);
+  // Regula falsi, Illinois.
+  int side = 0;
+  for (int i = 0; i < kMost && at_hi < 0.0; ++i) {
+    const double s = std::clamp((lo * at_hi - hi * at_lo) / (at_hi - at_lo), lo, hi), at = miss(s);
+    if (std::abs(at) <= kClose * friction * std::abs(found.x())) break;
+    if (at > 0.0) {
+      lo = s, at_lo = at, at_hi *= side > 0 ? 0.5 : 1.0, side = 1;
+    } else {
+      hi = s, at_hi = at, at_lo *= side < 0 ? 0.5 : 1.0, side = -1;
+    }
+    if (!(hi - lo > kClose * hi)) break;
+  }
+  found.x() = std::max(0.0, found.x());
+  const double most = friction * found.x(), length = std::sqrt(found.y() * found.y() + found.z() * found.z());
+  if (length > most) found.y() *= most / length, found.z() *= most / length;
+  return found;
+}
+
 /// Inverse of a response matrix of a contact, or zero where it is singular.
 inline Mat3 invert_response(const Mat3& W) {
   const double scale = W.trace() / 3.0;

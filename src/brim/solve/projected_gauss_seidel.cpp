@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brim/solve/contact_admm.h"
 #include "brim/solve/contact_cone.h"
 
 namespace brim {
@@ -11,6 +12,11 @@ namespace {
 
 /// Rounds over the contacts of a rigid pair each time that a sweep comes to it.
 constexpr int kRounds = 2;
+/// Contacts up to which all are solved at once: their responses are a dense matrix. Its iterations at most, the share
+/// of the tolerance at which they end, and the sweeps that follow.
+constexpr std::size_t kMostAtOnce = 400;
+constexpr int kIterations = 1000, kLastSweeps = 2;
+constexpr double kAtOnceTolerance = 0.3;
 
 }  // namespace
 
@@ -73,7 +79,7 @@ double ProjectedGaussSeidel::relax(std::size_t r, double friction, const Vec3& o
   if (!(W(0, 0) > 0.0)) return 0.0;
   Vec3 u = row_velocity(r, v) + offset;
   u.x() -= target;
-  const Vec3 next = relax_contact(W, local_inverse_[r], friction * friction_[r], u, impulse), change = next - impulse;
+  const Vec3 next = solve_contact(W, local_inverse_[r], friction * friction_[r], u, impulse), change = next - impulse;
   impulse = next;
   add_row_response(r, change, v);
   return (W * change).cwiseAbs().maxCoeff();
@@ -115,6 +121,18 @@ ProjectedGaussSeidel::Report ProjectedGaussSeidel::solve(std::span<const Vec3> o
     if (u.x() < target[c] || impulse[c].x() > 0.0) scale = std::max(scale, std::abs(u.x() - target[c]));
   }
   if (n == 0 || !(scale > 0.0)) return report;
+  report = sweeps(offset, target, tolerance, max_sweeps, scale, impulse, v, friction);
+  if (!report.converged && !friction_.empty() && n <= kMostAtOnce)
+    solve_at_once(offset, target, tolerance, scale, impulse, v, friction, report);
+  return report;
+}
+
+ProjectedGaussSeidel::Report ProjectedGaussSeidel::sweeps(std::span<const Vec3> offset, std::span<const double> target,
+                                                          double tolerance, int max_sweeps, double scale,
+                                                          std::span<Vec3> impulse, std::span<double> v,
+                                                          double friction) {
+  Report report;
+  const std::size_t n = size();
   report.converged = false;
   // A forward and a backward sweep are one step; between steps the last directions are followed further.
   way_.assign(n, Vec3::Zero());
@@ -146,6 +164,57 @@ ProjectedGaussSeidel::Report ProjectedGaussSeidel::solve(std::span<const Vec3> o
     }
   }
   return report;
+}
+
+void ProjectedGaussSeidel::solve_at_once(std::span<const Vec3> offset, std::span<const double> target, double tolerance,
+                                         double scale, std::span<Vec3> impulse, std::span<double> v, double friction,
+                                         Report& report) {
+  const std::size_t n = size();
+  const std::vector<Vec3> swept(impulse.begin(), impulse.end());
+  const std::vector<double> v_swept(v.begin(), v.end());
+  std::vector<double> without(v.begin(), v.end()), mu(n);
+  std::vector<Vec3> q(n);
+  for (std::size_t c = 0; c < n; ++c) add_response(c, -impulse[c], without);
+  for (std::size_t c = 0; c < n; ++c) {
+    q[c] = velocity(c, without) + offset[c];
+    q[c].x() -= target[c];
+    mu[c] = friction * (place_[c].rigid ? pairs_.friction(place_[c].row) : friction_[place_[c].row]);
+  }
+  report.sweeps +=
+      ContactAdmm::solve(responses(v.size()), q, mu, kAtOnceTolerance * tolerance * scale, kIterations, impulse)
+          .iterations;
+  for (std::size_t c = 0; c < n; ++c) add_response(c, impulse[c] - swept[c], v);
+  const Report last = sweeps(offset, target, tolerance, kLastSweeps, scale, impulse, v, friction);
+  report.sweeps += last.sweeps;
+  if (last.residual < report.residual) {
+    report.residual = last.residual, report.converged = last.converged;
+  } else {
+    std::copy(swept.begin(), swept.end(), impulse.begin());
+    std::copy(v_swept.begin(), v_swept.end(), v.begin());
+  }
+}
+
+Eigen::MatrixXd ProjectedGaussSeidel::responses(std::size_t width) const {
+  const std::size_t n = size();
+  Eigen::MatrixXd W(3 * n, 3 * n);
+  std::vector<double> answer(width);
+  // Of the velocities that answer a contact, few are its own.
+  std::vector<std::vector<Entry>> own(n);
+  for (std::size_t c = 0; c < n; ++c)
+    for (std::size_t i = first_[place_[c].row]; !place_[c].rigid && i < first_[place_[c].row + 1]; ++i)
+      if (entries_[i].row != Vec3::Zero()) own[c].push_back(entries_[i]);
+  for (std::size_t c = 0; c < n; ++c)
+    for (int k = 0; k < 3; ++k) {
+      std::fill(answer.begin(), answer.end(), 0.0);
+      add_response(c, Vec3::Unit(k), answer);
+      const auto column = static_cast<Eigen::Index>(3 * c) + k;
+      for (std::size_t d = 0; d < n; ++d) {
+        Vec3 u = place_[d].rigid ? velocity(d, answer) : Vec3(Vec3::Zero());
+        for (const Entry& e : own[d]) u += e.row * answer[e.index];
+        W.block<3, 1>(static_cast<Eigen::Index>(3 * d), column) = u;
+      }
+    }
+  return W;
 }
 
 }  // namespace brim

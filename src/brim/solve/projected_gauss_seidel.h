@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <span>
 #include <utility>
@@ -19,6 +20,8 @@ namespace brim {
 /// Contacts are swept serially in a fixed order, forward and back: same bits for any number of threads. From one such
 /// pair to the next, the changes of before are followed further as conjugate gradients would (Silcowitz, Niebe and
 /// Erleben 2010), unless the changes grow.
+/// Where some contacts are of the general form and the sweeps end before they agree, all contacts are solved at once
+/// (ContactAdmm), and further sweeps tell how far that is from a solution: the better of the two is taken.
 class ProjectedGaussSeidel {
  public:
   /// What one velocity has to do with a contact.
@@ -81,6 +84,14 @@ class ProjectedGaussSeidel {
     bool rigid = false;
     std::size_t index = 0;  ///< pair, or row
   };
+  /// The sweeps of solve. @param scale  [m/s] of the residual
+  Report sweeps(std::span<const Vec3> offset, std::span<const double> target, double tolerance, int max_sweeps,
+                double scale, std::span<Vec3> impulse, std::span<double> v, double friction);
+  /// Solves all contacts at once from where the sweeps ended. @param report  of those; of what was taken on return
+  void solve_at_once(std::span<const Vec3> offset, std::span<const double> target, double tolerance, double scale,
+                     std::span<Vec3> impulse, std::span<double> v, double friction, Report& report);
+  /// R P Rᵀ of all contacts, [1/kg], shape (3 size, 3 size). @param width  number of velocities
+  Eigen::MatrixXd responses(std::size_t width) const;
   double sweep(bool backward, double friction, std::span<const Vec3> offset, std::span<const double> target,
                std::span<Vec3> impulse, std::span<double> v) const;
   /// Corrects the general row r. @return largest change of u by it, [m/s]

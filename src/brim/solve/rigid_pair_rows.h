@@ -49,6 +49,8 @@ class RigidPairRows {
   /// Q += force and torque of the impulse on both bodies, for velocities below Q's size.
   void add_force(std::size_t i, const Vec3& impulse, std::span<double> Q) const;
 
+  double friction(std::size_t i) const { return pair_[row_[i].pair].friction; }
+
   /// Relaxes the contacts of a pair in their order, or against it, so many times.
   /// @param friction  times that of the pair, 0 or 1  @param offset, target, impulse  of the pair's contacts
   /// @return largest change of any u by the first round, [m/s]

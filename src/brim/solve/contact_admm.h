@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+
+#include "brim/math/types.h"
+
+namespace brim {
+
+/// Contacts with Coulomb friction by the alternating direction method of multipliers (ADMM), over-relaxed, with the
+/// cones in the form of De Saxcé:
+///   û = W λ + q + μ |u_t| n,   K ∋ λ  ⟂  û ∈ K*,   K: |λ_t| <= μ λ_n
+/// (Carpentier, Le Lidec and Montaut, From compliant to rigid contact simulation, 2024). One iteration solves with
+/// W + ρ for all contacts at once, then projects each impulse to its cone. So it does not depend on the order of the
+/// contacts, nor on how a load is passed on: it ends where projected Gauss-Seidel sweeps go round in circles (many
+/// contacts that slip on one sheet) or crawl (contacts of unlike mass on one chain).
+/// Every contact is scaled by its own response; ρ follows the ratio of the two residuals, and is factored anew then.
+/// Same bits for any number of threads.  Tests: tests/solve/contact_admm_test.cpp
+struct ContactAdmm {
+  struct Report {
+    int iterations = 0;
+    bool converged = false;
+  };
+
+  /// @param W         [1/kg] response of (u_n, u_t1, u_t2) of all contacts to their impulses, shape (3n, 3n), symmetric
+  ///                  and positive semidefinite
+  /// @param q         [m/s] velocities less their targets without any impulse, shape (n)
+  /// @param friction  [-] μ, shape (n)
+  /// @param tolerance [m/s] of the velocities
+  /// @param impulse   [N s] λ as (n, t1, t2): first guess on entry, within its cones on return, shape (n)
+  static Report solve(const Eigen::MatrixXd& W, std::span<const Vec3> q, std::span<const double> friction,
+                      double tolerance, int max_iterations, std::span<Vec3> impulse);
+};
+
+}  // namespace brim
