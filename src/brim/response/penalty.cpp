@@ -358,17 +358,18 @@ Vec3 Penalty::mean_slip(const ContactPair& pair, std::span<const Vec3> delta) co
   return load > 0.0 ? Vec3(sum / load) : Vec3::Zero();
 }
 
-double Penalty::SlipHistory::between(double found, bool too_much) {
-  if (!(assumed > 0.0)) return 0.0;
+double Penalty::SlipHistory::keep_between(double next, double found, bool too_much) {
+  if (!(assumed > 0.0)) return next;
   const double excess = std::log(found / assumed);
   // As long as friction is less than there may be, what slips is a few nodes that jump: the patch may stick.
-  if (excess > 0.0 && !too_much && !(tight.assumed > 0.0)) return 0.0;
+  if (excess > 0.0 && !too_much && !(tight.assumed > 0.0)) return next;
   (excess > 0.0 ? tight : loose) = {assumed, excess};
-  if (!(tight.assumed > 0.0 && loose.assumed > 0.0)) return 0.0;
+  if (!(tight.assumed > 0.0 && loose.assumed > 0.0)) return next;
   if (tight.assumed >= loose.assumed) {  // loads have changed: what was seen before tells nothing
     (excess > 0.0 ? loose : tight) = {};
-    return 0.0;
+    return next;
   }
+  if (next > tight.assumed && next < loose.assumed) return next;
   const double share = std::clamp(tight.excess / (tight.excess - loose.excess), kLeastShare, 1.0 - kLeastShare);
   return tight.assumed * std::pow(loose.assumed / tight.assumed, share);
 }
@@ -402,8 +403,7 @@ Penalty::SlipForecast Penalty::expected_slip(const ContactPair& pair, std::size_
   // and slip by turns.
   if (tells || rigid_[p] || fixed_[p]) f.ratio = std::max(0.0, 1.0 + b * (friction - most) / found);
   // Where a part deforms, some nodes of a patch stick while others slide, and friction does not fall in a line.
-  if (!rigid_[p])
-    if (const double told = h.between(found, friction > most); told > 0.0) f.ratio = told / found;
+  if (!rigid_[p]) f.ratio = h.keep_between(f.ratio * found, found, friction > most) / found;
   h.friction_before = friction, h.found_before = found, ++h.solves;
   return f;
 }

@@ -154,8 +154,8 @@ class Penalty {
       double excess = 0.0;  ///< logarithm of the slip found over the one assumed
     } tight, loose;
     /// Takes the last solve as one of the sides. @param too_much  friction was more than there may be
-    /// @return [m/s] the slip between them that should be found as assumed, or none where one side is not known
-    double between(double found, bool too_much);
+    /// @return [m/s] `next`, or where it lies beside the sides, the slip between them that should be found as assumed
+    double keep_between(double next, double found, bool too_much);
   };
 
   struct Workspaces;
