@@ -72,6 +72,8 @@ class Links(unittest.TestCase):
         world.attach(ball, name="pin", point=(0, 0, 5))
         with self.assertRaisesRegex(brim.InputError, '^attachment "pin": there is another one of that name$'):
             world.attach(ball, name="pin", point=(0, 0, 5))
+        with self.assertRaisesRegex(brim.InputError, '^joint "pin": there is another one of that name$'):
+            world.joint(ball, name="pin", kind="ball", position=(0, 0, 5))
 
     def test_what_a_scene_file_could_not_say_is_refused_in_its_words(self):
         world, ball = ball_world(height=5.0)
