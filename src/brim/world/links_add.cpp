@@ -1,0 +1,284 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "brim/body/distance_bound.h"
+#include "brim/body/material_points.h"
+#include "brim/body/posed_shape.h"
+#include "brim/core/error.h"
+#include "brim/world/links.h"
+
+/// How links are taken in: which points of both sides they hold, and how.
+namespace brim {
+
+namespace {
+
+/// Distance of the two ends, over the step of the grid, up to which they are at the same place.
+constexpr double kSamePlace = 1e-3;
+
+/// Gap between two sides, over the step, up to which they are taken to be at the same place: it closes.
+constexpr double kSeam = 0.5;
+/// The same of a joint, whose two sides have been placed where their matter is nearest to each other.
+constexpr double kJointSeam = 3.0;
+/// Turns in which each side follows the other to a place that both have matter at.
+constexpr int kTogether = 12;
+/// [voxels] Distance of the points that a joint needs to hold a direction.
+constexpr double kLeastSpread = 0.1;
+
+/// The part of a side that is meant, or the one whose box lies nearest to x.
+int choose_part(std::span<const WorldPart> parts, const std::vector<int>& mine, int wanted, const Vec3& x) {
+  if (wanted >= static_cast<int>(mine.size()))
+    throw InputError(
+        fmt::format("part {} is not allowed; '{}' has {}", wanted, parts[mine[0]].body->name(), mine.size()));
+  if (wanted >= 0) return mine[wanted];
+  int best = mine[0];
+  double least = std::numeric_limits<double>::infinity();
+  for (const int p : mine) {
+    const Aabb box = parts[p].body->bounds(parts[p].index);
+    const double d = (x - x.cwiseMax(box.lo).cwiseMin(box.hi)).norm();
+    if (d < least) least = d, best = p;
+  }
+  return best;
+}
+
+/// Some of the points, spread: each is the farthest from those before it.
+std::vector<Vec3> spread_of(const std::vector<Vec3>& x, std::size_t most) {
+  if (x.size() <= most) return x;
+  std::vector<double> distance(x.size(), std::numeric_limits<double>::infinity());
+  std::vector<Vec3> out;
+  std::size_t next = 0;
+  while (out.size() < most) {
+    out.push_back(x[next]);
+    for (std::size_t i = 0; i < x.size(); ++i) distance[i] = std::min(distance[i], (x[i] - out.back()).squaredNorm());
+    next = static_cast<std::size_t>(std::max_element(distance.begin(), distance.end()) - distance.begin());
+    if (!(distance[next] > 0.0)) break;
+  }
+  return out;
+}
+
+bool is_solid(const WorldPart& p) {
+  const auto* bound = dynamic_cast<const DistanceBound*>(p.body);
+  return bound != nullptr && bound->solid(p.index) != nullptr;
+}
+
+bool carries_any(const WorldPart& p) { return is_solid(p) || dynamic_cast<const MaterialPoints*>(p.body) != nullptr; }
+
+/// Shortest distance from a hinge's axis that its angle is read at, as a share of the axis' held length.
+constexpr double kArm = 0.02;
+
+/// Distance of the third held point from the line through the others, as a share of their distance: the smaller one of
+/// the two sides.
+double least_arm(std::span<const Vec3> a, std::span<const Vec3> b) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& x : {a, b}) {
+    const Vec3 line = x[0] - x[1], r = x[2] - 0.5 * (x[0] + x[1]);
+    if (!(line.squaredNorm() > 0.0)) return 0.0;
+    least = std::min(least, line.cross(r).norm() / line.squaredNorm());
+  }
+  return least;
+}
+
+/// A quarter of the smallest extent of either side, where it has one. @param b  none: space
+double span_of(const LinkJoint& joint, const WorldPart& a, const WorldPart* b) {
+  if (joint.span > 0.0) return joint.span;
+  double span = std::numeric_limits<double>::infinity();
+  for (const WorldPart* part : {&a, b}) {
+    const double least = part != nullptr ? part->body->bounds(part->index).extent().minCoeff() : 0.0;
+    if (std::isfinite(least) && least > 0.0) span = std::min(span, 0.25 * least);
+  }
+  return std::isfinite(span) ? span : 4.0 * a.h;
+}
+
+double worst_gap(const MatterPoints& a, const MatterPoints& b) {
+  double worst = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, (a.positions()[i] - b.positions()[i]).norm());
+  return worst;
+}
+
+std::vector<Vec3> points_in(const Body& body, const std::function<bool(const Vec3&)>& region) {
+  std::vector<Vec3f> vertex(body.display().vertices);
+  body.display_positions(vertex);
+  std::vector<Vec3> x;
+  for (const Vec3f& v : vertex)
+    if (region(v.cast<double>())) x.push_back(v.cast<double>());
+  if (x.empty()) throw InputError(fmt::format("no point of '{}' lies in the region", body.name()));
+  return x;
+}
+
+}  // namespace
+
+int Links::add(const Attachment& given, std::span<const WorldPart> parts, const Side& a, const Side& b,
+               double ramp_voxels, double time) {
+  const auto prefixed = [&](const std::string& what) {
+    return InputError(fmt::format("attachment '{}': {}", given.name, what));
+  };
+  for (const auto& [what, value] : {std::pair{"stiffness", given.stiffness}, std::pair{"damping", given.damping},
+                                    std::pair{"length", given.length.value_or(0.0)}})
+    if (!(value >= 0.0) || !std::isfinite(value))
+      throw prefixed(fmt::format("{} {} is not allowed; must be a number from 0", what, value));
+  if (!(given.break_force > 0.0)) throw prefixed("break_force must be above 0");
+  if (given.point.has_value() + static_cast<bool>(given.region) + given.joint.has_value() != 1)
+    throw prefixed("exactly one of a point, a region and a joint says what is held");
+  if (given.joint && (given.to_point || given.length || given.pulls_only))
+    throw prefixed("to_point, length and pulls_only are not for joints");
+  if (given.region && given.to_point) throw prefixed("a region is held where it is; to_point is for a point");
+  if (given.motion && !b.parts.empty()) throw prefixed("only what is held to space can be moved by keyframes");
+  for (const Link& l : links_)
+    if (l.given.name == given.name) throw prefixed("there is another one of that name");
+  if (a.parts.empty()) throw prefixed("the body has no part to hold");
+  try {
+    Link link;
+    link.given = given;
+    link.start = time;
+    std::vector<Vec3> x;
+    if (given.region) {
+      const Body& body = *parts[a.parts[0]].body;
+      x = points_in(body, given.region);
+      link.part_a = choose_part(parts, a.parts, given.part, x[0]);
+      if (is_solid(parts[link.part_a])) x = spread_of(x, kMostOfSolid);
+    } else {
+      const Vec3 place = given.joint ? given.joint->position : *given.point;
+      link.part_a = choose_part(parts, a.parts, given.part, place);
+      x = {place};
+    }
+    const WorldPart& pa = parts[link.part_a];
+    link.body_a = pa.body_index;
+    if (given.joint) {
+      if (!b.parts.empty()) link.part_b = choose_part(parts, b.parts, given.to_part, x[0]);
+      x = joint_points(*given.joint, span_of(*given.joint, pa, link.part_b < 0 ? nullptr : &parts[link.part_b]));
+    }
+    std::vector<Vec3> y = x;
+    if (given.to_point) y = {*given.to_point};
+    double mass_b = std::numeric_limits<double>::infinity();
+    if (b.parts.empty()) {
+      link.a = MatterPoints::of_part(pa, ramp_voxels * pa.h, a.q, x);
+      if (!given.to_point) y.assign(link.a.positions().begin(), link.a.positions().end());
+      link.b = MatterPoints::of_space(y);
+    } else {
+      if (!given.joint) link.part_b = choose_part(parts, b.parts, given.to_part, y[0]);
+      const WorldPart& pb = parts[link.part_b];
+      link.body_b = pb.body_index;
+      mass_b = pb.body->mass();
+      // What carries any point follows what does not.
+      const bool b_first = !given.to_point && carries_any(pa) && !carries_any(pb);
+      const auto bind_a = [&] { link.a = MatterPoints::of_part(pa, ramp_voxels * pa.h, a.q, x); };
+      const auto bind_b = [&] { link.b = MatterPoints::of_part(pb, ramp_voxels * pb.h, b.q, y); };
+      const auto same = [](const MatterPoints& m) {
+        return std::vector<Vec3>(m.positions().begin(), m.positions().end());
+      };
+      if (b_first) {
+        bind_b();
+        x = same(link.b);
+        bind_a();
+      } else {
+        bind_a();
+        if (!given.to_point) y = same(link.a);
+        bind_b();
+        // Where neither carries any point, each follows the other in turn; the turn that brings them nearest counts.
+        std::vector<Vec3> nearest = x;
+        double least = worst_gap(link.a, link.b), now = least;
+        for (int i = 1; i < kTogether && given.joint && least > kSamePlace * pa.h; ++i) {
+          x = same(link.b);
+          bind_a();
+          y = same(link.a);
+          bind_b();
+          now = worst_gap(link.a, link.b);
+          if (now < least) least = now, nearest = x;
+        }
+        if (given.joint && now > least) {
+          x = nearest;
+          bind_a();
+          y = same(link.a);
+          bind_b();
+        }
+      }
+    }
+    for (const Vec3& p : link.b.positions()) link.middle += p / static_cast<double>(link.b.size());
+    choose_held(link, pa.h);
+    const double least = std::min(pa.body->mass(), mass_b), most = std::max(pa.body->mass(), mass_b);
+    link.mass = std::isinf(most) ? least : std::min(most, kUnequal * least);
+    if (!std::isfinite(least)) throw InputError("neither side can move");
+    links_.push_back(std::move(link));
+  } catch (const InputError& e) {
+    throw prefixed(e.what());
+  }
+  return static_cast<int>(links_.size()) - 1;
+}
+
+std::vector<Vec3> Links::joint_points(const LinkJoint& joint, double span) {
+  const Vec3& p = joint.position;
+  if (joint.kind == JointKind::Ball) return {p};
+  if (joint.kind == JointKind::Fixed) {
+    const double s = span / std::sqrt(3.0);
+    return {p + s * Vec3(1, 1, 1), p + s * Vec3(1, -1, -1), p + s * Vec3(-1, 1, -1), p + s * Vec3(-1, -1, 1)};
+  }
+  if (!(joint.axis.norm() > 1e-12)) throw InputError("the axis must be a direction of some length");
+  const Vec3 n = joint.axis.normalized();
+  Eigen::Index least = 0;
+  n.cwiseAbs().minCoeff(&least);
+  const Vec3 side = n.cross(Vec3::Unit(least)).normalized();
+  if (joint.kind == JointKind::Revolute) return {p + span * n, p - span * n, p + span * side};
+  return {p + span * n, p - span * n, p + span * side, p - span * side, p};
+}
+
+void Links::choose_held(Link& link, double h) {
+  const double same_place = kSamePlace * h;
+  const std::size_t n = link.a.size();
+  const auto hold = [&](std::size_t point, Hold how, double share) {
+    link.held.push_back({point, how, share, 0.0, Vec3::Zero()});
+  };
+  if (!link.given.joint) {
+    const bool line = link.given.to_point || link.given.length || link.given.pulls_only;
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3 gap = link.a.positions()[i] - link.b.positions()[i];
+      const double apart = gap.norm(), length = link.given.length.value_or(apart);
+      // A line needs two ends; what is at the same place is held there.
+      const bool along =
+          line ? link.given.pulls_only || std::max(length, apart) > same_place : n == 1 && apart > kSeam * h;
+      if (!line && !along && apart > kSeam * h) continue;  // of a region: the other side has no matter there
+      hold(i, along ? Hold::Along : Hold::Point, 1.0);
+      link.held.back().length = length;
+      if (!along) link.held.back().gap = gap;
+    }
+    if (link.held.empty()) throw InputError("the two sides have no matter in common in the region");
+    for (Held& held : link.held) held.share = 1.0 / static_cast<double>(link.held.size());
+    return;
+  }
+  const LinkJoint& j = *link.given.joint;
+  const bool slides = j.kind == JointKind::Prismatic, turns = j.kind == JointKind::Revolute;
+  if (const double apart = worst_gap(link.a, link.b); apart > kJointSeam * h)
+    throw InputError(fmt::format(
+        "the two sides have no matter within {:.3g} m ({:.0f} voxels) of each other at the joint (theirs is "
+        "{:.3g} m apart); give a smaller span or another place",
+        kJointSeam * h, kJointSeam, apart));
+  const auto apart_by = [&](std::span<const Vec3> x, std::size_t i) { return (x[i] - x[0]).norm(); };
+  const std::size_t ends = j.kind == JointKind::Fixed ? n : turns || slides ? 2 : 0;
+  double spread = ends > 0 ? 0.0 : std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < ends; ++i)
+    spread = std::max(spread, std::min(apart_by(link.a.positions(), i), apart_by(link.b.positions(), i)));
+  if (spread < kLeastSpread * h)
+    throw InputError(fmt::format("the bodies have too little matter about the {}; give a larger span",
+                                 j.kind == JointKind::Fixed ? "joint" : "axis"));
+  const std::size_t held = turns ? 2 : slides ? 4 : n;
+  for (std::size_t i = 0; i < held; ++i) {
+    hold(i, slides ? Hold::Across : Hold::Point, 1.0 / static_cast<double>(held));
+    const Vec3 gap = link.a.positions()[i] - link.b.positions()[i];
+    if (gap.norm() > same_place) link.held.back().gap = gap;
+  }
+  link.zero = coordinate(link).value;
+  const bool acts = j.drive.stiffness > 0.0 || j.drive.damping > 0.0 || j.damping > 0.0;
+  const bool limited = std::isfinite(j.lower) || std::isfinite(j.upper);
+  if ((acts || limited) && !turns && !slides)
+    throw InputError("only joints that turn or slide about an axis have limits, damping and drives");
+  if ((acts || limited) && turns && least_arm(link.a.positions(), link.b.positions()) < kArm)
+    throw InputError(
+        "a drive, damping or limit of a revolute joint needs matter beside its axis on both sides, and one has none at "
+        "the place that is held (a rod about its own axis has none at all); turn the axis, or hold it by bodies that "
+        "are wider there");
+  if (acts) hold(n - 1, Hold::Drive, 1.0);
+  if (std::isfinite(j.lower)) hold(n - 1, Hold::Lower, 1.0);
+  if (std::isfinite(j.upper)) hold(n - 1, Hold::Upper, 1.0);
+}
+
+}  // namespace brim
