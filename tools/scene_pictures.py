@@ -63,6 +63,7 @@ LOOKS = {
     "real_meshes": (50, ["--frame", "32", "--camera", "-62,9"]),
     "rope_post": (90, []),
     "three_sheets": (50, []),
+    "toys": (0, ["--frame", "92", "--camera", "-62,16"]),
     "water_drop": (60, ["--frame", "34"]),
     "wind_field": (0, ["--frame", "200", "--camera", "-70,8"]),
     "wired_kinds": (30, ["--camera", "-62,10"]),

@@ -129,6 +129,18 @@ class Body:
     def removed(self) -> bool:
         return self._core.removed(self._number)
 
+    def grab(self, at: Any = None, *, stiffness: float = 0.0, damping: float = 0.0) -> None:
+        """Takes hold of the body by a spring to a place in space, which ``World.pull`` moves and ``World.release`` ends;
+        what was held before is let go. A hand is no part of saved states and records.
+
+        at: [m], shape (3,), where its matter is now; its centre unless given. Of what gives way the matter within two voxels
+        is held. stiffness [N/m], damping [N s/m]: 0 for 3 Hz with the body's mass, half damped.
+
+        @raises InputError for what does not move, and fluids, which have no points to hold
+        """
+        place = self.center if at is None else np.asarray(at, dtype=np.float64)
+        self._core.grab(self._number, place, float(stiffness), float(damping))
+
     def freeze(self) -> None:
         """Makes the body stay where it is, as an obstacle would, until thaw. @raises InputError where keyframes move it"""
         self._core.freeze(self._number, True)

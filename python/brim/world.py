@@ -256,6 +256,21 @@ class World:
         """Contact stiffness of all pairs without one of their own [Pa]. @raises InputError"""
         self._core.set_stiffness(float(stiffness))
 
+    def pull(self, to: Any) -> None:
+        """Where the place that was grabbed (``Body.grab``) is pulled from the next step on [m], shape (3,).
+        @raises InputError when nothing is grabbed"""
+        self._core.pull(np.asarray(to, dtype=np.float64))
+
+    def release(self) -> None:
+        """Lets go of what is grabbed, if anything is."""
+        self._core.release()
+
+    @property
+    def grabbed(self) -> Body | None:
+        """The body that is grabbed."""
+        number = self._core.grabbed()
+        return None if number < 0 else Body(self, number)
+
     # ---- stepping ----------------------------------------------------------------------------------------------------
 
     def step(self) -> _core.StepReport:

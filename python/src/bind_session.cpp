@@ -158,6 +158,10 @@ void bind_session(py::module_& m) {
       .def("wire", &Session::wire, py::arg("list"), py::arg("entry"), py::arg("field") = py::none())
       .def("detach", &Session::detach)
       .def("set_drive", &Session::set_drive)
+      .def("grab", &Session::grab)
+      .def("pull", &Session::pull)
+      .def("release", &Session::release)
+      .def("grabbed", [](Session& s) { return s.world().grabbed(); })
       .def("detached",
            [](Session& s, int i) {
              if (i < 0 || i >= s.world().attachment_count())

@@ -49,6 +49,9 @@ class Session {
   int wire(const std::string& list, const py::dict& entry, const py::object& field);
   void detach(int attachment);
   void set_drive(int attachment, double position, double velocity);
+  void grab(int body, const std::array<double, 3>& at, double stiffness, double damping);
+  void pull(const std::array<double, 3>& to);
+  void release();
   void set_gravity(const std::array<double, 3>& gravity);
   // Edits of bodies, by number (World has the same).
   void remove(int body);

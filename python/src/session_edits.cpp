@@ -57,6 +57,18 @@ void Session::remove(int body) {
   edit([&] { world_->remove(body); });
 }
 
+void Session::grab(int body, const std::array<double, 3>& at, double stiffness, double damping) {
+  edit([&] { world_->grab(body, vector_of(at), stiffness, damping); });
+}
+
+void Session::pull(const std::array<double, 3>& to) {
+  edit([&] { world_->pull(vector_of(to)); });
+}
+
+void Session::release() {
+  edit([&] { world_->release(); });
+}
+
 void Session::freeze(int body, bool frozen) {
   edit([&] { world_->freeze(body, frozen); });
 }

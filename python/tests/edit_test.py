@@ -57,6 +57,31 @@ class Editing(unittest.TestCase):
         world.run(frames=60).all()
         self.assertAlmostEqual(box.q[2], 0.75, delta=0.03)
 
+    def test_a_hand_pulls_a_body_and_is_in_no_state(self):
+        world = stack()
+        box = world["box_2"]
+        self.assertIsNone(world.grabbed)
+        with self.assertRaisesRegex(brim.InputError, "pull: nothing is grabbed"):
+            world.pull((0, 0, 1))
+        with self.assertRaisesRegex(brim.InputError, "grab: 'floor' does not move"):
+            world["floor"].grab((0, 0, 0))
+        start = world.save()
+        box.grab()
+        self.assertEqual(world.grabbed, box)
+        world.pull((0, 0, 2.5))
+        world.run(frames=90).all()
+        self.assertAlmostEqual(box.center[2], 2.5, delta=0.05)
+        world.release()
+        self.assertIsNone(world.grabbed)
+        world.restore(start)
+        world.step()
+        after = world.hash
+        world.restore(start)
+        box.grab((0.25, 0.25, 1.5), stiffness=1e3, damping=10)
+        world.release()
+        world.step()
+        self.assertEqual(world.hash, after)
+
     def test_move_and_set_velocity(self):
         world = stack()
         box = world["box_2"]

@@ -41,7 +41,7 @@ TEST(Timeline, SaysWhatIsWrongBeforeTheRunBegins) {
   EXPECT_EQ(message(R"({"at": 1, "detach": "nail"})"), "/timeline/0/detach: \"nail\" is not an attachment or joint");
   EXPECT_EQ(message(R"({"at": 1})"),
             "/timeline/0: says nothing to do; it must have one of \"freeze\", \"thaw\", \"remove\", \"move\", "
-            "\"detach\", \"gravity\", \"set_velocity\", \"set_material\"");
+            "\"detach\", \"gravity\", \"set_velocity\", \"set_material\", \"grab\", \"pull\", \"release\"");
   EXPECT_EQ(message(R"({"at": 1, "freeze": "ball", "remove": "ball"})"),
             "/timeline/0/remove: it is not allowed beside \"freeze\"; an entry is one edit");
   EXPECT_EQ(message(R"({"at": 1, "freeze": "ball", "offset": [0, 0, 1]})"),

@@ -125,7 +125,8 @@ class Merger {
     entries(
         "timeline",
         [&](Json& edit, const Node& written) {
-          for (const char* verb : {"freeze", "thaw", "remove", "move", "detach", "set_velocity", "set_material"})
+          for (const char* verb :
+               {"freeze", "thaw", "remove", "move", "detach", "set_velocity", "set_material", "grab"})
             prefix_one(edit, verb);
           if (edit.contains("material") && edit["material"].is_string())
             edit["material"] = material(edit["material"].get<std::string>());

@@ -55,6 +55,7 @@ class Mover {
   /// The rotation of an edit is about the middle of its body.
   void edit(Json& edit) const {
     for (const char* key : {"offset", "velocity", "angular_velocity"}) direction(edit, key);
+    for (const char* key : {"point", "pull"}) point(edit, key);
     turn(edit);
   }
 

@@ -18,18 +18,21 @@ namespace brim {
 namespace {
 
 /// What an entry may do; exactly one of them is its verb.
-constexpr std::array<const char*, 8> kVerbs = {"freeze", "thaw",    "remove",       "move",
-                                               "detach", "gravity", "set_velocity", "set_material"};
+constexpr std::array<const char*, 11> kVerbs = {"freeze",       "thaw",         "remove", "move", "detach", "gravity",
+                                                "set_velocity", "set_material", "grab",   "pull", "release"};
 /// Keys that say more about one verb.
 struct Detail {
   const char* key;
   std::string_view verb;
 };
-constexpr std::array<Detail, 5> kDetails = {{{"offset", "move"},
+constexpr std::array<Detail, 8> kDetails = {{{"offset", "move"},
                                              {"rotation", "move"},
                                              {"velocity", "set_velocity"},
                                              {"angular_velocity", "set_velocity"},
-                                             {"material", "set_material"}}};
+                                             {"material", "set_material"},
+                                             {"point", "grab"},
+                                             {"stiffness", "grab"},
+                                             {"damping", "grab"}}};
 
 std::string verb_of(const Node& entry) {
   std::string verb, all;
@@ -102,6 +105,8 @@ std::function<void(World&, int)> edit_of(const Node& entry, const std::string& v
 std::function<void(World&)> read_edit(const Node& entry, const Scene& scene, const World& world) {
   const std::string verb = verb_of(entry);
   if (verb == "gravity") return [g = entry.vec3("gravity")](World& w) { w.set_gravity(g); };
+  if (verb == "pull") return [to = entry.vec3("pull")](World& w) { w.pull(to); };
+  if (verb == "release") return [](World& w) { w.release(); };
   if (verb == "detach") {
     const Node name = entry.at("detach");
     std::vector<int> numbers;
@@ -114,6 +119,15 @@ std::function<void(World&)> read_edit(const Node& entry, const Scene& scene, con
   }
   const Node name = entry.at(verb.c_str());
   const std::vector<int> numbers = bodies_of(name, world);
+  if (verb == "grab") {
+    if (numbers.size() > 1)
+      throw name.error(fmt::format("\"{}\" means {} bodies; one can be grabbed", name.string(), numbers.size()));
+    if (world.body(numbers[0]).immobile())
+      throw name.error(fmt::format("\"{}\" does not move; it cannot be grabbed", name.string()));
+    const auto number_or_zero = [&](const char* key) { return entry.has(key) ? entry.number(key) : 0.0; };
+    return [b = numbers[0], at = entry.vec3("point"), k = number_or_zero("stiffness"),
+            d = number_or_zero("damping")](World& w) { w.grab(b, at, k, d); };
+  }
   if (verb == "freeze" || verb == "move")
     for (const int b : numbers) need_movable(name, verb, world.body(b), rotation_of(entry));
   return [numbers, word = name.string(), verb, edit = edit_of(entry, verb, scene)](World& w) {
@@ -137,6 +151,9 @@ void check_timeline(const Node& root, const Scene& scene) {
         throw entry.at("material")
             .error(fmt::format("\"{}\" is not a material of the scene", entry.string("material")));
     }
+    if (verb == "grab" && !entry.has("point")) throw entry.error("\"grab\" needs \"point\", where it takes hold");
+    if (verb == "release" && !entry.boolean("release"))
+      throw entry.at("release").error("must be true: what is held is let go");
     if (entry.has("rotation")) read_rotation(entry.at("rotation"));
   }
 }

@@ -16,7 +16,8 @@ struct NumberKey {
 };
 
 /// A velocity of air that varies over space and time: adds what it is at places x, [m], to `velocity`, [m/s], of the
-/// same shape (n). Called on the stepping thread, once per body and sub-step, with the middles of all its triangles.
+/// same shape (n). Called on the stepping thread, once per part and sub-step, with the middles of all its triangles or
+/// lines, or all its points.
 using WindField = std::function<void(double time, std::span<const Vec3> x, std::span<Vec3> velocity)>;
 
 /// What acts on bodies from outside besides gravity (docs/links.md). Forces are constant over a sub-step, as gravity
@@ -33,14 +34,11 @@ struct AppliedForce {
   std::optional<double> gravity_scale{};
   double damping = 0.0;  ///< [1/s] of all motion: velocities lose the share 1 − exp(−damping dt)
 
-  // Where `force` acts, of bodies with points that can be held (Attachment); at most one of the two:
+  // Where `force` acts, of bodies with points that can be held (Attachment) and of particles of fluids; at most one:
   std::optional<Vec3> point{};                ///< [m] now
   std::function<bool(const Vec3&)> region{};  ///< of the body's vertices now; each takes an equal share
 
-  /// Air that flows past surfaces that the display shows as triangles. With the relative velocity c of the air, ĉ along
-  /// it, and n the normal of a triangle of area A towards where the air goes:
-  ///   f = ½ ρ A |c|² (ĉ·n) (D (ĉ·n) ĉ + L (n − (ĉ·n) ĉ))
-  /// on both sides of a sheet, on the windward side of a closed surface. D = L: pressure along the normal.
+  /// Air that flows past what the display shows: triangles, lines as cylinders, points as balls (WindOnBody).
   struct Wind {
     Vec3 velocity = Vec3::Zero();   ///< [m/s] of the air
     double density = 1.2;           ///< [kg/m³]

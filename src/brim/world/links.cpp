@@ -260,6 +260,7 @@ void Links::finish(const ContactSet& set, std::span<const Vec3> force, double ti
                                  fmt::format("'{}' broke: it carried {:.4g} N, above {:.4g} N", links_[l].given.name,
                                              load, links_[l].given.break_force)});
   }
+  report.links.resize(kept());
 }
 
 void Links::take(std::vector<double>& memory) {
@@ -267,14 +268,14 @@ void Links::take(std::vector<double>& memory) {
   if (memory.size() < 2 || (memory[0] != kLinksMark && memory[0] != kOlderMark)) return;
   const auto n = static_cast<std::size_t>(std::clamp(memory[1], 0.0, static_cast<double>(memory.size() - 2)));
   for (std::size_t i = 0; i < n; ++i)
-    if (const double l = memory[2 + i]; l >= 0.0 && l < static_cast<double>(links_.size()))
+    if (const double l = memory[2 + i]; l >= 0.0 && l < static_cast<double>(kept()))
       links_[static_cast<std::size_t>(l)].broken = true;
   memory.erase(memory.begin(), memory.begin() + static_cast<std::ptrdiff_t>(2 + n));
 }
 
 void Links::keep(std::vector<double>& memory) const {
   std::vector<double> head = {kLinksMark, 0.0};
-  for (std::size_t l = 0; l < links_.size(); ++l)
+  for (std::size_t l = 0; l < kept(); ++l)
     if (links_[l].broken) head.push_back(static_cast<double>(l));
   if (head.size() == 2) return;
   head[1] = static_cast<double>(head.size() - 2);

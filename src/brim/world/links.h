@@ -41,8 +41,16 @@ class Links {
   /// @return its number
   int add(const Attachment& attachment, std::span<const WorldPart> parts, const Side& a, const Side& b,
           double ramp_voxels, double time);
+  /// Holds a body to space for a while, by one link behind all others that nobody else sees: it is in no report and in
+  /// no memory. It takes the place of the one before. @throws InputError
+  void grab(const Attachment& attachment, std::span<const WorldPart> parts, const Side& a, double ramp_voxels,
+            double time);
+  void release();
+  bool grabs() const { return grabs_; }
   bool empty() const { return links_.empty(); }
   std::size_t size() const { return links_.size(); }
+  /// Without the one that grabs, which is the last.
+  std::size_t kept() const { return links_.size() - grabs_; }
   const Attachment& attachment(std::size_t i) const { return links_[i].given; }
   /// Fills in where the ends of a link are (Attachment::ends). Bodies must be up to date.
   void find_ends(std::size_t i, std::span<const WorldPart> parts, std::span<const double> q,
@@ -109,6 +117,8 @@ class Links {
     Vec3 n = Vec3::UnitZ();
     double lever = 1.0;
   };
+  static Link make(const Attachment& attachment, std::span<const WorldPart> parts, const Side& a, const Side& b,
+                   double ramp_voxels, double time);
   static void choose_held(Link& link, double h);
   static std::vector<Vec3> joint_points(const LinkJoint& joint, double span);
   static Coordinate coordinate(const Link& link);
@@ -117,6 +127,7 @@ class Links {
   void drive(const Link& link, const Tie& tie, const Vec3& u, Bond& bond) const;
 
   std::vector<Link> links_;
+  bool grabs_ = false;  ///< the last one
   std::vector<Tie> ties_;
   std::vector<Coordinate> coordinate_;  ///< per link
   double time_ = 0.0, dt_ = 0.0;

@@ -32,14 +32,7 @@ int choose_part(std::span<const WorldPart> parts, const std::vector<int>& mine, 
     throw InputError(
         fmt::format("part {} is not allowed; '{}' has {}", wanted, parts[mine[0]].body->name(), mine.size()));
   if (wanted >= 0) return mine[wanted];
-  int best = mine[0];
-  double least = std::numeric_limits<double>::infinity();
-  for (const int p : mine) {
-    const Aabb box = parts[p].body->bounds(parts[p].index);
-    const double d = (x - x.cwiseMax(box.lo).cwiseMin(box.hi)).norm();
-    if (d < least) least = d, best = p;
-  }
-  return best;
+  return mine[MatterPoints::nearest_part(parts.subspan(static_cast<std::size_t>(mine[0]), mine.size()), x)];
 }
 
 /// Some of the points, spread: each is the farthest from those before it.
@@ -61,8 +54,6 @@ bool is_solid(const WorldPart& p) {
   const auto* bound = dynamic_cast<const DistanceBound*>(p.body);
   return bound != nullptr && bound->solid(p.index) != nullptr;
 }
-
-bool carries_any(const WorldPart& p) { return is_solid(p) || dynamic_cast<const MaterialPoints*>(p.body) != nullptr; }
 
 /// Shortest distance from a hinge's axis that its angle is read at, as a share of the axis' held length.
 constexpr double kArm = 0.02;
@@ -110,6 +101,28 @@ std::vector<Vec3> points_in(const Body& body, const std::function<bool(const Vec
 
 int Links::add(const Attachment& given, std::span<const WorldPart> parts, const Side& a, const Side& b,
                double ramp_voxels, double time) {
+  const auto end = links_.begin() + static_cast<std::ptrdiff_t>(kept());
+  if (std::any_of(links_.begin(), end, [&](const Link& l) { return l.given.name == given.name; }))
+    throw InputError(fmt::format("attachment '{}': there is another one of that name", given.name));
+  links_.insert(end, make(given, parts, a, b, ramp_voxels, time));
+  return static_cast<int>(kept()) - 1;
+}
+
+void Links::grab(const Attachment& given, std::span<const WorldPart> parts, const Side& a, double ramp_voxels,
+                 double time) {
+  Link link = make(given, parts, a, {}, ramp_voxels, time);
+  release();
+  links_.push_back(std::move(link));
+  grabs_ = true;
+}
+
+void Links::release() {
+  if (grabs_) links_.pop_back();
+  grabs_ = false;
+}
+
+Links::Link Links::make(const Attachment& given, std::span<const WorldPart> parts, const Side& a, const Side& b,
+                        double ramp_voxels, double time) {
   const auto prefixed = [&](const std::string& what) {
     return InputError(fmt::format("attachment '{}': {}", given.name, what));
   };
@@ -124,8 +137,6 @@ int Links::add(const Attachment& given, std::span<const WorldPart> parts, const 
     throw prefixed("to_point, length and pulls_only are not for joints");
   if (given.region && given.to_point) throw prefixed("a region is held where it is; to_point is for a point");
   if (given.motion && !b.parts.empty()) throw prefixed("only what is held to space can be moved by keyframes");
-  for (const Link& l : links_)
-    if (l.given.name == given.name) throw prefixed("there is another one of that name");
   if (a.parts.empty()) throw prefixed("the body has no part to hold");
   try {
     Link link;
@@ -161,7 +172,7 @@ int Links::add(const Attachment& given, std::span<const WorldPart> parts, const 
       link.body_b = pb.body_index;
       mass_b = pb.body->mass();
       // What carries any point follows what does not.
-      const bool b_first = !given.to_point && carries_any(pa) && !carries_any(pb);
+      const bool b_first = !given.to_point && MatterPoints::takes_any(pa) && !MatterPoints::takes_any(pb);
       const auto bind_a = [&] { link.a = MatterPoints::of_part(pa, ramp_voxels * pa.h, a.q, x); };
       const auto bind_b = [&] { link.b = MatterPoints::of_part(pb, ramp_voxels * pb.h, b.q, y); };
       const auto same = [](const MatterPoints& m) {
@@ -199,11 +210,10 @@ int Links::add(const Attachment& given, std::span<const WorldPart> parts, const 
     const double least = std::min(pa.body->mass(), mass_b), most = std::max(pa.body->mass(), mass_b);
     link.mass = std::isinf(most) ? least : std::min(most, kUnequal * least);
     if (!std::isfinite(least)) throw InputError("neither side can move");
-    links_.push_back(std::move(link));
+    return link;
   } catch (const InputError& e) {
     throw prefixed(e.what());
   }
-  return static_cast<int>(links_.size()) - 1;
 }
 
 std::vector<Vec3> Links::joint_points(const LinkJoint& joint, double span) {
@@ -258,7 +268,10 @@ void Links::choose_held(Link& link, double h) {
   for (std::size_t i = 1; i < ends; ++i)
     spread = std::max(spread, std::min(apart_by(link.a.positions(), i), apart_by(link.b.positions(), i)));
   if (spread < kLeastSpread * h)
-    throw InputError(fmt::format("the bodies have too little matter about the {}; give a larger span",
+    throw InputError(fmt::format("{} too little matter about the {}; give a larger span",
+                                 link.given.to.empty()
+                                     ? fmt::format("'{}' has", link.given.body)
+                                     : fmt::format("'{}' and '{}' have", link.given.body, link.given.to),
                                  j.kind == JointKind::Fixed ? "joint" : "axis"));
   const std::size_t held = turns ? 2 : slides ? 4 : n;
   for (std::size_t i = 0; i < held; ++i) {

@@ -77,6 +77,24 @@ Vec3 nearest_vertex(const Body& body, const Vec3& x) {
 
 }  // namespace
 
+bool MatterPoints::takes_any(const WorldPart& part) {
+  return solid_of(part) != nullptr || dynamic_cast<const MaterialPoints*>(part.body) != nullptr;
+}
+
+std::size_t MatterPoints::nearest_part(std::span<const WorldPart> parts, const Vec3& x) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  std::size_t best = 0;
+  std::pair<double, double> least = {kFar, kFar};
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const Aabb box = parts[p].body->bounds(parts[p].index);
+    const PosedShape* solid = solid_of(parts[p]);
+    const std::pair<double, double> d = {(x - x.cwiseMax(box.lo).cwiseMin(box.hi)).norm(),
+                                         solid != nullptr ? solid->distance_bound(x) : 0.0};
+    if (d < least) least = d, best = p;
+  }
+  return best;
+}
+
 MatterPoints MatterPoints::of_space(std::vector<Vec3> x) {
   MatterPoints m;
   m.x_ = std::move(x);

@@ -17,6 +17,11 @@ namespace brim {
 /// matter_points_test.cpp
 class MatterPoints {
  public:
+  /// True for solids and bodies of one's own: any point may be held, inside or out.
+  static bool takes_any(const WorldPart& part);
+  /// Of several parts the one whose matter a place belongs to: in whose box it lies or to whose it is nearest, of boxes
+  /// that overlap the one whose solid is nearest. @param x  [m]
+  static std::size_t nearest_part(std::span<const WorldPart> parts, const Vec3& x);
   /// Points of space. @param x  [m]
   static MatterPoints of_space(std::vector<Vec3> x);
   /// Takes the points of a part where it is now. Solids and bodies of one's own carry any point; other bodies must have

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "brim/body/distance_bound.h"
-#include "brim/body/material_points.h"
 #include "brim/core/error.h"
 #include "brim/math/small_symmetric.h"
 
@@ -25,14 +23,6 @@ double at_time(const std::vector<NumberKey>& keys, double time) {
   return (1.0 - s) * a.value + s * b.value;
 }
 
-/// True when q are positions of nodes and v their velocities.
-bool has_nodes(const Body& body) {
-  const auto* bound = dynamic_cast<const DistanceBound*>(&body);
-  const bool solid = bound != nullptr && body.part_count() > 0 && bound->solid(0) != nullptr;
-  return !solid && dynamic_cast<const MaterialPoints*>(&body) == nullptr && body.q_size() == body.v_size() &&
-         body.v_size() % 3 == 0;
-}
-
 bool moves_rigidly(const Body& body) {
   std::vector<double> v(body.v_size());
   return body.rigid_motion(Vec3::UnitX(), Vec3::Zero(), v);
@@ -43,16 +33,6 @@ Vec3 pull_at(const AppliedForce::Attractor& a, const Vec3& x) {
   const double r = way.norm();
   if (!(r > 0.0) || r > a.range) return Vec3::Zero();
   return a.strength * std::pow(r / a.range, a.power) * (way / r);
-}
-
-/// The force of air on one side of a triangle (AppliedForce::Wind). @param facing  A n, towards where the air goes
-Vec3 air_force(const AppliedForce::Wind& wind, const Vec3& air, const Vec3& facing, double& slope) {
-  const double speed = air.norm(), area = facing.norm();
-  if (!(speed > 0.0) || !(area > 0.0)) return Vec3::Zero();
-  const Vec3 c = air / speed, n = facing / area;
-  const double cosine = c.dot(n);
-  slope = wind.density * area * std::max(wind.drag, wind.lift) * speed;
-  return 0.5 * wind.density * area * speed * speed * cosine * (wind.drag * cosine * c + wind.lift * (n - cosine * c));
 }
 
 }  // namespace
@@ -87,40 +67,27 @@ int OuterActions::add(const AppliedForce& given, std::span<const std::unique_ptr
       throw refuse(
           fmt::format("'{}' ({}) cannot move as a whole; forces act at its points only", body.name(), body.kind()));
     }
-    Action action;
-    action.body = static_cast<int>(b);
-    std::vector<Vec3f> shown;
-    std::vector<Vec3> x;
-    if (given.region || given.wind) {
-      shown.resize(body.display().vertices);
-      body.display_positions(shown);
-    }
-    if (given.point) x = {*given.point};
-    if (given.region)
-      for (const Vec3f& s : shown)
-        if (given.region(s.cast<double>())) x.push_back(s.cast<double>());
-    if (given.region && x.empty()) throw refuse(fmt::format("no point of '{}' lies in the region", body.name()));
-    if (given.wind)
-      for (const Triangle& t : body.display().triangles)
-        x.push_back(((shown[t[0]] + shown[t[1]] + shown[t[2]]) / 3.0f).cast<double>());
-    if (given.wind && x.empty()) {
-      if (!named) continue;
-      throw refuse(fmt::format("'{}' ({}) has no surface of triangles for wind to blow on", body.name(), body.kind()));
-    }
     if (given.wind && at_points) throw refuse("wind and forces at points need entries of their own");
     const auto first = std::find_if(parts.begin(), parts.end(),
                                     [&](const WorldPart& p) { return p.body_index == static_cast<int>(b); });
-    if (!x.empty() && body.part_count() != 1)
-      throw refuse(fmt::format("'{}' has {} parts; only bodies of one part have points to act on", body.name(),
-                               body.part_count()));
-    if (!x.empty()) {
-      action.part = static_cast<int>(first - parts.begin());
-      try {
-        action.points = MatterPoints::of_part(*first, ramp_voxels * first->h,
-                                              q.subspan(first_q[b], first_q[b + 1] - first_q[b]), std::move(x));
-      } catch (const InputError& e) {
-        throw refuse(e.what());
-      }
+    const std::size_t from = static_cast<std::size_t>(first - parts.begin());
+    const auto mine = parts.subspan(from, static_cast<std::size_t>(body.part_count()));
+    const auto qb = q.subspan(first_q[b], first_q[b + 1] - first_q[b]);
+    if (mine.empty() && (at_points || given.wind))
+      throw refuse(fmt::format("'{}' ({}) has no matter to act on", body.name(), body.kind()));
+    Action action;
+    action.body = static_cast<int>(b);
+    action.first_part = from;
+    try {
+      if (at_points) choose_points(given, mine, qb, ramp_voxels, action);
+      if (given.wind) action.wind.emplace(mine, qb, ramp_voxels);
+    } catch (const InputError& e) {
+      throw refuse(e.what());
+    }
+    if (action.wind && action.wind->empty()) {
+      if (!named) continue;
+      throw refuse(
+          fmt::format("'{}' ({}) shows nothing that keeps its matter, for wind to blow on", body.name(), body.kind()));
     }
     entry.actions.push_back(std::move(action));
   }
@@ -133,40 +100,52 @@ int OuterActions::add(const AppliedForce& given, std::span<const std::unique_ptr
   return static_cast<int>(entries_.size()) - 1;
 }
 
-void OuterActions::add_wind(const AppliedForce& given, double scale, Action& action, const WorldPart& part,
-                            std::span<const double> v, double time, double dt, std::span<double> Q) const {
-  const Body& body = *part.body;
-  const auto x = action.points.positions();
-  std::vector<std::int32_t> source(x.size());
-  for (std::size_t i = 0; i < source.size(); ++i) source[i] = action.points.source(i);
-  std::unique_ptr<Map> map;
-  body.make_map(part.index, x, source, map);
-  std::vector<Vec3> u(x.size());
-  map->velocity(v, u);
+void OuterActions::choose_points(const AppliedForce& given, std::span<const WorldPart> parts, std::span<const double> q,
+                                 double ramp_voxels, Action& action) {
+  const Body& body = *parts[0].body;
   std::vector<Vec3f> shown(body.display().vertices);
   body.display_positions(shown);
-  const Display& display = body.display();
-  const AppliedForce::Wind& wind = *given.wind;
-  std::vector<Vec3> flow(x.size(), wind.velocity);
-  if (wind.field) wind.field(time, x, flow);
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const Triangle& t = display.triangles[i];
-    const Vec3 a = shown[t[0]].cast<double>(), b = shown[t[1]].cast<double>(), c = shown[t[2]].cast<double>();
-    Vec3 facing = 0.5 * (b - a).cross(c - a);
-    const Vec3 air = scale * flow[i] - u[i];
-    // Air pushes what faces it: both sides of a sheet, of a closed surface its windward side.
-    const double into = facing.dot(air);
-    if (display.two_sided)
-      facing = into < 0.0 ? Vec3(-facing) : facing;
-    else
-      facing = into < 0.0 ? Vec3(-facing) : Vec3(Vec3::Zero());
-    double slope = 0.0;
-    const Vec3 f = air_force(wind, air, facing, slope);
-    // No more than what brings light matter to the air's speed.
-    const double mass = part.info.areal_mass * facing.norm();
-    u[i] = mass > 0.0 ? Vec3(f / (1.0 + dt * slope / mass)) : f;
+  // Of fluids, whose particles move past each other, the particles themselves.
+  if (parts[0].info.shapeless && shows_nodes(body)) {
+    std::size_t nearest = 0;
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      const Vec3 x = shown[i].cast<double>();
+      if (given.region && given.region(x)) action.nodes.push_back(i);
+      if (given.point && (x - *given.point).norm() < (shown[nearest].cast<double>() - *given.point).norm()) nearest = i;
+    }
+    if (given.point) action.nodes = {nearest};
+    if (action.nodes.empty()) throw InputError(fmt::format("no point of '{}' lies in the region", body.name()));
+    return;
   }
-  map->add_force(u, Q);
+  std::vector<Vec3> x;
+  if (given.point) x = {*given.point};
+  if (given.region)
+    for (const Vec3f& s : shown)
+      if (given.region(s.cast<double>())) x.push_back(s.cast<double>());
+  if (x.empty()) throw InputError(fmt::format("no point of '{}' lies in the region", body.name()));
+  std::vector<std::vector<Vec3>> of_part(parts.size());
+  for (const Vec3& p : x) of_part[MatterPoints::nearest_part(parts, p)].push_back(p);
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (!of_part[i].empty())
+      action.spots.push_back({i, MatterPoints::of_part(parts[i], ramp_voxels * parts[i].h, q, std::move(of_part[i]))});
+}
+
+void OuterActions::add_at_points(const Vec3& force, std::span<const WorldPart> parts, std::span<const double> q,
+                                 Action& action, std::span<double> Q) {
+  std::size_t n = action.nodes.size();
+  for (const Spot& spot : action.spots) n += spot.points.size();
+  const Vec3 share = force / static_cast<double>(n);
+  for (const std::size_t i : action.nodes) Eigen::Map<Vec3>(Q.data() + 3 * i) += share;
+  for (Spot& spot : action.spots) {
+    const WorldPart& part = parts[spot.part];
+    spot.points.follow(part, q);
+    const auto x = spot.points.positions();
+    std::vector<std::int32_t> source(x.size());
+    for (std::size_t i = 0; i < source.size(); ++i) source[i] = spot.points.source(i);
+    std::unique_ptr<Map> map;
+    part.body->make_map(part.index, x, source, map);
+    map->add_force(std::vector<Vec3>(x.size(), share), Q);
+  }
 }
 
 std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Body>> bodies,
@@ -197,26 +176,19 @@ std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Bo
         body.apply_mass(vb, image);
         add(-(1.0 - std::exp(-given.damping * dt)));
       }
-      if (action.points.size() > 0) {
-        const WorldPart& part = parts[static_cast<std::size_t>(action.part)];
-        action.points.follow(part, qb);
+      const auto mine = parts.subspan(action.first_part, static_cast<std::size_t>(body.part_count()));
+      if (action.at_points()) {
         image.assign(n, 0.0);
-        if (given.wind) {
-          add_wind(given, scale, action, part, vb, time, dt, image);
-          add(dt);
-        } else {
-          const auto x = action.points.positions();
-          std::vector<std::int32_t> source(x.size());
-          for (std::size_t i = 0; i < source.size(); ++i) source[i] = action.points.source(i);
-          std::unique_ptr<Map> map;
-          body.make_map(part.index, x, source, map);
-          const std::vector<Vec3> f(x.size(), given.force / static_cast<double>(x.size()));
-          map->add_force(f, image);
-          add(scale * dt);
-        }
+        add_at_points(given.force, mine, qb, action, image);
+        add(scale * dt);
+      }
+      if (action.wind) {
+        image.assign(n, 0.0);
+        action.wind->add_force(*given.wind, scale, mine, qb, vb, time, dt, image);
+        add(dt);
       }
       Vec3 uniform = given.acceleration;
-      if (action.points.size() == 0 || given.wind) uniform += given.force / body.mass();
+      if (!action.at_points()) uniform += given.force / body.mass();
       if (given.attractor && has_nodes(body)) {
         motion.assign(n, 0.0);
         for (std::size_t i = 0; i < n; i += 3)

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "brim/body/body.h"
 #include "brim/world/applied_force.h"
 #include "brim/world/matter_points.h"
+#include "brim/world/wind.h"
 #include "brim/world/world_part.h"
 
 namespace brim {
@@ -35,19 +37,29 @@ class OuterActions {
                                   const Environment& env, double time, double dt, std::span<const double> base);
 
  private:
+  /// Points of one part at which a force acts.
+  struct Spot {
+    std::size_t part = 0;  ///< within the body
+    MatterPoints points;
+  };
   /// An entry on one body.
   struct Action {
-    int body = 0, part = 0;  ///< part: in the world's numbers
-    MatterPoints points;     ///< where the force acts, or the middles of the display's triangles
-    std::vector<Vec3> now;
+    int body = 0;
+    std::size_t first_part = 0;      ///< of the body, in the world's numbers
+    std::vector<Spot> spots;         ///< where the force acts, ...
+    std::vector<std::size_t> nodes;  ///< ... or the particles on which it does
+    std::optional<WindOnBody> wind;
+    bool at_points() const { return !spots.empty() || !nodes.empty(); }
   };
   struct Entry {
     AppliedForce given;
     std::vector<Action> actions;
   };
-  /// @param scale  of the air's velocity, at the time
-  void add_wind(const AppliedForce& given, double scale, Action& action, const WorldPart& part,
-                std::span<const double> v, double time, double dt, std::span<double> Q) const;
+  static void choose_points(const AppliedForce& given, std::span<const WorldPart> parts, std::span<const double> q,
+                            double ramp_voxels, Action& action);
+  /// @param parts  of the body  @param q, Q  of the body
+  static void add_at_points(const Vec3& force, std::span<const WorldPart> parts, std::span<const double> q,
+                            Action& action, std::span<double> Q);
 
   std::vector<Entry> entries_;
   std::vector<double> gravity_scale_, impulse_;

@@ -28,6 +28,9 @@ void Sleep::start(std::span<const std::unique_ptr<Body>> bodies) {
 
 void Sleep::follow(std::span<const std::unique_ptr<Body>> bodies) {
   if (!on()) return;
+  body_.resize(bodies.size());
+  rest_.resize(bodies.size(), 0.0);
+  island_.resize(bodies.size(), -1);
   for (std::size_t b = 0; b < bodies.size(); ++b) body_[b] = bodies[b].get();
 }
 

@@ -43,10 +43,10 @@ int World::add(std::unique_ptr<Body> body) {
   for (int p = 0; p < body->part_count(); ++p) infos.push_back(body->part(p));
   w.names.insert(body->name());
   const bool space = w.has_space;
+  w.started = false;
   if (space) w.hide_space();
   w.append(std::move(body), q0, v0);
   if (space) w.show_space();
-  w.started = false;
   w.show_whole();
   return static_cast<int>(w.count()) - 1;
 }

@@ -101,6 +101,17 @@ class World {
   /// Adds what acts on bodies from outside, as they are now. @throws InputError  @return its number
   int apply(const AppliedForce& force);
 
+  /// Takes hold of a body by a spring to a place in space, where its matter is now: of what gives way by the matter
+  /// within two voxels. Whatever was held is let go. No part of the state, of reports and of records: a hand is not of
+  /// the world. @param at  [m]  @param stiffness  [N/m]; 0: 3 Hz with the body's mass
+  /// @param damping  [N s/m]; 0: half of critical with that mass  @throws InputError
+  void grab(int b, const Vec3& at, double stiffness = 0.0, double damping = 0.0);
+  /// Where the place that was taken hold of is to be from the next step on, [m]. @throws InputError
+  void pull(const Vec3& to);
+  void release();
+  /// The body that is held so, or −1.
+  int grabbed() const;
+
   // ---- editing, between steps (docs/editing.md): part of the state, so that a run that was edited resumes right -----
   /// Takes a body out of the world. Its number and name stay its own and those of others stay as they are; its q and v
   /// are kept as they were last. What holds to it is detached; forces on it end. @throws InputError

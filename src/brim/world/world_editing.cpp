@@ -179,6 +179,7 @@ void World::remove(int b) {
   w.need(b, "remove");
   w.start();
   w.wake_around(*this, b);
+  if (grabbed() == b) release();
   w.edit([&](Edits& edits) {
     edits.removed.insert(b);
     for (std::size_t l = 0; l < w.links.size(); ++l)
@@ -217,6 +218,7 @@ void World::move(int b, const Pose& by) {
     refuse("must be moved by finite numbers and a rotation");
   if (const std::string why = refuses_move(body, by.rotation); !why.empty()) refuse(why);
   w.start();
+  if (grabbed() == b) refuse("is grabbed; release it first");
   for (std::size_t l = 0; l < w.links.size(); ++l)
     if (const auto [i, j] = w.links.bodies(l); !w.links.broken(l) && (i == b || j == b))
       refuse(fmt::format("is held by '{}'; detach it first", w.links.attachment(l).name));

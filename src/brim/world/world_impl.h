@@ -45,6 +45,7 @@ struct World::Impl {
   TouchRules rules;
   PartFilter filter;  ///< of the rules with regions: those of the options first, then as set_touch was told
   Links links;
+  std::shared_ptr<Vec3> grab_goal;  ///< [m] where what is grabbed is pulled
   OuterActions actions;
   bool has_space = false;  ///< the last body and part stand for space
   Levels levels;

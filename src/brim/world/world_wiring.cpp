@@ -1,3 +1,8 @@
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
 #include "brim/core/error.h"
 #include "brim/world/applied_force.h"
 #include "brim/world/attachment.h"
@@ -6,10 +11,22 @@
 
 namespace brim {
 
+namespace {
+
+constexpr double kGrabFrequency = 3.0;  ///< [Hz] of a body on the spring that pulls it
+constexpr double kGrabReach = 2.0;      ///< [voxels] about the place at which what gives way is held
+
+}  // namespace
+
 void World::Impl::show_space() {
   append(std::make_unique<Space>(), {}, {});
   has_space = true;
-  started = false;
+  if (!started) return;
+  // What was chosen as the world began stays.
+  part_h.push_back(*std::ranges::max_element(part_h));
+  if (sleep.on()) sleep.follow(bodies);
+  follow_edits();
+  stage.rigid().restore(state.memory);
 }
 
 void World::Impl::hide_space() {
@@ -59,7 +76,7 @@ int World::attach(const Attachment& attachment) {
   return number;
 }
 
-int World::attachment_count() const { return static_cast<int>(impl_->links.size()); }
+int World::attachment_count() const { return static_cast<int>(impl_->links.kept()); }
 
 const Attachment& World::attachment(int i) const {
   Impl& w = *impl_;
@@ -84,6 +101,58 @@ void World::set_drive(int i, double position, double velocity) {
   impl_->links.set_drive(static_cast<std::size_t>(i), position, velocity);
   wake(impl_->links.bodies(static_cast<std::size_t>(i)).first);
 }
+
+void World::grab(int b, const Vec3& at, double stiffness, double damping) {
+  Impl& w = *impl_;
+  w.need(b, "grab");
+  const Body& body = this->body(b);
+  const auto refuse = [&](const std::string& why) { throw InputError(fmt::format("grab: '{}' {}", body.name(), why)); };
+  if (!at.allFinite()) refuse("needs a place of finite numbers");
+  for (const auto& [what, value] : {std::pair{"stiffness", stiffness}, std::pair{"damping", damping}})
+    if (!(value >= 0.0) || !std::isfinite(value))
+      refuse(fmt::format("is not held with {} {}; must be a number from 0", what, value));
+  if (body.immobile() || frozen(b)) refuse("does not move");
+  w.start();
+  w.update_bodies();
+  const double m = body.mass(), omega = 2.0 * std::numbers::pi * kGrabFrequency;
+  const auto goal = std::make_shared<Vec3>(at);
+  Attachment hold;
+  hold.name = "grab";
+  hold.body = body.name();
+  hold.point = at;
+  hold.stiffness = stiffness > 0.0 ? stiffness : m * omega * omega;
+  hold.damping = damping > 0.0 ? damping : m * omega;
+  hold.motion = [goal, at](double, const Vec3& x, const Vec3&) -> Vec3 { return x + (*goal - at); };
+  const Links::Side side = w.side_of(b);
+  // What gives way is held by some matter about the place, not by one node.
+  if (!side.parts.empty() && !MatterPoints::takes_any(w.parts[static_cast<std::size_t>(side.parts[0])])) {
+    const double reach = kGrabReach * w.parts[static_cast<std::size_t>(side.parts[0])].h;
+    std::vector<Vec3f> shown(body.display().vertices);
+    body.display_positions(shown);
+    const auto near = [at, reach](const Vec3& x) { return (x - at).norm() < reach; };
+    if (std::ranges::any_of(shown, [&](const Vec3f& x) { return near(x.cast<double>()); }))
+      hold.point.reset(), hold.region = near;
+  }
+  w.links.grab(hold, w.parts, side, w.options.ramp_voxels, w.state.time);
+  w.grab_goal = goal;
+  if (!w.has_space) w.show_space();
+  wake(b);
+}
+
+void World::pull(const Vec3& to) {
+  if (grabbed() < 0) throw InputError("pull: nothing is grabbed");
+  if (!to.allFinite()) throw InputError("pull: the place is not finite");
+  *impl_->grab_goal = to;
+  wake(grabbed());
+}
+
+void World::release() {
+  const int b = grabbed();
+  impl_->links.release();
+  if (b >= 0) wake(b);
+}
+
+int World::grabbed() const { return impl_->links.grabs() ? impl_->links.bodies(impl_->links.kept()).first : -1; }
 
 int World::apply(const AppliedForce& force) {
   Impl& w = *impl_;

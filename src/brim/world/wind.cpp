@@ -1,0 +1,169 @@
+#include "brim/world/wind.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "brim/body/distance_bound.h"
+#include "brim/body/material_points.h"
+#include "brim/body/posed_display.h"
+#include "brim/core/error.h"
+
+namespace brim {
+
+namespace {
+
+/// The force of air on one side of a triangle. @param facing  A n, towards where the air goes
+/// @param slope  change of the force's size with the speed
+Vec3 force_on_face(const AppliedForce::Wind& wind, const Vec3& air, const Vec3& facing, double& slope) {
+  const double speed = air.norm(), area = facing.norm();
+  if (!(speed > 0.0) || !(area > 0.0)) return Vec3::Zero();
+  const Vec3 c = air / speed, n = facing / area;
+  const double cosine = c.dot(n);
+  slope = wind.density * area * std::max(wind.drag, wind.lift) * speed;
+  return 0.5 * wind.density * area * speed * speed * cosine * (wind.drag * cosine * c + wind.lift * (n - cosine * c));
+}
+
+/// Drag ½ ρ D A |c| c of a body of that frontal area, less where that would outrun the air.
+Vec3 drag(const AppliedForce::Wind& wind, const Vec3& air, double area, double mass, double dt) {
+  const double slope = wind.density * wind.drag * area * air.norm();
+  return 0.5 * slope / (mass > 0.0 ? 1.0 + dt * slope / mass : 1.0) * air;
+}
+
+/// The part of each vertex of the display, where each part has vertices of its own; else all 0.
+std::vector<std::size_t> parts_of_vertices(const Body& body) {
+  std::vector<std::size_t> part(body.display().vertices, 0);
+  if (body.part_count() == 1) return part;
+  const PosedDisplay* posed = posed_display(body);
+  if (posed == nullptr || posed->piece_count() != static_cast<std::size_t>(body.part_count()))
+    throw InputError(fmt::format("'{}' ({}) has {} parts and does not say which of them shows what", body.name(),
+                                 body.kind(), body.part_count()));
+  std::size_t vertex = 0;
+  for (std::size_t i = 0; i < posed->piece_count(); ++i)
+    for (std::size_t k = 0; k < posed->piece(i).surface().vertices.size() && vertex < part.size(); ++k)
+      part[vertex++] = i;
+  return part;
+}
+
+}  // namespace
+
+bool has_nodes(const Body& body) {
+  const auto* bound = dynamic_cast<const DistanceBound*>(&body);
+  const bool solid = bound != nullptr && body.part_count() > 0 && bound->solid(0) != nullptr;
+  return !solid && dynamic_cast<const MaterialPoints*>(&body) == nullptr && body.q_size() == body.v_size() &&
+         body.v_size() % 3 == 0;
+}
+
+bool shows_nodes(const Body& body) { return has_nodes(body) && 3 * body.display().vertices == body.v_size(); }
+
+std::vector<double> node_masses(const Body& body) {
+  std::vector<double> along(body.v_size(), 0.0), image(body.v_size(), 0.0), mass(body.v_size() / 3);
+  for (std::size_t i = 0; i < along.size(); i += 3) along[i] = 1.0;
+  body.apply_mass(along, image);
+  for (std::size_t i = 0; i < mass.size(); ++i) mass[i] = image[3 * i];
+  return mass;
+}
+
+WindOnBody::WindOnBody(std::span<const WorldPart> parts, std::span<const double> q, double ramp_voxels) {
+  const Body& body = *parts[0].body;
+  const Display& display = body.display();
+  if (display.kind != Display::Kind::Triangles) {
+    if (shows_nodes(body) && display.radius > 0.0) nodes_ = node_masses(body);
+    return;
+  }
+  if (display.triangles.empty()) return;
+  std::vector<Vec3f> shown(display.vertices);
+  body.display_positions(shown);
+  const std::vector<std::size_t> part = parts_of_vertices(body);
+  std::vector<std::vector<Vec3>> middles(parts.size());
+  std::vector<std::vector<std::size_t>> triangles(parts.size());
+  for (std::size_t t = 0; t < display.triangles.size(); ++t) {
+    const Triangle& face = display.triangles[t];
+    const std::size_t p = part[static_cast<std::size_t>(face[0])];
+    middles[p].push_back(((shown[face[0]] + shown[face[1]] + shown[face[2]]) / 3.0f).cast<double>());
+    triangles[p].push_back(t);
+  }
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    if (!triangles[p].empty())
+      faces_.push_back({p, MatterPoints::of_part(parts[p], ramp_voxels * parts[p].h, q, std::move(middles[p])),
+                        std::move(triangles[p])});
+}
+
+void WindOnBody::add_force(const AppliedForce::Wind& wind, double scale, std::span<const WorldPart> parts,
+                           std::span<const double> q, std::span<const double> v, double time, double dt,
+                           std::span<double> Q) {
+  for (Faces& faces : faces_) add_on_faces(wind, scale, faces, parts[faces.part], q, v, time, dt, Q);
+  if (!nodes_.empty()) add_on_nodes(wind, scale, parts[0].body->display(), q, v, time, dt, Q);
+}
+
+void WindOnBody::add_on_faces(const AppliedForce::Wind& wind, double scale, Faces& faces, const WorldPart& part,
+                              std::span<const double> q, std::span<const double> v, double time, double dt,
+                              std::span<double> Q) {
+  const Body& body = *part.body;
+  faces.middles.follow(part, q);
+  const auto x = faces.middles.positions();
+  std::vector<std::int32_t> source(x.size());
+  for (std::size_t i = 0; i < source.size(); ++i) source[i] = faces.middles.source(i);
+  std::unique_ptr<Map> map;
+  body.make_map(part.index, x, source, map);
+  std::vector<Vec3> u(x.size());
+  map->velocity(v, u);
+  const Display& display = body.display();
+  std::vector<Vec3f> shown(display.vertices);
+  body.display_positions(shown);
+  std::vector<Vec3> flow(x.size(), wind.velocity);
+  if (wind.field) wind.field(time, x, flow);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Triangle& t = display.triangles[faces.triangle[i]];
+    const Vec3 a = shown[t[0]].cast<double>(), b = shown[t[1]].cast<double>(), c = shown[t[2]].cast<double>();
+    Vec3 facing = 0.5 * (b - a).cross(c - a);
+    const Vec3 air = scale * flow[i] - u[i];
+    // Air pushes what faces it: both sides of a sheet, of a closed surface its windward side.
+    const double into = facing.dot(air);
+    if (display.two_sided)
+      facing = into < 0.0 ? Vec3(-facing) : facing;
+    else
+      facing = into < 0.0 ? Vec3(-facing) : Vec3(Vec3::Zero());
+    double slope = 0.0;
+    const Vec3 f = force_on_face(wind, air, facing, slope);
+    // No more than what brings light matter to the air's speed.
+    const double mass = part.info.areal_mass * facing.norm();
+    u[i] = mass > 0.0 ? Vec3(f / (1.0 + dt * slope / mass)) : f;
+  }
+  map->add_force(u, Q);
+}
+
+void WindOnBody::add_on_nodes(const AppliedForce::Wind& wind, double scale, const Display& display,
+                              std::span<const double> q, std::span<const double> v, double time, double dt,
+                              std::span<double> Q) const {
+  const auto at = [](std::span<const double> x, std::size_t i) { return Eigen::Map<const Vec3>(x.data() + 3 * i); };
+  const auto add = [&](std::size_t i, const Vec3& f) { Eigen::Map<Vec3>(Q.data() + 3 * i) += f; };
+  const double r = display.radius;
+  const bool lines = display.kind == Display::Kind::Lines;
+  const std::size_t n = lines ? display.lines.size() : nodes_.size();
+  std::vector<Vec3> x(n);
+  for (std::size_t k = 0; k < n; ++k)
+    x[k] = lines ? Vec3(0.5 * (at(q, display.lines[k][0]) + at(q, display.lines[k][1]))) : Vec3(at(q, k));
+  std::vector<Vec3> flow(n, wind.velocity);
+  if (wind.field) wind.field(time, x, flow);
+  if (!lines) {
+    for (std::size_t i = 0; i < n; ++i)
+      add(i, drag(wind, scale * flow[i] - at(v, i), std::numbers::pi * r * r, nodes_[i], dt));
+    return;
+  }
+  // A node shares its mass among the lines that end in it.
+  std::vector<double> ends(nodes_.size(), 0.0);
+  for (const auto& [a, b] : display.lines) ends[a] += 1.0, ends[b] += 1.0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t a = display.lines[k][0], b = display.lines[k][1];
+    const Vec3 along = at(q, b) - at(q, a);
+    const double length = along.norm();
+    if (!(length > 0.0)) continue;
+    const Vec3 e = along / length, air = scale * flow[k] - 0.5 * (at(v, a) + at(v, b));
+    const Vec3 f =
+        0.5 * drag(wind, air - e * e.dot(air), 2.0 * r * length, nodes_[a] / ends[a] + nodes_[b] / ends[b], dt);
+    add(a, f), add(b, f);
+  }
+}
+
+}  // namespace brim
