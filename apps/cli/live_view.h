@@ -12,8 +12,9 @@ class LiveView {
  public:
   /// @param folder        of the run; its first frame is on disk
   /// @param out_to_error  keeps standard output for others
+  /// @param hand          socket that it sends what pages ask of the bodies to (Hand); -1: pages can ask nothing
   /// @throws InputError   when the process cannot be started
-  LiveView(const std::string& folder, bool out_to_error);
+  LiveView(const std::string& folder, bool out_to_error, int hand = -1);
   ~LiveView();
   LiveView(const LiveView&) = delete;
   LiveView& operator=(const LiveView&) = delete;

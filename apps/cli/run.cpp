@@ -12,6 +12,7 @@
 #include "brim/record/runner.h"
 #include "brim/scene/scene.h"
 #include "commands.h"
+#include "hand.h"
 #include "live_view.h"
 #include "profile_table.h"
 #include "progress.h"
@@ -32,8 +33,11 @@ struct Options {
   SettingOptions settings;
   std::int64_t frames = 0;
   int threads = 0;
-  bool check = false, json = false, force = false, edit = false, quiet = false, view = false, profile = false;
+  bool check = false, json = false, force = false, edit = false, quiet = false, view = false, profile = false,
+       interactive = false;
 };
+
+constexpr std::int64_t kEndless = 10000000;
 
 bool on_terminal() {
 #if defined(__unix__) || defined(__APPLE__)
@@ -63,14 +67,15 @@ int run(const Options& o) {
                std::filesystem::absolute(scene.file).lexically_normal().string()};
   plan.scene_file = scene.file;
   plan.scene_frames = scene.frames;
-  plan.frames = o.frames > 0 ? o.frames : scene.frames;
+  plan.frames = o.frames > 0 ? o.frames : o.interactive ? kEndless : scene.frames;
   plan.expect = scene.expect;
   plan.force = o.force;
   plan.edit = o.edit;
   plan.levels = o.levels;
   // Before the work of building, which may take a while.
   if (!plan.resume) check_run_folder(plan.folder, plan.force);
-  if (o.view) viewer::find_page_folder();
+  const bool view = o.view || o.interactive;
+  if (view) viewer::find_page_folder();
   World world = build_world(scene);
   plan.build_wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
@@ -79,7 +84,16 @@ int run(const Options& o) {
                                                 : Progress::Style::Quiet);
   watch_interrupts();
   std::optional<LiveView> live;
-  if (o.view) plan.started = [&] { live.emplace(plan.folder, o.json); };
+  std::optional<Hand> hand;
+  if (o.interactive) {
+    hand.emplace();
+    plan.before_step = [&](World& w) { hand->before_step(w); };
+  }
+  if (view)
+    plan.started = [&] {
+      if (hand) hand->write_to(plan.folder, plan.resume);
+      live.emplace(plan.folder, o.json, hand ? hand->far_end() : -1);
+    };
   progress.start(scene.name, plan.folder, plan, world);
   ProfileTable profile;
   set_profile(o.profile);
@@ -89,6 +103,7 @@ int run(const Options& o) {
     return !interrupted();
   });
   progress.end(result, plan.folder);
+  if (hand) hand->finish();
   if (result.started_over)
     fmt::print(stderr,
                "brim: {}: its process ended before the first frame was on disk, so the run was made from its start\n",
@@ -139,6 +154,10 @@ void add_run(CLI::App& app, int& code) {
   command->add_flag("--profile", o->profile,
                     "print where the time went: by phase, kind of body, solves and memory traffic");
   command->add_flag("--view", o->view, "serve the run to a browser while it is made, and after it until Ctrl-C");
+  command->add_flag(
+      "--interactive", o->interactive,
+      "as --view, no faster than the clock and until Ctrl-C or --frames, with bodies that can be pulled in "
+      "the browser");
   CLI::Option* force = command->add_flag("--force", o->force, "replace an old run in the folder");
   CLI::Option* resume =
       command->add_option("--resume", o->resume, "go on with the run in this folder after its last frame");

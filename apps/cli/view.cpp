@@ -1,8 +1,10 @@
 #include <fmt/format.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <string>
 #include <thread>
@@ -24,7 +26,16 @@ struct ViewOptions {
   std::string host = "127.0.0.1";
   int port = -1;  ///< -1: the usual one, or any other if that is taken
   int with = 0;   ///< process whose end is this one's too
+  int hand = -1;  ///< socket to it, for what pages ask of the bodies; -1: none
 };
+
+std::function<bool(const std::string&)> tell_by(int socket) {
+  if (socket < 0) return {};
+  return [socket](const std::string& asked) {
+    return ::send(socket, asked.data(), asked.size(), MSG_DONTWAIT | MSG_NOSIGNAL) ==
+           static_cast<ssize_t>(asked.size());
+  };
+}
 
 int take_port(viewer::ViewerServer& server, const ViewOptions& options) {
   if (options.port >= 0) return server.bind(options.host, options.port);
@@ -37,7 +48,7 @@ int take_port(viewer::ViewerServer& server, const ViewOptions& options) {
 
 int view(const ViewOptions& options) {
   viewer::RecordedRun run(options.run);
-  viewer::ViewerServer server(run, viewer::find_page_folder());
+  viewer::ViewerServer server(run, viewer::find_page_folder(), tell_by(options.hand));
   const int port = take_port(server, options);
   watch_interrupts();  // before others are told that they may end it
   const bool v6 = options.host.find(':') != std::string::npos;
@@ -63,7 +74,8 @@ void add_view(CLI::App& app, int& code) {
       ->add_option("--host", options->host,
                    "address to listen on; any but this machine's own lets others on the network read the run")
       ->capture_default_str();
-  command->add_option("--with", options->with)->group("");  // for `brim run --view`
+  command->add_option("--with", options->with)->group("");  // both for `brim run --view`
+  command->add_option("--hand", options->hand)->group("");
   command->callback([options, &code] { code = view(*options); });
 }
 

@@ -30,8 +30,8 @@ constexpr std::size_t kMostStreams = 16;                      // of events
 constexpr std::size_t kMostWaiting = std::size_t{256} << 20;  // [bytes] of answers that nobody has taken yet
 constexpr std::size_t kThreads = 4;                           // that make answers
 constexpr std::chrono::milliseconds kStuck{1000};             // without a byte taken, where others wait for room
-constexpr std::chrono::milliseconds kPulse{300};              // between looks for news
-constexpr int kQuietPulses = 30;                              // a comment is sent after so many
+constexpr std::chrono::milliseconds kPulse{300};              // between looks for news, and of the loop itself
+constexpr std::chrono::milliseconds kQuiet{9000};             // after which a comment is sent
 
 using Clock = Connection::Clock;
 
@@ -63,7 +63,7 @@ struct HttpServer::Impl {
   std::deque<Job> jobs;
   std::vector<Done> done;
   std::string news;
-  int beats = 0;  // of silence
+  std::chrono::milliseconds pulse = kPulse, silence{0};
   bool comment = false;
   std::size_t listeners = 0;
 
@@ -98,6 +98,8 @@ HttpServer::~HttpServer() {
   for (const int file : {impl_->listener, impl_->wake[0], impl_->wake[1]})
     if (file >= 0) ::close(file);
 }
+
+void HttpServer::look_every(std::chrono::milliseconds pulse) { impl_->pulse = pulse; }
 
 int HttpServer::bind(const std::string& host, int port) {
   const auto refused = [&] {
@@ -257,15 +259,15 @@ void HttpServer::Impl::look_for_news() {
       lock.lock();
       if (now != news) {
         news = std::move(now);
-        beats = 0;
+        silence = {};
         poke();
-      } else if (++beats >= kQuietPulses) {
-        beats = 0;
+      } else if ((silence += pulse) >= kQuiet) {
+        silence = {};
         comment = true;
         poke();
       }
     }
-    work.wait_for(lock, kPulse, [&] { return stopping.load(); });
+    work.wait_for(lock, pulse, [&] { return stopping.load(); });
   }
 }
 

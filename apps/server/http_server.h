@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -23,6 +24,8 @@ class HttpServer {
   HttpServer(Answer answer, Event event);
   ~HttpServer();
 
+  /// Time between looks for news, 300 ms unless told. Before listen().
+  void look_every(std::chrono::milliseconds pulse);
   /// @param port  0 for any free one  @return the port taken  @throws InputError
   int bind(const std::string& host, int port);
   /// Answers until stop(), which may come from any thread.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -71,10 +72,13 @@ HttpResponse ViewerRoutes::answer(const HttpRequest& request) const {
   // Pages of other sites may send requests here, and learn from how they end.
   if (request.header.contains("origin") && origin_host(request.header_or("origin")) != host)
     return HttpResponse::error(403, "this server answers to its own page only");
-  if (request.method != "GET" && request.method != "HEAD") return HttpResponse::error(405, "only GET is answered");
+  const bool post = request.method == "POST" && tell_;
+  if (!post && request.method != "GET" && request.method != "HEAD")
+    return HttpResponse::error(405, tell_ ? "only GET and POST are answered" : "only GET is answered");
   if (request.has_body) return HttpResponse::error(413, "no request needs a body");
   if (request.path.size() > kMostAddress) return HttpResponse::error(414, "the address is too long");
   try {
+    if (post) return hand(request);
     return request.path.starts_with("/api/") ? data(request) : file(request.path);
   } catch (const InputError& error) {
     return HttpResponse::error(404, error.what());
@@ -89,8 +93,11 @@ HttpResponse ViewerRoutes::data(const HttpRequest& request) const {
     return it == request.query.end() ? std::string(otherwise) : it->second;
   };
   const std::string what = request.path.substr(std::string_view("/api/").size());
-  if (what == "run")
-    return HttpResponse::json(200, source_.info().dump(-1, ' ', false, Json::error_handler_t::replace));
+  if (what == "run") {
+    Json info = source_.info();
+    info["interactive"] = static_cast<bool>(tell_);
+    return HttpResponse::json(200, info.dump(-1, ' ', false, Json::error_handler_t::replace));
+  }
   if (what == "events") return {200, "", "", true};
   if (what == "series") return binary(source_.series(number<std::int64_t>(given("from", "0"))));
   const std::size_t slash = what.find('/');
@@ -109,6 +116,43 @@ HttpResponse ViewerRoutes::data(const HttpRequest& request) const {
     }
   }
   return HttpResponse::error(404, "nothing at " + request.path);
+}
+
+HttpResponse ViewerRoutes::hand(const HttpRequest& request) const {
+  // What acts takes no request of another page on this machine, which has another port.
+  if (request.header.contains("origin") && !request.header_or("origin").ends_with("://" + request.header_or("host")))
+    return HttpResponse::error(403, "this server answers to its own page only");
+  const auto given = [&](const char* name) -> const std::string& {
+    const auto it = request.query.find(name);
+    if (it == request.query.end()) throw InputError(fmt::format("\"{}\" is missing", name));
+    return it->second;
+  };
+  const auto place = [&] {
+    Json x = Json::array();
+    for (const char* axis : {"x", "y", "z"}) {
+      const auto value = number<double>(given(axis));
+      if (!std::isfinite(value)) throw InputError(fmt::format("\"{}\" is not a number that can be used here", axis));
+      x.push_back(value);
+    }
+    return x;
+  };
+  Json asked;
+  try {
+    if (request.path == "/api/grab")
+      asked = {{"grab", index(number<std::int64_t>(given("body")))},
+               {"vertex", index(number<std::int64_t>(given("vertex")))},
+               {"offset", place()}};
+    else if (request.path == "/api/pull")
+      asked = {{"pull", place()}};
+    else if (request.path == "/api/release")
+      asked = {{"release", true}};
+    else
+      return HttpResponse::error(404, "nothing at " + request.path);
+  } catch (const InputError& error) {
+    return HttpResponse::error(400, error.what());
+  }
+  if (!tell_(asked.dump())) return HttpResponse::error(503, "the run is busy or has ended");
+  return HttpResponse::json(200, "{}");
 }
 
 HttpResponse ViewerRoutes::file(const std::string& path) const {

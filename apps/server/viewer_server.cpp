@@ -6,11 +6,17 @@
 
 namespace brim::viewer {
 
+namespace {
+
+constexpr std::chrono::milliseconds kInteractive{30};  // between looks for frames where a person pulls at them
+
+}  // namespace
+
 struct ViewerServer::Impl {
   ViewerRoutes routes;
   HttpServer http;
 
-  Impl(RunSource& source, const std::filesystem::path& page)
+  Impl(RunSource& source, const std::filesystem::path& page, ViewerRoutes::Tell tell)
       : routes(source, page),
         http([this](const HttpRequest& request) { return routes.answer(request); },
              [&source, told = Progress()]() mutable {
@@ -21,11 +27,15 @@ struct ViewerServer::Impl {
                }
                return fmt::format("event: frames\ndata: {{\"frames\":{},\"complete\":{},\"stopped\":{}}}\n\n",
                                   told.frames, told.complete, told.stopped);
-             }) {}
+             }) {
+    if (tell) http.look_every(kInteractive);
+    routes.pass_on(std::move(tell));
+  }
 };
 
-ViewerServer::ViewerServer(RunSource& source, const std::filesystem::path& page)
-    : impl_(std::make_unique<Impl>(source, page)) {}
+ViewerServer::ViewerServer(RunSource& source, const std::filesystem::path& page,
+                           std::function<bool(const std::string&)> tell)
+    : impl_(std::make_unique<Impl>(source, page, std::move(tell))) {}
 
 ViewerServer::~ViewerServer() { stop(); }
 

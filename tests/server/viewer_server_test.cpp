@@ -53,7 +53,12 @@ class ViewerServerTest : public testing::Test {
     std::ofstream(root_ / "page/index.html") << "<html>the page</html>";
     std::ofstream(root_ / "page/assets/a.js") << "let a;";
     std::ofstream(root_ / "secret.txt") << "not for the web";
-    server_ = std::make_unique<ViewerServer>(run_, root_ / "page");
+    begin({});
+  }
+  /// @param tell  takes what pages ask of the bodies
+  void begin(std::function<bool(const std::string&)> tell) {
+    end();
+    server_ = std::make_unique<ViewerServer>(run_, root_ / "page", std::move(tell));
     port_ = server_->bind("127.0.0.1", 0);
     thread_ = std::thread([this] { server_->listen(); });
     client_ = std::make_unique<httplib::Client>("127.0.0.1", port_);
@@ -62,9 +67,13 @@ class ViewerServerTest : public testing::Test {
     for (int i = 0; i < 5000 && !client_->Get("/api/run"); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
-  ~ViewerServerTest() override {
+  void end() {
+    if (!server_) return;
     server_->stop();
     thread_.join();
+  }
+  ~ViewerServerTest() override {
+    end();
     fs::remove_all(root_);
   }
 
@@ -139,6 +148,53 @@ TEST_F(ViewerServerTest, PagesOfOtherSitesAndBodiesAreRefused) {
   const auto sent = client_->Post("/api/run", std::string(1 << 20, 'x'), "text/plain");
   EXPECT_TRUE(!sent || sent->status >= 400);
   EXPECT_EQ(status("/api/run"), 200);
+}
+
+TEST_F(ViewerServerTest, ARunThatIsNotInteractiveTakesNoHand) {
+  EXPECT_EQ(nlohmann::json::parse(client_->Get("/api/run")->body)["interactive"], false);
+  EXPECT_EQ(client_->Post("/api/release")->status, 405);
+}
+
+TEST_F(ViewerServerTest, WhatAPageAsksOfBodiesIsPassedOnIfItIsOneOfThree) {
+  std::vector<std::string> told;
+  std::atomic<bool> busy = false;
+  begin([&](const std::string& asked) {
+    if (!busy) told.push_back(asked);
+    return !busy;
+  });
+  const auto post = [&](const std::string& path, const httplib::Headers& headers = {}) {
+    const auto answer = client_->Post(path.c_str(), headers, "", "");
+    return answer ? answer->status : -1;
+  };
+  EXPECT_EQ(nlohmann::json::parse(client_->Get("/api/run")->body)["interactive"], true);
+  EXPECT_EQ(post("/api/grab?body=3&vertex=17&x=0.25&y=-1e-3&z=0"), 200);
+  EXPECT_EQ(post("/api/pull?x=1&y=2&z=3"), 200);
+  EXPECT_EQ(post("/api/release", {{"Origin", fmt::format("http://127.0.0.1:{}", port_)}}), 200);
+  ASSERT_EQ(told.size(), 3u);
+  EXPECT_EQ(nlohmann::json::parse(told[0]),
+            (nlohmann::json{{"grab", 3}, {"vertex", 17}, {"offset", {0.25, -1e-3, 0.0}}}));
+  EXPECT_EQ(nlohmann::json::parse(told[1]), (nlohmann::json{{"pull", {1.0, 2.0, 3.0}}}));
+  EXPECT_EQ(nlohmann::json::parse(told[2]), (nlohmann::json{{"release", true}}));
+
+  for (const char* bad : {"/api/grab", "/api/grab?body=3&vertex=17&x=0&y=0", "/api/grab?body=3.5&vertex=1&x=0&y=0&z=0",
+                          "/api/grab?body=99999999999&vertex=1&x=0&y=0&z=0", "/api/pull?x=inf&y=0&z=0",
+                          "/api/pull?x=nan&y=0&z=0", "/api/pull?x=1&y=2&z=", "/api/pull?x=1e999&y=2&z=3"})
+    EXPECT_EQ(post(bad), 400) << bad;
+  EXPECT_EQ(post("/api/frame/1"), 404);
+  EXPECT_EQ(post("/index.html"), 404);
+  // A page of another server on this machine, of another site, and one under another name.
+  EXPECT_EQ(post("/api/release", {{"Origin", "http://127.0.0.1:1"}}), 403);
+  EXPECT_EQ(post("/api/release", {{"Origin", "http://evil.example"}}), 403);
+  EXPECT_EQ(post("/api/release", {{"Origin", "null"}}), 403);
+  EXPECT_EQ(post("/api/release", {{"Host", "evil.example"}}), 403);
+  const auto sent = client_->Post("/api/release", std::string(1 << 20, 'x'), "text/plain");
+  EXPECT_TRUE(!sent || sent->status >= 400);
+  EXPECT_EQ(told.size(), 3u);
+  EXPECT_EQ(status("/api/release"), 404) << "a link or picture somewhere cannot act";
+  busy = true;
+  EXPECT_EQ(post("/api/release"), 503);
+  busy = false;
+  EXPECT_EQ(post("/api/release"), 200);
 }
 
 TEST_F(ViewerServerTest, NumbersBeyondAnIndexAreNotTakenForSmallOnes) {

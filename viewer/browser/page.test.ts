@@ -319,4 +319,55 @@ describe.skipIf(!chromiumPath)('the page', () => {
     expect(await o.page.evaluate(() => document.documentElement.scrollWidth)).toBeLessThanOrEqual(400);
     await close(o);
   });
+
+  test('pulls bodies of a run that is being made, and turns the view by all else', async () => {
+    const run = fakeRun(20, false);
+    run.interactive = true;
+    const o = await open(browser, run);
+    expect(await frameOf(o)).toBe(19);
+    await until(o, () => window.brim.app.picture.shown?.index === 19);
+    expect(await o.page.locator('.head').innerText()).toContain('drag a body to pull it');
+    const held = await o.page.evaluate(() => {
+      const { picture } = window.brim.app;
+      const canvas = document.querySelector('canvas.picture') as HTMLCanvasElement;
+      const box = canvas.getBoundingClientRect();
+      for (let y = -0.9; y < 0.9; y += 0.04)
+        for (let x = -0.9; x < 0.9; x += 0.04) {
+          const picked = picture.pick(x, y);
+          if (picked?.body && !picked.body.fixed && picked.body.name === 'crate')
+            return {
+              body: picked.body.index,
+              x: box.left + (0.5 + 0.5 * x) * box.width,
+              y: box.top + (0.5 - 0.5 * y) * box.height,
+            };
+        }
+      throw new Error('no crate in the picture');
+    });
+    const poseOf = () => o.page.evaluate(() => window.brim.app.picture.stage.camera.position.toArray());
+    const before = await poseOf();
+    const drag = async (from: { x: number; y: number }) => {
+      await o.page.mouse.move(from.x, from.y);
+      await o.page.mouse.down();
+      await o.page.mouse.move(from.x + 30, from.y - 20, { steps: 3 });
+      await o.page.mouse.up();
+    };
+    await drag(held);
+    await expect.poll(() => run.asked.at(-1)).toBe('release');
+    expect(run.asked[0]).toMatch(new RegExp(`^grab\\?body=${held.body}&vertex=\\d+&x=`));
+    expect(run.asked.some((wish) => wish.startsWith('pull?x='))).toBe(true);
+    expect(await poseOf()).toEqual(before);
+    // A click reads numbers as before, and takes hold of nothing.
+    const asked = run.asked.length;
+    await o.page.mouse.click(held.x, held.y);
+    await o.page.locator('.pick').waitFor();
+    expect(run.asked.length).toBe(asked);
+    // At a frame of the past the drag turns the view.
+    await o.page.keyboard.press('Home');
+    await drag(held);
+    await o.page.waitForTimeout(200);
+    expect(run.asked.length).toBe(asked);
+    expect(await poseOf()).not.toEqual(before);
+    expect(o.problems).toEqual([]);
+    await close(o);
+  });
 });

@@ -26,6 +26,8 @@ export interface FakeRun {
   complete: boolean;
   stopped: boolean;
   broken: Set<number>; // frames that the server fails to read, like those of a damaged file
+  interactive: boolean; // its bodies can be pulled
+  asked: string[]; // what was asked of them
   info(): RunInfo;
   topology(body: number): ArrayBuffer | undefined;
   frame(f: number): ArrayBuffer | undefined;
@@ -330,6 +332,8 @@ export function fakeRun(frames = 180, complete = true): FakeRun {
     complete,
     stopped: false,
     broken: new Set(),
+    interactive: false,
+    asked: [],
     info: () => ({
       name: 'made-up run',
       scene: 'made-up',
@@ -337,6 +341,7 @@ export function fakeRun(frames = 180, complete = true): FakeRun {
       frames: run.frames,
       complete: run.complete,
       stopped: run.stopped,
+      interactive: run.interactive,
       slices: true,
       bodies: bodies.map((b, index) => ({
         index,

@@ -44,7 +44,10 @@ export function handleApi(run: FakeRun, request: IncomingMessage, response: Serv
   const url = new URL(request.url ?? '/', 'http://localhost');
   const [api, what, which] = url.pathname.split('/').slice(1);
   if (api !== 'api') return false;
-  if (what === 'run') json(response, 200, run.info());
+  if (request.method === 'POST' && run.interactive) {
+    run.asked.push(`${what}${url.search}`);
+    json(response, 200, {});
+  } else if (what === 'run') json(response, 200, run.info());
   else if (what === 'topology') binary(response, run.topology(Number(which)), `body ${which}`);
   else if (what === 'frame') {
     if (run.broken.has(Number(which)))

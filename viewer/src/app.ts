@@ -16,6 +16,7 @@ import { helpDialog, Panel } from './ui/panel';
 import { Picking } from './ui/picking';
 import { appendSeries } from './ui/plot_data';
 import { Plots } from './ui/plots';
+import { Pulling } from './ui/pulling';
 import { Timeline } from './ui/timeline';
 
 const kCompact = 900; // [CSS pixels] below which the side panels cover the picture, one at a time
@@ -34,6 +35,7 @@ export class App {
   private readonly timeline: Timeline;
   readonly captures: Captures;
   private readonly picking: Picking;
+  private readonly pulling: Pulling;
   private readonly slicing: Slicing;
   private readonly notices = new Notices();
   private readonly help = helpDialog();
@@ -68,6 +70,9 @@ export class App {
     });
     this.slicing = new Slicing(this.picture, this.panel);
     this.picking = new Picking(this.canvas, this.picture, () => this.run);
+    this.pulling = new Pulling(this.canvas, this.picture, this.notices, () =>
+      this.acting && this.player.frame === this.player.frames - 1 ? this.run : undefined,
+    );
     this.captures = new Captures(this.canvas, this.player, this.notices, {
       name: () => this.run?.name,
       redraw: () => this.picture.stage.draw(true),
@@ -122,6 +127,11 @@ export class App {
     if (!this.bare) requestAnimationFrame(this.tick);
   }
 
+  /** The run is made now, and its bodies can be pulled. */
+  private get acting(): boolean {
+    return this.run?.interactive === true && !this.run.complete;
+  }
+
   private async load(): Promise<void> {
     const run = await fetchRun();
     const [topologies, series] = await Promise.all([
@@ -137,6 +147,7 @@ export class App {
     this.panel.slice.setRun(run.bodies, run.slices === true, this.picture.stage.center.toArray());
     this.describe();
     if (samples[0]) this.display(samples[0]);
+    if (this.acting) this.player.seek(this.player.frames - 1);
   }
 
   /** First, middle and last frame, as far as they can be read. */
@@ -173,7 +184,7 @@ export class App {
     this.run = run;
     this.follower.tryAgain(); // what could not be read while it was written may be whole now
     if (run.frames > known) {
-      const following = known > 1 && this.player.frame === known - 1 && !this.player.playing;
+      const following = (known > 1 || this.acting) && this.player.frame === known - 1 && !this.player.playing;
       this.setSeries(appendSeries(this.series, await fetchSeries(known)));
       if (known === 0) {
         this.picture.frameScene(await this.samples());
@@ -224,6 +235,7 @@ export class App {
     if (this.notices.has('frame') && frame.index === this.player.frame) this.notices.set('frame');
     if (!this.bare) this.panel.showFrame(frame);
     if (this.panel.slice.on) void this.slicing.refresh();
+    this.pulling.refresh();
   }
 
   /** Shows the densities on a plane; a body is given by name. For pictures. */

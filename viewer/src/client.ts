@@ -27,8 +27,8 @@ export class ServerError extends Error {
   }
 }
 
-async function request(path: string): Promise<Response> {
-  const response = await fetch(path);
+async function request(path: string, method: 'GET' | 'POST' = 'GET'): Promise<Response> {
+  const response = await fetch(path, { method });
   if (response.ok) return response;
   let message = `${response.status} ${response.statusText}`;
   try {
@@ -57,6 +57,18 @@ export const fetchSeries = async (from: number): Promise<Series> =>
 
 export const fetchSlice = async (frame: number, wish: SliceWish): Promise<Slice> =>
   sliceFromArrays(await arrays(`api/slice/${frame}?axis=${wish.axis}&at=${wish.at}&body=${wish.body}`));
+
+/** What a person does to the bodies of a run that is being made; places in metres. */
+export type HandWish =
+  | { what: 'grab'; body: number; vertex: number; x: number; y: number; z: number } // x, y, z from the vertex
+  | { what: 'pull'; x: number; y: number; z: number }
+  | { what: 'release' };
+
+/** Comes true once the run has been told; it acts before its next step. */
+export async function askHand({ what, ...numbers }: HandWish): Promise<void> {
+  const query = Object.entries(numbers).map(([key, value]) => `${key}=${value}`);
+  await request(`api/${what}${query.length ? `?${query.join('&')}` : ''}`, 'POST');
+}
 
 /**
  * Listens to the run's progress. A lost server is reported once and asked for again until it answers; the browser's

@@ -52,6 +52,7 @@ export interface RunInfo {
   frames: number;
   complete: boolean; // no more frames are to be expected
   stopped?: boolean; // because the writer is gone without having ended the run
+  interactive?: boolean; // its bodies can be pulled while it is made
   slices?: boolean; // densities can be asked for
   bodies: BodyInfo[];
   parts: { name: string; body: number; voxelSize?: number }[];

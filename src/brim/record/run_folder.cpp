@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kFiles[] = {"run.h5.journal", "run.h5", "run.xdmf", "scene.json", "summary.json"};
+constexpr const char* kFiles[] = {"run.h5.journal", "run.h5", "run.xdmf", "scene.json", "summary.json", "pulls.json"};
 
 }  // namespace
 

@@ -115,13 +115,16 @@ class RecordedReadings {
 };
 
 /// The steps of one frame, joined.
-StepReport step_frame(World& world, int steps, int& taken) {
+StepReport step_frame(World& world, int steps, int& taken, const std::function<void(World&)>& before_step) {
   if (Sensors* sensors = find_sensors(world)) sensors->begin_frame();
-  StepReport frame = world.step();
-  taken = 1;
-  while (taken < steps && frame.ok) {
-    join(frame, world.step());
-    ++taken;
+  StepReport frame;
+  for (taken = 0; taken < steps && frame.ok; ++taken) {
+    if (before_step) before_step(world);
+    StepReport step = world.step();
+    if (taken == 0)
+      frame = std::move(step);
+    else
+      join(frame, std::move(step));
   }
   return frame;
 }
@@ -207,7 +210,7 @@ RunResult record_run(World& world, const RunPlan& plan, const std::function<bool
     if (leader) take_levels(*leader, frame + 1, world);
     StepReport report;
     try {
-      report = step_frame(world, plan.info.steps_per_frame, taken);
+      report = step_frame(world, plan.info.steps_per_frame, taken, plan.before_step);
     } catch (const InputError& e) {
       if (frame == first_frame) throw;
       result.end = RunEnd::Failed;

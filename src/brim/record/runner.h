@@ -24,6 +24,8 @@ struct RunPlan {
   bool edit = false;                ///< where its scene was another one (same_scene): go on with the one given
   std::string levels{};             ///< a run whose levels of detail are taken, frame by frame; empty: they are chosen
   std::function<void()> started{};  ///< called once a first frame is on disk
+  /// Called before each step, and may edit the world (docs/editing.md).
+  std::function<void(World&)> before_step{};
 };
 
 /// Where a run stands, after each frame.

@@ -169,6 +169,7 @@ export class Panel {
         },
         run.stopped ? 'cut short' : run.complete ? 'complete' : 'growing',
       ),
+      ...(run.interactive && !run.complete ? [h('span', { class: 'hint' }, 'drag a body to pull it')] : []),
     );
     this.links.hidden = !run.links?.length;
     this.warnings.hidden = run.warnings.length === 0;
@@ -433,7 +434,7 @@ export function helpDialog(): HTMLDialogElement {
     h(
       'p',
       {},
-      'Drag to turn, drag with the right button to move, scroll to come closer. Click a body or a contact to read its numbers.',
+      'Drag to turn, drag with the right button to move, scroll to come closer. Click a body or a contact to read its numbers. In a run that is made with --interactive, drag a body to pull it; with shift the drag turns the view.',
     ),
     h('button', { type: 'button', class: 'wide', onclick: () => dialog.close() }, 'Close'),
   );
