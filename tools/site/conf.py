@@ -1,5 +1,6 @@
 """Sphinx: the documentation as a site (tools/site/build.py stages the pages beside this file)."""
 import os
+import pathlib
 
 project = "brim"
 author = "the brim authors"
@@ -41,5 +42,16 @@ def field_of_raises(app, what, name, obj, options, lines):
     lines[:] = out
 
 
+def join_scripts(app, error):
+    """Debian's furo loads a script that imports another one as if it were none of a module, which no browser runs: the two
+    become one file, and the table of contents follows the page again."""
+    scripts = pathlib.Path(app.outdir) / "_static" / "scripts"
+    furo, spy = scripts / "furo.js", scripts / "gumshoe-patched.js"
+    line = 'import Gumshoe from "./gumshoe-patched.js";'
+    if error is None and furo.exists() and line in (text := furo.read_text()):
+        furo.write_text(text.replace(line, spy.read_text()))
+
+
 def setup(app):
     app.connect("autodoc-process-docstring", field_of_raises)
+    app.connect("build-finished", join_scripts)
