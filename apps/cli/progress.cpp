@@ -81,6 +81,11 @@ void Progress::frame(const RunProgress& p) {
   }
   if (now() - last_shown_ < 0.1 && p.frame != p.frames) return;
   last_shown_ = now();
+  if (endless_) {
+    fmt::print(stderr, "\r\033[Kframe {}  {:.2f} s  {:.1f} steps/s  Ctrl-C ends", p.frame, p.time, p.steps_per_second);
+    std::fflush(stderr);
+    return;
+  }
   constexpr int kWidth = 28;
   const int full = static_cast<int>(kWidth * p.frame / std::max<std::int64_t>(p.frames, 1));
   fmt::print(stderr, "\r\033[K[{}{}] frame {}/{}  {:.2f} s  {:.1f} steps/s  {} left", std::string(full, '#'),

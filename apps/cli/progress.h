@@ -10,13 +10,15 @@ namespace brim::cli {
 class Progress {
  public:
   enum class Style { Bar, Json, Quiet };
-  explicit Progress(Style style) : style_(style) {}
+  /// @param endless  the run goes on until it is ended: no share of it is done
+  explicit Progress(Style style, bool endless = false) : style_(style), endless_(endless) {}
   void start(const std::string& scene, const std::string& folder, const RunPlan& plan, const World& world);
   void frame(const RunProgress& progress);
   void end(const RunResult& result, const std::string& folder);
 
  private:
   Style style_;
+  bool endless_;
   double last_shown_ = -1.0;
 };
 

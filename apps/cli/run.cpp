@@ -68,7 +68,7 @@ int run(const Options& o) {
   plan.scene_file = scene.file;
   plan.scene_frames = scene.frames;
   plan.frames = o.frames > 0 ? o.frames : o.interactive ? kEndless : scene.frames;
-  plan.expect = scene.expect;
+  if (!o.interactive) plan.expect = scene.expect;  // what a person does is not what the scene expects
   plan.force = o.force;
   plan.edit = o.edit;
   plan.levels = o.levels;
@@ -81,7 +81,8 @@ int run(const Options& o) {
 
   Progress progress(o.json                      ? Progress::Style::Json
                     : on_terminal() && !o.quiet ? Progress::Style::Bar
-                                                : Progress::Style::Quiet);
+                                                : Progress::Style::Quiet,
+                    plan.frames == kEndless);
   watch_interrupts();
   std::optional<LiveView> live;
   std::optional<Hand> hand;
