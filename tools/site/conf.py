@@ -42,16 +42,18 @@ def field_of_raises(app, what, name, obj, options, lines):
     lines[:] = out
 
 
-def join_scripts(app, error):
-    """Debian's furo loads a script that imports another one as if it were none of a module, which no browser runs: the two
-    become one file, and the table of contents follows the page again."""
-    scripts = pathlib.Path(app.outdir) / "_static" / "scripts"
-    furo, spy = scripts / "furo.js", scripts / "gumshoe-patched.js"
-    line = 'import Gumshoe from "./gumshoe-patched.js";'
-    if error is None and furo.exists() and line in (text := furo.read_text()):
-        furo.write_text(text.replace(line, spy.read_text()))
+def join_parts_of_theme(app, error):
+    """Debian's furo imports a script as if it were none of a module, which no browser runs, and a style sheet from the root of a
+    server that has Debian's: each is put in its place, so that the table of contents follows the page and nothing is missing."""
+    static = pathlib.Path(app.outdir) / "_static"
+    for file, line, part in (
+            ("scripts/furo.js", 'import Gumshoe from "./gumshoe-patched.js";', static / "scripts/gumshoe-patched.js"),
+            ("styles/furo.css", "@import url(/javascript/normalize.css/normalize.css);", pathlib.Path("/usr/share/javascript/normalize.css/normalize.css"))):
+        into = static / file
+        if error is None and into.exists() and part.exists() and line in (text := into.read_text()):
+            into.write_text(text.replace(line, part.read_text()))
 
 
 def setup(app):
     app.connect("autodoc-process-docstring", field_of_raises)
-    app.connect("build-finished", join_scripts)
+    app.connect("build-finished", join_parts_of_theme)
