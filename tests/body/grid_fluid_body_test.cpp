@@ -62,6 +62,36 @@ TEST(GridFluidBody, StillPoolStaysStillAndItsPressureGrowsWithDepth) {
   EXPECT_NEAR(f.volume(), 0.6 * 0.5 * level, 1e-9);
 }
 
+TEST(GridFluidBody, ItsFacesWeighWhatItsVolumeDoes) {
+  // A ball of water, four cells to its radius, falls on a plane and spreads in a layer of a few cells: all of its
+  // momentum comes from contact, the walls, two of which it reaches first, and the weight of its volume.
+  GridFluidModel m = pool({16, 16, 12}, 0.025, 0.0, Vec3(-0.2, -0.2, -0.05));
+  m.distance = [](const Vec3& x) { return (x - Vec3(0.06, -0.03, 0.12)).norm() - 0.1; };
+  m.material.friction = 0.1;
+  WorldOptions o = options(0.02, 0.005);
+  o.max_substeps = 1;  // the walls' impulse is that of the last
+  World w(o);
+  w.add(fluid(std::move(m)));
+  w.add(testing::ground(0.1));
+  const GridFluidBody& f = fluid_of(w);
+  const Vec3 weight = f.mass() * w.options().environment.gravity;
+  const Vec3 u(0.3, -0.2, 0.1);
+  std::vector<double> uniform(f.v_size());
+  Vec3 before = f.linear_momentum(w.v(0)), amiss = Vec3::Zero();
+  for (int s = 0; s < 100; ++s) {
+    const StepReport r = w.step();
+    Vec3 force = Vec3::Zero();
+    for (const PairReport& pair : r.pairs) force += w.part(pair.part_a).body == 0 ? pair.force_on_a : -pair.force_on_a;
+    const Vec3 after = f.linear_momentum(w.v(0));
+    amiss += after - before - f.wall_impulse() - r.dt * (force + weight);
+    before = after;
+    f.rigid_motion(u, Vec3::Zero(), uniform);
+    EXPECT_LT((f.linear_momentum(uniform) - f.mass() * u).norm(), 1e-9 * f.mass() * u.norm());
+  }
+  RecordProperty("amiss", std::to_string(amiss.norm() / (w.state().time * weight.norm())));
+  EXPECT_LT(amiss.norm(), 1e-5 * w.state().time * weight.norm());
+}
+
 /// Largest error of a decaying row of vortices after a second, over their speed at the start.
 double vortex_error(int n, double dt) {
   GridFluidModel m = pool({n, n, 1}, std::numbers::pi / n, 100.0);

@@ -62,6 +62,8 @@ class ImplicitStep {
 
   /// Relative velocity changes at the contacts, of the last solve.
   std::span<const Vec3> contact_delta() const { return contact_delta_; }
+  /// What all forces but those of contact gave in the last solve, as of its start, [N s] (n_v).
+  std::span<const double> inner_impulse() const { return internal_; }
 
  private:
   /// Bodies that contacts and links couple are solved together, others apart.

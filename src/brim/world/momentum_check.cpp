@@ -18,15 +18,6 @@ struct Resultant {
 }  // namespace
 
 void check_momentum(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
-                    std::span<const WorldPart> parts, const ContactSet& contacts, const ContactMaps& maps,
-                    std::span<const Vec3> force_on_a, StepReport& report) {
-  if (contacts.size() == 0) return;
-  std::vector<double> mapped(first_v.back(), 0.0);
-  maps.add_forces(force_on_a, mapped);
-  check_momentum(bodies, first_v, parts, contacts, mapped, force_on_a, report);
-}
-
-void check_momentum(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
                     std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const double> mapped,
                     std::span<const Vec3> force_on_a, StepReport& report) {
   std::vector<Resultant> sum(bodies.size());

@@ -13,10 +13,7 @@ namespace brim {
 /// all rigid motions of the body. The nodal forces of a pair are equal and opposite at the same points, so what is
 /// exact here is exact for the momentum of every pair. Errors are relative to the sum of |f| (times the extent of the
 /// contacts for the torque); the worst body goes to the report.
-void check_momentum(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
-                    std::span<const WorldPart> parts, const ContactSet& contacts, const ContactMaps& maps,
-                    std::span<const Vec3> force_on_a, StepReport& report);
-/// The same for forces that are mapped already. @param mapped  Jᵀ f of all contacts, shape (nv)
+/// @param mapped  Jᵀ f of all contacts, shape (nv)
 void check_momentum(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
                     std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const double> mapped,
                     std::span<const Vec3> force_on_a, StepReport& report);

@@ -128,6 +128,9 @@ struct World::Impl {
   void find_contacts(double dt, StepReport& report);
   /// Wakes what something awake has contacts with. @return true where there was something
   bool wake_touched();
+  /// Tells bodies with walls of their own what acted on them in a sub-step. @param mapped  [N] (n_v) contact forces on
+  /// the coordinates of all bodies; empty: found here, where somebody asks
+  void tell_walled(double dt, std::span<const double> mapped);
   double substep(double left, StepReport& report);
   bool solve_substep(double dt, StepReport& report);
   void measure(StepReport& report);

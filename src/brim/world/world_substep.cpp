@@ -2,6 +2,7 @@
 #include <cmath>
 #include <optional>
 
+#include "brim/body/walled.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/core/stopwatch.h"
@@ -121,6 +122,23 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
                         report, fill, impulse, rows);
 }
 
+void World::Impl::tell_walled(double dt, std::span<const double> mapped) {
+  std::vector<double> found;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    auto* walled = dynamic_cast<Walled*>(bodies[b].get());
+    if (walled == nullptr || !walled->confined()) continue;
+    if (mapped.empty()) {
+      found.assign(state.v.size(), 0.0);
+      if (!normal_force.empty()) maps.add_forces(normal_force, found);
+      mapped = found;
+    }
+    std::vector<double> impulse(first_v[b + 1] - first_v[b]);
+    for (std::size_t i = 0; i < impulse.size(); ++i)
+      impulse[i] = implicit.inner_impulse()[first_v[b] + i] + dt * mapped[first_v[b] + i];
+    walled->note_impulse(impulse);
+  }
+}
+
 double World::Impl::substep(double left, StepReport& report) {
   const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
   auto presence = std::make_optional<ScopedSeconds>(seconds(Phase::Presence));
@@ -169,10 +187,13 @@ double World::Impl::substep(double left, StepReport& report) {
     stage.rigid().report(parts, state.time, report);
     // Before stiff contact has pushed apart what lies within each other.
     if (state.step == 0 && report.substeps == 1) warn_of_start(parts, state.time, report);
-    if (last) {
-      for (std::size_t c = 0; c < contacts.size(); ++c) normal_force[c] += friction_force[c];
-      check_momentum(bodies, first_v, parts, contacts, maps, normal_force, report);
+    for (std::size_t c = 0; c < contacts.size(); ++c) normal_force[c] += friction_force[c];
+    std::vector<double> mapped(last && contacts.size() > 0 ? state.v.size() : 0, 0.0);
+    if (last && contacts.size() > 0) {
+      maps.add_forces(normal_force, mapped);
+      check_momentum(bodies, first_v, parts, contacts, mapped, normal_force, report);
     }
+    tell_walled(dt, mapped);
     if (!links.empty()) {
       links.finish(contacts, normal_force, state.time, report);
       keep_apart();

@@ -1,6 +1,7 @@
 #include "brim/body/grid_fluid/grid_fluid_body.h"
 
 #include <cmath>
+#include <utility>
 
 #include "brim/body/grid_fluid/face_map.h"
 #include "brim/core/error.h"
@@ -77,13 +78,14 @@ void GridFluidBody::set_base(const Pose& from_start) {
   phi_.clear();  // what was found for the last place is found again
 }
 
-void GridFluidBody::take_level_set(std::span<const double> phi) {
-  if (phi_.size() == phi.size() && std::equal(phi.begin(), phi.end(), phi_.begin())) return;
+void GridFluidBody::take_level_set(std::span<const double> q) {
   const MacGrid& g = model_.grid;
+  const auto phi = q.first(g.cells());
+  if (phi_.size() == phi.size() && volume_ == q.back() && std::equal(phi.begin(), phi.end(), phi_.begin())) return;
   phi_.assign(phi.begin(), phi.end());
+  volume_ = q.back();
   wet_.find(g, phi_, model_.open);
-  mass_.resize(g.faces());
-  for (std::size_t f = 0; f < mass_.size(); ++f) mass_[f] = face_mass(static_cast<int>(f));
+  weigh_faces();
   projection_.prepare(g, wet_, mass_);
   bounds_ = Aabb();
   for (int k = 0; k < g.n.z(); ++k)
@@ -94,8 +96,18 @@ void GridFluidBody::take_level_set(std::span<const double> phi) {
   if (!bounds_.empty()) bounds_ = bounds_.inflated(g.dx).intersection(g.box());
 }
 
+void GridFluidBody::weigh_faces() {
+  Vec3 shares = Vec3::Zero();
+  for (std::size_t f = 0; f < wet_.share.size(); ++f) shares[static_cast<int>(f % 3)] += wet_.share[f];
+  const double cells = volume_ * model_.density / cell_mass_;
+  Vec3 mass;
+  for (int a = 0; a < 3; ++a) mass[a] = shares[a] > 0.0 ? cell_mass_ * cells / shares[a] : 0.0;
+  mass_.resize(wet_.share.size());
+  for (std::size_t f = 0; f < mass_.size(); ++f) mass_[f] = mass[static_cast<int>(f % 3)] * wet_.share[f];
+}
+
 void GridFluidBody::update(double, std::span<const double> q, std::span<const double> v) {
-  take_level_set(q.first(model_.grid.cells()));
+  take_level_set(q);
   v_.assign(v.begin(), v.end());
 }
 
@@ -137,8 +149,8 @@ void GridFluidBody::advance(double dt, std::span<double> q, std::span<const doub
 void GridFluidBody::finish_step(double, double dt, std::span<double> q, std::span<double> v) {
   const MacGrid& g = model_.grid;
   keeper_.note(wet_, mass_, v);
-  wall_impulse_ = solver_.wall_impulse(impulse_);
-  take_level_set(q.first(g.cells()));
+  wall_impulse_ = solver_.wall_impulse(impulse_) - std::exchange(held_, Vec3::Zero());
+  take_level_set(q);
   std::vector<double>& moved = scratch_;
   moved.resize(g.faces());
   advect_velocity(g, extended_, mass_, dt, moved);
@@ -151,8 +163,7 @@ void GridFluidBody::finish_step(double, double dt, std::span<double> q, std::spa
 }
 
 void GridFluidBody::add_forces(const Environment& env, std::span<double> Q) const {
-  for (std::size_t f = 0; f < Q.size(); ++f)
-    if (wet_.kind[f] == Kind::Free) Q[f] += mass_[f] * env.gravity[static_cast<int>(f % 3)];
+  for (std::size_t f = 0; f < Q.size(); ++f) Q[f] += mass_[f] * env.gravity[static_cast<int>(f % 3)];
   apply_damping(v_, Q);
 }
 
@@ -212,6 +223,12 @@ void GridFluidBody::precondition(std::size_t, const BlockDiagonal&, std::span<co
                                  std::span<double> z) const {
   // Starting from the last pressure, which hardly changes within a solve, only the correction is computed.
   pressure_iterations_ += solver_.project(r, kPressureTolerance, z, impulse_);
+}
+
+void GridFluidBody::note_impulse(std::span<const double> impulse) {
+  held_.setZero();
+  for (std::size_t f = 0; f < impulse.size(); ++f)
+    if (wet_.kind[f] == Kind::Wall) held_[static_cast<int>(f % 3)] += impulse[f];
 }
 
 void GridFluidBody::filter(std::span<double> x) const {

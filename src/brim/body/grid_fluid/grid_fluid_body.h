@@ -77,6 +77,7 @@ class GridFluidBody final : public Body, public Walled, public ChangingSurface, 
   Vec3 linear_momentum(std::span<const double> v) const override;
   Vec3 angular_momentum(std::span<const double> v) const override;
   bool confined() const override { return wet_.touches_walls; }
+  void note_impulse(std::span<const double> impulse) override;
   Vec3 wall_impulse() const override { return wall_impulse_; }
   bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
 
@@ -100,8 +101,10 @@ class GridFluidBody final : public Body, public Walled, public ChangingSurface, 
   int pressure_iterations() const { return pressure_iterations_; }
 
  private:
-  void take_level_set(std::span<const double> phi);
-  double face_mass(int f) const { return cell_mass_ * wet_.share[f]; }
+  void take_level_set(std::span<const double> q);
+  /// A face weighs as much of its share θ as makes all faces across an axis weigh what the volume does. What θ alone
+  /// leaves out is cells cut by the surface whose centres are dry.
+  void weigh_faces();
   bool slips() const { return model_.material.friction == 0.0; }
 
   GridFluidModel model_;
@@ -113,6 +116,7 @@ class GridFluidBody final : public Body, public Walled, public ChangingSurface, 
 
   // Of the last update:
   std::vector<double> phi_;
+  double volume_ = 0.0;  ///< [m³] to be kept
   WetFaces wet_;
   Aabb bounds_;
   std::vector<double> v_;
@@ -123,7 +127,8 @@ class GridFluidBody final : public Body, public Walled, public ChangingSurface, 
   mutable std::vector<double> impulse_;  ///< [Pa s] pressure, the first guess of the next
   mutable int pressure_iterations_ = 0;
   std::vector<double> mass_;
-  Vec3 wall_impulse_ = Vec3::Zero();  ///< [N s] by the walls, in the last step
+  Vec3 wall_impulse_ = Vec3::Zero();  ///< [N s] by the walls, in the last sub-step
+  Vec3 held_ = Vec3::Zero();          ///< [N s] what acted on faces that walls hold, in this one
 
   // Workspace:
   mutable LevelSet level_;

@@ -14,7 +14,7 @@ namespace brim {
 ///   share θ    of the distance between two centres that is fluid: 1 between two wet cells, φ_in/(φ_in − φ_out) at the
 ///              surface, so that the pressure is zero at the surface and not at a centre (Gibou et al. 2002); 1/2 at
 ///              sides
-/// The mass of a face is ρ dx³ θ.
+/// The mass of a face is in proportion to θ.
 struct WetFaces {
   enum class Kind : unsigned char { Dry, Free, Wall };
   std::vector<unsigned char> cell;  ///< 1 where wet, shape (cells)
