@@ -82,8 +82,8 @@ void map_of_the_last_link(benchmark::State& state) {
   std::unique_ptr<Map> map;
   c.body->make_map(c.body->part_count() - 1, points, sources, map);
   for (auto _ : state) {
-    map->velocity(c.x, u);
-    map->add_force(u, c.y);
+    map->apply(c.x, u);
+    map->apply_transpose(u, c.y);
   }
   per_link(state);
 }

@@ -37,9 +37,9 @@ std::string bounds_text(const Expectation& e) {
 
 }  // namespace
 
-std::string findings_table(const std::vector<Finding>& findings) {
+std::string findings_table(const std::vector<ExpectationResult>& findings) {
   std::string out;
-  for (const Finding& f : findings) {
+  for (const ExpectationResult& f : findings) {
     const Expectation& e = f.expectation;
     std::string what = e.metric + (f.body.empty() ? "" : " of " + f.body);
     if (e.from > 0.0 || std::isfinite(e.to))
@@ -98,7 +98,7 @@ void Progress::end(const RunResult& result, const std::string& folder) {
   const RunTotals& t = result.totals;
   if (style_ == Style::Json) {
     Json expect = Json::array();
-    for (const Finding& f : result.findings)
+    for (const ExpectationResult& f : result.findings)
       expect.push_back({{"metric", f.expectation.metric},
                         {"body", f.body},
                         {"value", f.value},

@@ -23,6 +23,6 @@ class Progress {
 };
 
 /// Each expectation, its value and its bounds, one a line.
-std::string findings_table(const std::vector<Finding>& findings);
+std::string findings_table(const std::vector<ExpectationResult>& findings);
 
 }  // namespace brim::cli

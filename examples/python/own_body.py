@@ -28,14 +28,14 @@ class Balloon(brim.OwnBody):
     q0 = np.r_[0, 0, 0.8, 1, 1, 1]
     k, K = 40.0, 2000.0
 
-    def place(self, q, X):
+    def deform(self, q, X):
         return q[:3] + q[3:] * X
 
-    def rest(self, q, x):
+    def inverse_deform(self, q, x):
         return (x - q[:3]) / q[3:]
 
     def distance(self, q, x):
-        return (np.linalg.norm(self.rest(q, x), axis=1) - R) * q[3:].min()
+        return (np.linalg.norm(self.inverse_deform(q, x), axis=1) - R) * q[3:].min()
 
     def energy(self, q):
         s = q[3:]

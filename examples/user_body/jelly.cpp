@@ -13,8 +13,8 @@ class Jelly final : public brim::OwnBody {
   Jelly(brim::OwnModel model, double radius, double k) : OwnBody(std::move(model)), radius_(radius), k_(k) {}
   std::string_view kind() const override { return "jelly"; }
 
-  Vec3 place(Coordinates q, const Vec3& X) const override { return c(q) + A(q) * X; }
-  Vec3 rest(Coordinates q, const Vec3& x) const override { return A(q).inverse() * (x - c(q)); }
+  Vec3 deform(Coordinates q, const Vec3& X) const override { return c(q) + A(q) * X; }
+  Vec3 inverse_deform(Coordinates q, const Vec3& x) const override { return A(q).inverse() * (x - c(q)); }
   double distance(Coordinates q, const Vec3& x) const override {
     const Mat3 back = A(q).inverse();
     const Vec3 X = back * (x - c(q));

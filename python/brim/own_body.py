@@ -15,15 +15,17 @@ class OwnBody:
 
     Derive from it, set ``q0``, and give four methods (docs/bodies/your_own.md says what follows from them)::
 
-        place(q, X)     where the matter is that is at X at rest      (n,), (m, 3) -> (m, 3)  [m]
-        rest(q, x)      the inverse                                    (n,), (m, 3) -> (m, 3)  [m]
-        distance(q, x)  signed, to the surface, negative inside        (n,), (m, 3) -> (m,)    [m]
-        energy(q)       of the body's own forces                       (n,) -> number          [J]
+        deform(q, X)          where the matter is that is at X at rest  (n,), (m, 3) -> (m, 3)  [m]
+        inverse_deform(q, x)  the inverse                               (n,), (m, 3) -> (m, 3)  [m]
+        distance(q, x)        signed, to the surface, negative inside   (n,), (m, 3) -> (m,)    [m]
+        energy(q)             of the body's own forces                  (n,) -> number          [J]
 
     and, where there is a formula, in place of differences::
 
-        jacobian(q, X)  derivative of place by q                       (n,), (m, 3) -> (m, 3, n)
-        force(q)        minus the derivative of energy by q            (n,) -> (n,)
+        jacobian(q, X)        derivative of deform by q                 (n,), (m, 3) -> (m, 3, n)
+        force(q)              minus the derivative of energy by q       (n,) -> (n,)
+
+    ``place`` and ``rest`` are the former names of ``deform`` and ``inverse_deform``, and go on working.
 
     Each is called on the thread that steps the world, once for all points of a part, and must change nothing. What they
     raise ends the step, whose world then is as it was before, and reaches the caller of step.
@@ -57,11 +59,17 @@ class OwnBody:
         if v0 is not None:
             self.v0 = v0
 
+    def deform(self, q: Array, X: Array) -> Any:
+        return self.place(q, X)
+
+    def inverse_deform(self, q: Array, x: Array) -> Any:
+        return self.rest(q, x)
+
     def place(self, q: Array, X: Array) -> Any:
-        raise NotImplementedError(f"{type(self).__name__} must say where its matter is: place(q, X)")
+        raise NotImplementedError(f"{type(self).__name__} must say where its matter is: deform(q, X)")
 
     def rest(self, q: Array, x: Array) -> Any:
-        raise NotImplementedError(f"{type(self).__name__} must say which matter is at x: rest(q, x)")
+        raise NotImplementedError(f"{type(self).__name__} must say which matter is at x: inverse_deform(q, x)")
 
     def distance(self, q: Array, x: Array) -> Any:
         raise NotImplementedError(f"{type(self).__name__} must say how far its surface is: distance(q, x)")

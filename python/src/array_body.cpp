@@ -9,8 +9,8 @@ namespace brim::python {
 
 namespace {
 
-/// The same step as OwnBody's own differences of place.
-double place_step(double q) { return 1e-5 * std::max(1.0, std::abs(q)); }
+/// The same step as OwnBody's own differences of deform.
+double deform_step(double q) { return 1e-5 * std::max(1.0, std::abs(q)); }
 
 py::array_t<double> coordinates_of(OwnBody::Coordinates q) { return array_of(q); }
 
@@ -36,7 +36,7 @@ DoubleArray answer(const py::object& author, const char* method, const py::objec
   return a;
 }
 
-/// Rows of vectors from an answer of place.
+/// Rows of vectors from an answer of deform.
 void take_rows(const DoubleArray& a, std::span<Vec3> x) { std::copy_n(a.data(), 3 * x.size(), x.front().data()); }
 
 }  // namespace
@@ -47,6 +47,11 @@ ArrayBody::ArrayBody(OwnModel model, py::object author, std::shared_ptr<CallerTh
       author_(std::move(author)),
       caller_(std::move(caller)) {
   const auto has = [&](const char* name) { return py::hasattr(author_, name) && !author_.attr(name).is_none(); };
+  // The author's own of the two names, so that errors name what was written.
+  const py::object base = py::module_::import("brim").attr("OwnBody"), type = py::type::of(author_);
+  const auto own = [&](const char* name) { return py::hasattr(type, name) && !type.attr(name).is(base.attr(name)); };
+  deform_ = own("place") && !own("deform") ? "place" : "deform";
+  inverse_ = own("rest") && !own("inverse_deform") ? "rest" : "inverse_deform";
   has_jacobian_ = has("jacobian");
   has_force_ = has("force");
 }
@@ -56,15 +61,15 @@ ArrayBody::~ArrayBody() {
   author_ = py::object();
 }
 
-Vec3 ArrayBody::place(Coordinates q, const Vec3& X) const {
+Vec3 ArrayBody::deform(Coordinates q, const Vec3& X) const {
   Vec3 x;
-  place_all(q, std::span(&X, 1), std::span(&x, 1));
+  deform_all(q, std::span(&X, 1), std::span(&x, 1));
   return x;
 }
 
-Vec3 ArrayBody::rest(Coordinates q, const Vec3& x) const {
+Vec3 ArrayBody::inverse_deform(Coordinates q, const Vec3& x) const {
   Vec3 X;
-  rest_all(q, std::span(&x, 1), std::span(&X, 1));
+  inverse_deform_all(q, std::span(&x, 1), std::span(&X, 1));
   return X;
 }
 
@@ -94,20 +99,22 @@ Eigen::VectorXd ArrayBody::energy_force(Coordinates q) const {
   return f;
 }
 
-void ArrayBody::place_all(Coordinates q, std::span<const Vec3> X, std::span<Vec3> x) const {
+void ArrayBody::deform_all(Coordinates q, std::span<const Vec3> X, std::span<Vec3> x) const {
   if (X.empty()) return;
   caller_->call([&] {
-    const DoubleArray a = answer(author_, "place", author_.attr("place")(coordinates_of(q), array_of(X)),
-                                 {static_cast<py::ssize_t>(X.size()), 3});
+    const DoubleArray a =
+        answer(author_, deform_.c_str(), author_.attr(deform_.c_str())(coordinates_of(q), array_of(X)),
+               {static_cast<py::ssize_t>(X.size()), 3});
     take_rows(a, x);
   });
 }
 
-void ArrayBody::rest_all(Coordinates q, std::span<const Vec3> x, std::span<Vec3> X) const {
+void ArrayBody::inverse_deform_all(Coordinates q, std::span<const Vec3> x, std::span<Vec3> X) const {
   if (x.empty()) return;
   caller_->call([&] {
-    const DoubleArray a = answer(author_, "rest", author_.attr("rest")(coordinates_of(q), array_of(x)),
-                                 {static_cast<py::ssize_t>(x.size()), 3});
+    const DoubleArray a =
+        answer(author_, inverse_.c_str(), author_.attr(inverse_.c_str())(coordinates_of(q), array_of(x)),
+               {static_cast<py::ssize_t>(x.size()), 3});
     take_rows(a, X);
   });
 }
@@ -128,13 +135,14 @@ void ArrayBody::jacobian_all(Coordinates q, std::span<const Vec3> X, DenseMap& J
     std::vector<double> moved(q.begin(), q.end());
     std::vector<Vec3> up(X.size()), down(X.size());
     const py::array at_rest = array_of(X);
-    const py::object place = author_.attr("place");
+    const py::object deform = author_.attr(deform_.c_str());
     const auto take = [&](std::span<Vec3> x) {
-      take_rows(
-          answer(author_, "place", place(coordinates_of(moved), at_rest), {static_cast<py::ssize_t>(x.size()), 3}), x);
+      take_rows(answer(author_, deform_.c_str(), deform(coordinates_of(moved), at_rest),
+                       {static_cast<py::ssize_t>(x.size()), 3}),
+                x);
     };
     for (std::size_t k = 0; k < q.size(); ++k) {
-      const double d = place_step(q[k]);
+      const double d = deform_step(q[k]);
       moved[k] = q[k] + d;
       take(up);
       moved[k] = q[k] - d;

@@ -9,11 +9,11 @@
 
 namespace brim::python {
 
-/// A body whose author answers in Python, for whole arrays of points: place, rest, distance, energy, and where the
-/// author has them jacobian and force (brim.OwnBody in brim/own_body.py says what each is).
-/// Each call of the world is handed to the thread that steps it (CallerThread), so that Python is entered once for a
-/// whole part and never from within a loop of brim's own threads.
-/// Tests: python/tests/own_body_test.py
+/// A body whose author answers in Python, for whole arrays of points: deform, inverse_deform (or by their former names:
+/// place, rest), distance, energy, and where the author has them jacobian and force (brim.OwnBody in brim/own_body.py
+/// says what each is). Each call of the world is handed to the thread that steps it (CallerThread), so that Python is
+/// entered once for a whole part and never from within a loop of brim's own threads. Tests:
+/// python/tests/own_body_test.py
 class ArrayBody final : public OwnBody {
  public:
   /// @param author  object with the methods
@@ -23,13 +23,13 @@ class ArrayBody final : public OwnBody {
 
   std::string_view kind() const override { return kind_; }
 
-  Vec3 place(Coordinates q, const Vec3& X) const override;
-  Vec3 rest(Coordinates q, const Vec3& x) const override;
+  Vec3 deform(Coordinates q, const Vec3& X) const override;
+  Vec3 inverse_deform(Coordinates q, const Vec3& x) const override;
   double distance(Coordinates q, const Vec3& x) const override;
   double energy(Coordinates q) const override;
   Eigen::VectorXd energy_force(Coordinates q) const override;
-  void place_all(Coordinates q, std::span<const Vec3> X, std::span<Vec3> x) const override;
-  void rest_all(Coordinates q, std::span<const Vec3> x, std::span<Vec3> X) const override;
+  void deform_all(Coordinates q, std::span<const Vec3> X, std::span<Vec3> x) const override;
+  void inverse_deform_all(Coordinates q, std::span<const Vec3> x, std::span<Vec3> X) const override;
   void jacobian_all(Coordinates q, std::span<const Vec3> X, DenseMap& J) const override;
 
   void update(double time, std::span<const double> q, std::span<const double> v) override;
@@ -42,6 +42,7 @@ class ArrayBody final : public OwnBody {
  private:
   std::string kind_;
   pybind11::object author_;
+  std::string deform_, inverse_;  // names of the author's methods
   bool has_jacobian_ = false, has_force_ = false;
   std::shared_ptr<CallerThread> caller_;
 };

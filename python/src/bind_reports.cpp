@@ -113,7 +113,7 @@ void bind_reports(py::module_& m) {
           "v", [](const State& s) { return array_of(s.v); }, "Velocities of all bodies, shape (nv,); a copy.")
       .def(py::pickle(
           [](const State& s) {
-            return py::make_tuple(s.time, s.step, array_of(s.q), array_of(s.v), array_of(s.memory));
+            return py::make_tuple(s.time, s.step, array_of(s.q), array_of(s.v), array_of(s.warm_start));
           },
           [](const py::tuple& t) {
             if (t.size() != 5) throw InputError("State: the pickled data are of another version");
@@ -127,7 +127,7 @@ void bind_reports(py::module_& m) {
            [](const State& a, const py::object& other) {
              if (!py::isinstance<State>(other)) return false;
              const auto& b = other.cast<const State&>();
-             return a.time == b.time && a.step == b.step && a.q == b.q && a.v == b.v && a.memory == b.memory;
+             return a.time == b.time && a.step == b.step && a.q == b.q && a.v == b.v && a.warm_start == b.warm_start;
            })
       .def("__repr__", [](const State& s) {
         return fmt::format("<State at {:.6g} s: {} coordinates, {} velocities>", s.time, s.q.size(), s.v.size());

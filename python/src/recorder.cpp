@@ -56,7 +56,7 @@ py::list Recorder::finish(Session& session, const std::string& end) {
   if (!writer_) return list;
   World& world = session.world();
   if (Sensors* sensors = find_sensors(world)) sensors->end_frames();
-  const std::vector<Finding> findings = measures_->findings();
+  const std::vector<ExpectationResult> findings = measures_->findings();
   writer_->flush();
   writer_.reset();  // the tables are made of what the file holds
   write_sensor_csv(RunReader(folder_), folder_);
@@ -71,7 +71,7 @@ py::list Recorder::finish(Session& session, const std::string& end) {
   write_whole((std::filesystem::path(folder_) / "summary.json").string(),
               summary_text(world, totals_, facts, findings));
   lock_ = FolderLock();
-  for (const Finding& f : findings) {
+  for (const ExpectationResult& f : findings) {
     py::dict d;
     d["metric"] = f.expectation.metric;
     d["body"] = f.body.empty() ? f.expectation.body : f.body;

@@ -400,7 +400,7 @@ void Session::step(bool joined, const std::map<int, py::object>& forces) {
   }
   fill_mirrors();
   if (joined)
-    join(report_, std::move(report));
+    accumulate(report_, std::move(report));
   else
     report_ = std::move(report);
 }

@@ -1,4 +1,5 @@
-// The Blob of own_body_test.py in C++, as a plugin: the two must move alike.
+// The Blob of own_body_test.py in C++, as a plugin: the two must move alike. It goes by the former names, place and
+// rest, which must go on working.
 #include <brim/body/own/own_body.h>
 #include <brim/mesh/primitives.h>
 #include <brim/scene/own_kind.h>

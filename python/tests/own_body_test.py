@@ -15,14 +15,14 @@ class Blob(brim.OwnBody):
 
     q0 = np.r_[0, 0, 0.35, 1, 1, 1]
 
-    def place(self, q, X):
+    def deform(self, q, X):
         return q[:3] + q[3:] * X
 
-    def rest(self, q, x):
+    def inverse_deform(self, q, x):
         return (x - q[:3]) / q[3:]
 
     def distance(self, q, x):
-        return (np.linalg.norm(self.rest(q, x), axis=1) - 0.3) * q[3:].min()
+        return (np.linalg.norm(self.inverse_deform(q, x), axis=1) - 0.3) * q[3:].min()
 
     def energy(self, q):
         return 2e3 * np.sum((q[3:] - 1) ** 2)
@@ -96,15 +96,15 @@ class OwnBodies(unittest.TestCase):
                     raise ZeroDivisionError("distance")
                 return super().distance(q, x)
 
-            def rest(self, q, x):
+            def inverse_deform(self, q, x):
                 if self.broken == "rest":
                     raise KeyboardInterrupt()
-                return super().rest(q, x)
+                return super().inverse_deform(q, x)
 
-            def place(self, q, X):
-                if self.broken == "place":
+            def deform(self, q, X):
+                if self.broken == "deform":
                     return X[:1]
-                return super().place(q, X)
+                return super().deform(q, X)
 
             def energy(self, q):
                 return np.nan if self.broken == "energy" else super().energy(q)
@@ -115,7 +115,7 @@ class OwnBodies(unittest.TestCase):
         for _ in range(10):
             world.step(), twin.step()
         for what, error, words in (("distance", ZeroDivisionError, "distance"), ("rest", KeyboardInterrupt, ""),
-                                   ("place", brim.InputError, r"Fragile.place: gave shape \(1, 3\); must be"),
+                                   ("deform", brim.InputError, r"Fragile.deform: gave shape \(1, 3\); must be"),
                                    ("energy", brim.InputError, "Fragile.energy: gave a value that is not finite")):
             with self.subTest(what):
                 before, q = world.hash, blob.q.copy()

@@ -268,11 +268,11 @@ TEST(ArticulatedBody, SpeedBoundHoldsForEveryVertexOfALink) {
   b.update(0.0, q, v);
   for (int p = 0; p < b.part_count(); ++p) {
     const Vec3 travel = (up[p].center() - down[p].center()) / (2 * e);
-    EXPECT_LT((travel - b.carrier_velocity(p, v)).norm(), 1e-4 * (1.0 + travel.norm()));
+    EXPECT_LT((travel - b.mean_velocity(p, v)).norm(), 1e-4 * (1.0 + travel.norm()));
     const double faces =
         std::max((up[p].hi - down[p].hi).cwiseAbs().maxCoeff(), (up[p].lo - down[p].lo).cwiseAbs().maxCoeff()) /
         (2 * e);
-    EXPECT_GE(b.carrier_velocity(p, v).norm() + b.relative_speed_bound(p, v), faces - 1e-6);
+    EXPECT_GE(b.mean_velocity(p, v).norm() + b.relative_speed_bound(p, v), faces - 1e-6);
   }
 }
 
@@ -304,7 +304,7 @@ Fallen fall(std::unique_ptr<Body> floor, double drop, double top) {
   f.height = std::numeric_limits<double>::infinity();
   for (int p = 0; p < 3; ++p) {
     f.height = std::min(f.height, w.body(b).bounds(p).lo.z());
-    f.speed = std::max(f.speed, w.body(b).carrier_velocity(p, w.v(b)).norm());
+    f.speed = std::max(f.speed, w.body(b).mean_velocity(p, w.v(b)).norm());
   }
   return f;
 }

@@ -82,7 +82,7 @@ TEST(CarriedBody, MapIsAdjointAndMovesAffineMotionsExactly) {
       std::vector<Vec3> v;
       for (const Vec3& x : body->positions()) v.push_back(Vec3(1, 2, 3) + L * x);
       std::vector<Vec3> u(points.size()), f(points.size());
-      map->velocity(flat(v), u);
+      map->apply(flat(v), u);
       double worst = 0.0;
       for (std::size_t p = 0; p < points.size(); ++p)
         worst = std::max(worst, (u[p] - Vec3(1, 2, 3) - L * points[p]).norm());
@@ -96,8 +96,8 @@ TEST(CarriedBody, MapIsAdjointAndMovesAffineMotionsExactly) {
         force += f[p];
         torque += points[p].cross(f[p]);
       }
-      map->velocity(a, u);
-      map->add_force(f, Q);
+      map->apply(a, u);
+      map->apply_transpose(f, Q);
       double left = 0.0, right = 0.0;
       for (std::size_t p = 0; p < points.size(); ++p) left += u[p].dot(f[p]);
       for (std::size_t i = 0; i < Q.size(); ++i) right += Q[i] * a[i];

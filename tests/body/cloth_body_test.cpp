@@ -225,7 +225,7 @@ std::size_t expect_rigid_motion_throughout_the_density(ClothBody& body) {
   for (const Vec3& x : body.positions()) v.push_back(Vec3(1, 2, 3) + omega.cross(x));
   std::unique_ptr<Map> map;
   body.make_map(0, points, sources, map);
-  map->velocity(flat(v), u);
+  map->apply(flat(v), u);
   double worst = 0.0;
   std::size_t thin = 0;
   for (std::size_t p = 0; p < points.size(); ++p) {

@@ -108,7 +108,7 @@ struct Pressed {
       penalty->forces(zero, f, friction);
       std::unique_ptr<Map> map;
       body.make_map(p, t.contacts.point, t.contacts.source_a, map);
-      map->add_force(f, force);
+      map->apply_transpose(f, force);
       maps.push_back(std::move(map));
       forces.push_back(std::move(f));
       responses.push_back(std::move(penalty));
@@ -129,7 +129,7 @@ struct Pressed {
     double sum = 0.0;
     for (std::size_t p = 0; p < maps.size(); ++p) {
       std::vector<Vec3> u(maps[p]->points()), f(u.size());
-      maps[p]->velocity(d, u);
+      maps[p]->apply(d, u);
       responses[p]->apply(u, f);
       for (std::size_t c = 0; c < u.size(); ++c) sum += u[c].dot(f[c]);
     }

@@ -59,8 +59,8 @@ TEST(FaceMap, ForcesAreTheTransposeOfVelocities) {
     std::vector<Vec3> f(map.points()), u(map.points());
     for (Vec3& e : f) e = Vec3(unit(rng), unit(rng), unit(rng));
     std::vector<double> Q(d.grid.faces(), 0.0);
-    map.velocity(v, u);
-    map.add_force(f, Q);
+    map.apply(v, u);
+    map.apply_transpose(f, Q);
     double power = 0.0, work = 0.0;
     for (std::size_t p = 0; p < f.size(); ++p) power += f[p].dot(u[p]);
     for (std::size_t i = 0; i < Q.size(); ++i) work += Q[i] * v[i];
@@ -75,10 +75,10 @@ TEST(FaceMap, ConstantFieldIsReproduced_SoLinearMomentumIsExact) {
   map.reset(d.grid, d.wet, d.phi, false, d.surface);
   const Vec3 t(0.3, -0.8, 0.5);
   std::vector<Vec3> u(map.points());
-  map.velocity(constant(d.grid, t), u);
+  map.apply(constant(d.grid, t), u);
   for (const Vec3& e : u) EXPECT_LT((e - t).norm(), 1e-12);
   map.reset(d.grid, d.wet, d.phi, true, d.inside);
-  map.velocity(constant(d.grid, t), u);
+  map.apply(constant(d.grid, t), u);
   for (const Vec3& e : u) EXPECT_LT((e - t).norm(), 1e-12);
 }
 
@@ -87,8 +87,8 @@ TEST(FaceMap, FluidThatSlipsMovesAlongItsNormalOnly) {
   FaceMap map;
   map.reset(d.grid, d.wet, d.phi, true, d.surface);
   std::vector<Vec3> first(map.points()), second(map.points());
-  map.velocity(random_faces(d.grid.faces(), kSeed + 5), first);
-  map.velocity(random_faces(d.grid.faces(), kSeed + 6), second);
+  map.apply(random_faces(d.grid.faces(), kSeed + 5), first);
+  map.apply(random_faces(d.grid.faces(), kSeed + 6), second);
   for (std::size_t p = 0; p < first.size(); ++p)
     EXPECT_LT(first[p].cross(second[p]).norm(), 1e-9 * (first[p].norm() * second[p].norm() + 1e-12)) << p;
 }
@@ -114,9 +114,9 @@ TEST(FaceMap, DiagonalIsThatOfTheAssembledMatrix) {
     std::vector<double> e(d.grid.faces(), 0.0), Q(d.grid.faces(), 0.0);
     e[f] = 1.0;
     std::vector<Vec3> u(points.size());
-    map.velocity(e, u);
+    map.apply(e, u);
     for (std::size_t p = 0; p < u.size(); ++p) u[p] = K[p] * u[p];
-    map.add_force(u, Q);
+    map.apply_transpose(u, Q);
     const auto block = D.block(1 + f / 3);
     for (std::size_t a = 0; a < 3; ++a)
       EXPECT_NEAR(block(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(f % 3)), Q[f / 3 * 3 + a], 1e-12);
@@ -138,7 +138,7 @@ TEST(FaceMap, PressureOnALevelSurfaceReachesEveryColumnAlike) {
   FaceMap map;
   map.reset(g, wet, phi, true, points);
   std::vector<double> Q(g.faces(), 0.0);
-  map.add_force(std::vector<Vec3>(points.size(), Vec3(0, 0, -2.0)), Q);
+  map.apply_transpose(std::vector<Vec3>(points.size(), Vec3(0, 0, -2.0)), Q);
   double sum = 0.0;
   for (const double q : Q) sum += q;
   EXPECT_NEAR(sum, -2.0 * 64, 1e-9);
@@ -157,7 +157,7 @@ TEST(FaceMap, PointFarFromAllFluidDoesNotMove) {
   dry.find(d.grid, air, {});
   map.reset(d.grid, dry, air, true, d.surface);
   u.resize(map.points());
-  map.velocity(random_faces(d.grid.faces(), 1), u);
+  map.apply(random_faces(d.grid.faces(), 1), u);
   for (const Vec3& e : u) EXPECT_EQ(e.norm(), 0.0);
 }
 

@@ -257,7 +257,7 @@ MapCheck expect_linear_motion_throughout_the_density(FemBody& body) {
   std::unique_ptr<Map> map;
   body.make_map(0, points, sources, map);
   std::vector<Vec3> u(points.size());
-  map->velocity(flat(v), u);
+  map->apply(flat(v), u);
   double worst = 0.0;
   for (std::size_t p = 0; p < points.size(); ++p) {
     worst = std::max(worst, (u[p] - Vec3(1, 2, 3) - L * points[p]).norm());

@@ -26,15 +26,15 @@ TEST(FluidMap, ForcesDoTheWorkOfVelocitiesAndUniformMotionIsExact) {
   const std::vector<double> v = random_vector(f.v.size(), kSeed), r = random_vector(3 * nodes.size(), kSeed + 1);
   std::vector<Vec3> u(nodes.size()), force;
   for (std::size_t i = 0; i < nodes.size(); ++i) force.emplace_back(r[3 * i], r[3 * i + 1], r[3 * i + 2]);
-  map->velocity(v, u);
+  map->apply(v, u);
   std::vector<double> Q(v.size(), 0.0);
-  map->add_force(force, Q);
+  map->apply_transpose(force, Q);
   double work = 0.0;
   for (std::size_t i = 0; i < u.size(); ++i) work += u[i].dot(force[i]);
   EXPECT_NEAR(dot(Q, v), work, 1e-12 * std::sqrt(dot(Q, Q) * dot(v, v)));
   std::vector<double> even(v.size());
   f.body.rigid_motion(Vec3(1, -2, 3), Vec3::Zero(), even);
-  map->velocity(even, u);
+  map->apply(even, u);
   for (const Vec3& e : u) EXPECT_LT((e - Vec3(1, -2, 3)).norm(), 1e-12);
 }
 
@@ -50,21 +50,21 @@ TEST(FluidMap, AChoiceOfPointsDoesAsThoseOfAllDo) {
   ASSERT_EQ(some->points(), rows.size());
   const std::vector<double> v = random_vector(f.v.size(), kSeed), r = random_vector(3 * rows.size(), kSeed + 1);
   std::vector<Vec3> u(nodes.size()), chosen(rows.size()), force(nodes.size(), Vec3::Zero()), part(rows.size());
-  all->velocity(v, u);
-  some->velocity(v, chosen);
+  all->apply(v, u);
+  some->apply(v, chosen);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     EXPECT_EQ(chosen[i], u[rows[i]]);
     part[i] = force[rows[i]] = Vec3(r[3 * i], r[3 * i + 1], r[3 * i + 2]);
   }
   std::vector<double> Q(v.size(), 0.0), P(v.size(), 0.0);
-  all->add_force(force, Q);
-  some->add_force(part, P);
+  all->apply_transpose(force, Q);
+  some->apply_transpose(part, P);
   for (std::size_t i = 0; i < Q.size(); ++i) EXPECT_NEAR(P[i], Q[i], 1e-14);
   // Refilled for other points, with the room it has.
   rows.assign({5, 9});
   ASSERT_TRUE(all->select(rows, some));
   chosen.resize(2);
-  some->velocity(v, chosen);
+  some->apply(v, chosen);
   EXPECT_EQ(chosen[0], u[5]);
   EXPECT_EQ(chosen[1], u[9]);
 }
@@ -90,7 +90,7 @@ TEST(FluidMap, AlongItsDirectionTheVelocityIsTheRateOfTheDensity) {
   std::unique_ptr<Map> map;
   f.body.make_map(0, nodes, sources, map);
   std::vector<Vec3> u(nodes.size());
-  map->velocity(v, u);
+  map->apply(v, u);
   std::vector<double> plus = f.q, minus = f.q;
   for (std::size_t i = 0; i < v.size(); ++i) plus[i] += e * v[i], minus[i] -= e * v[i];
   const auto rho_at = [&](const std::vector<double>& q) {
@@ -135,9 +135,9 @@ TEST(FluidMap, DiagonalBlocksAreThoseOfTheProduct) {
       std::vector<double> e(f.v.size(), 0.0), Q(f.v.size(), 0.0);
       e[3 * i + a] = 1.0;
       std::vector<Vec3> u(nodes.size());
-      map->velocity(e, u);
+      map->apply(e, u);
       for (std::size_t p = 0; p < u.size(); ++p) u[p] = K[p] * u[p];
-      map->add_force(u, Q);
+      map->apply_transpose(u, Q);
       for (int c = 0; c < 3; ++c) EXPECT_NEAR(D.block(i)(c, a), Q[3 * i + c], 1e-10 * D.block(i).norm());
     }
 }

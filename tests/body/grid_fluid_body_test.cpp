@@ -197,7 +197,7 @@ TEST(GridFluidBody, DensityChangesAsTheMapSays) {
   std::unique_ptr<Map> map;
   body.make_map(0, points, std::vector<std::int32_t>(points.size(), 0), map);
   std::vector<Vec3> u(points.size());
-  map->velocity(v, u);
+  map->apply(v, u);
   std::vector<double> before(points.size());
   for (std::size_t p = 0; p < points.size(); ++p) before[p] = body.distance(points[p]);
   body.advance(dt, q, v);

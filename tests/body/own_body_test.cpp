@@ -8,7 +8,7 @@
 #include "brim/core/error.h"
 #include "brim/mesh/primitives.h"
 
-/// What follows from place, rest, distance and energy.
+/// What follows from deform, inverse_deform, distance and energy.
 namespace brim {
 namespace {
 
@@ -30,9 +30,9 @@ class PolarBall final : public OwnBody {
   explicit PolarBall(OwnModel m) : OwnBody(std::move(m)) {}
   std::string_view kind() const override { return "polar"; }
   static Vec3 center(Coordinates q) { return {q[0] * std::cos(q[1]), q[0] * std::sin(q[1]), 0.0}; }
-  Vec3 place(Coordinates q, const Vec3& X) const override { return center(q) + X; }
-  Vec3 rest(Coordinates q, const Vec3& x) const override { return x - center(q); }
-  double distance(Coordinates q, const Vec3& x) const override { return rest(q, x).norm() - kRadius; }
+  Vec3 deform(Coordinates q, const Vec3& X) const override { return center(q) + X; }
+  Vec3 inverse_deform(Coordinates q, const Vec3& x) const override { return x - center(q); }
+  double distance(Coordinates q, const Vec3& x) const override { return inverse_deform(q, x).norm() - kRadius; }
 };
 
 /// x = c + A X with an energy that is no quadratic form.
@@ -42,9 +42,9 @@ class AffineBall final : public OwnBody {
   std::string_view kind() const override { return "affine"; }
   static Vec3 c(Coordinates q) { return Eigen::Map<const Vec3>(q.data()); }
   static Mat3 A(Coordinates q) { return Eigen::Map<const Mat3>(q.data() + 3); }
-  Vec3 place(Coordinates q, const Vec3& X) const override { return c(q) + A(q) * X; }
-  Vec3 rest(Coordinates q, const Vec3& x) const override { return A(q).inverse() * (x - c(q)); }
-  double distance(Coordinates q, const Vec3& x) const override { return rest(q, x).norm() - kRadius; }
+  Vec3 deform(Coordinates q, const Vec3& X) const override { return c(q) + A(q) * X; }
+  Vec3 inverse_deform(Coordinates q, const Vec3& x) const override { return A(q).inverse() * (x - c(q)); }
+  double distance(Coordinates q, const Vec3& x) const override { return inverse_deform(q, x).norm() - kRadius; }
   double energy(Coordinates q) const override {
     return 40.0 * (A(q).transpose() * A(q) - Mat3::Identity()).squaredNorm();
   }
@@ -152,9 +152,9 @@ TEST(OwnBody, TheMapIsTheRateOfPlaceAndItsTransposeDoesTheSameWork) {
   }
   std::unique_ptr<Map> map;
   body.make_map(0, points, std::vector<std::int32_t>(20, 0), map);
-  map->velocity(v, velocity);
+  map->apply(v, velocity);
   std::vector<double> Q(12, 0.0), ahead = q, behind = q;
-  map->add_force(f, Q);
+  map->apply_transpose(f, Q);
   double power = 0.0, work = 0.0;
   for (std::size_t i = 0; i < 12; ++i) {
     power += Q[i] * v[i];
@@ -162,8 +162,8 @@ TEST(OwnBody, TheMapIsTheRateOfPlaceAndItsTransposeDoesTheSameWork) {
   }
   for (std::size_t p = 0; p < 20; ++p) {
     work += f[p].dot(velocity[p]);
-    const Vec3 X = body.rest(q, points[p]);
-    const Vec3 rate = (body.place(ahead, X) - body.place(behind, X)) / 2e-4;
+    const Vec3 X = body.inverse_deform(q, points[p]);
+    const Vec3 rate = (body.deform(ahead, X) - body.deform(behind, X)) / 2e-4;
     EXPECT_LT((velocity[p] - rate).norm(), 1e-9);
   }
   EXPECT_NEAR(power, work, 1e-13 * std::abs(work) + 1e-13);
@@ -189,7 +189,7 @@ TEST(OwnBody, ABodyThatCanTurnKeepsMomentumExactly) {
   std::vector<Vec3> points = {Vec3(0.4, -0.2, 0.5), Vec3(0.3, -0.1, 0.45)}, u(2);
   std::unique_ptr<Map> map;
   body.make_map(0, points, std::vector<std::int32_t>(2, 0), map);
-  map->velocity(v, u);
+  map->apply(v, u);
   for (std::size_t p = 0; p < 2; ++p) EXPECT_LT((u[p] - t - w.cross(points[p])).norm(), 1e-8);
 }
 

@@ -168,7 +168,7 @@ TEST(RigidBody, CenterOfMassAwayFromTheShapesOriginIsWhatMoves) {
   std::unique_ptr<Map> map;
   f.body.make_map(0, std::vector<Vec3>{Vec3(4.6, 1, 0)}, std::vector<std::int32_t>{0}, map);
   std::vector<Vec3> u(1);
-  map->velocity(std::vector<double>{0, 0, 0, 0, 0, 1}, u);
+  map->apply(std::vector<double>{0, 0, 0, 0, 0, 1}, u);
   EXPECT_LT((u[0] - Vec3(-1, 0, 0)).norm(), 1e-15);
 }
 

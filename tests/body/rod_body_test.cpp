@@ -204,7 +204,7 @@ TEST(RodBody, MapIsExactForRigidMotionButForTheSpinAboutTheRod) {
   for (const Vec3& x : body.positions()) v.push_back(Vec3(1, 2, 3) + omega.cross(x));
   std::unique_ptr<Map> map;
   body.make_map(0, points, sources, map);
-  map->velocity(flat(v), u);
+  map->apply(flat(v), u);
   for (std::size_t p = 0; p < points.size(); ++p) {
     const auto& s = body.display().lines[sources[p]];
     const Vec3 a = body.positions()[s[0]], t = (body.positions()[s[1]] - a).normalized();

@@ -62,9 +62,9 @@ void for_trees(const F& f) {
 TEST(TreeMap, ForceIsTheTransposeOfVelocity) {
   for_trees([](Case& c) {
     std::vector<Vec3> u(kPoints);
-    c.map.velocity(c.v, u);
+    c.map.apply(c.v, u);
     std::vector<double> Q(c.v.size(), 0.0);
-    c.map.add_force(c.forces, Q);
+    c.map.apply_transpose(c.forces, Q);
     double work = 0.0, size = 0.0, generalised = 0.0;
     for (int i = 0; i < kPoints; ++i) work += u[i].dot(c.forces[i]), size += u[i].norm() * c.forces[i].norm();
     for (std::size_t i = 0; i < Q.size(); ++i) generalised += c.v[i] * Q[i];
@@ -77,7 +77,7 @@ TEST(TreeMap, VelocityIsTheDerivativeOfThePositions) {
     const double e = 1e-6;
     const auto up = c.placed(c.moved(e)), down = c.placed(c.moved(-e));
     std::vector<Vec3> u(kPoints);
-    c.map.velocity(c.v, u);
+    c.map.apply(c.v, u);
     for (int i = 0; i < kPoints; ++i)
       EXPECT_LT((u[i] - (up[i] - down[i]) / (2 * e)).norm(), 1e-8 * (1.0 + u[i].norm()));
   });
@@ -93,7 +93,7 @@ TEST(TreeMap, GeometricTermIsTheChangeOfTheGeneralisedForceWhenTheTreeMoves) {
       const TreePose p = c.moved(s);
       TreeMap m;
       m.reset(c.tree, p, c.link, c.placed(p), nullptr);
-      m.add_force(c.forces, s > 0 ? up : down);
+      m.apply_transpose(c.forces, s > 0 ? up : down);
     }
     double scale = 1.0;
     for (const double g : geometric) scale += std::abs(g);
@@ -122,7 +122,7 @@ TEST(TreeMap, BlockDiagonalEqualsTheAssembledProductAndTheLinksShareMakesAllOfIt
     for (long col = 0; col < nv; ++col) {
       std::vector<double> unit(c.v.size(), 0.0);
       unit[col] = 1.0;
-      c.map.velocity(unit, u);
+      c.map.apply(unit, u);
       for (int i = 0; i < kPoints; ++i) J.col(col).segment<3>(3 * i) = u[i];
     }
     const Eigen::MatrixXd JKJ = J.transpose() * big * J;
@@ -153,9 +153,9 @@ TEST(TreeMap, ALinkThatIsFixedToTheWorldDoesNotMove) {
   TreeMap map;
   map.reset(tree, pose, 0, std::vector<Vec3>{Vec3(1, 2, 3)}, nullptr);
   std::vector<Vec3> u(1, Vec3(9, 9, 9));
-  map.velocity(v, u);
+  map.apply(v, u);
   EXPECT_EQ(u[0], Vec3::Zero());
-  map.add_force(u, Q);
+  map.apply_transpose(u, Q);
   EXPECT_EQ(Q, std::vector<double>(Q.size(), 0.0));
 }
 

@@ -13,10 +13,10 @@ class TwistMap final : public Map {
  public:
   void reset(std::span<const Vec3> x) { x_.assign(x.begin(), x.end()); }
   std::size_t points() const override { return x_.size(); }
-  void velocity(std::span<const double> v, std::span<Vec3> u) const override {
+  void apply(std::span<const double> v, std::span<Vec3> u) const override {
     for (std::size_t i = 0; i < x_.size(); ++i) u[i] = v[0] * column(i);
   }
-  void add_force(std::span<const Vec3> f, std::span<double> Q) const override {
+  void apply_transpose(std::span<const Vec3> f, std::span<double> Q) const override {
     for (std::size_t i = 0; i < x_.size(); ++i) Q[0] += column(i).dot(f[i]);
   }
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override {
@@ -63,7 +63,7 @@ class TwistingBar final : public Body {
     return p;
   }
   Aabb bounds(int) const override { return layer_.centers().inflated(0.05); }
-  Vec3 carrier_velocity(int, std::span<const double>) const override { return Vec3::Zero(); }
+  Vec3 mean_velocity(int, std::span<const double>) const override { return Vec3::Zero(); }
   double relative_speed_bound(int, std::span<const double> v) const override { return 0.3 * std::abs(v[0]); }
   void presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override {
     layer_.presence(h, w, region, out);

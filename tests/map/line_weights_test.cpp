@@ -63,11 +63,11 @@ TEST(LineWeights, ForcesBesideAUnitSegmentByHand) {
   map.set(0, Vec3(0.25, 2, 0), {0, 1}, x);
   map.finish();
   std::vector<double> Q(6, 0.0);
-  map.add_force(std::vector<Vec3>{Vec3(1, 0, 0)}, Q);
+  map.apply_transpose(std::vector<Vec3>{Vec3(1, 0, 0)}, Q);
   EXPECT_EQ(Q, (std::vector<double>{0.75, 2, 0, 0.25, -2, 0}));
   // A force towards the line has no couple; one around the line goes to the ends, its spin about x is lost.
   Q.assign(6, 0.0);
-  map.add_force(std::vector<Vec3>{Vec3(0, -1, 4)}, Q);
+  map.apply_transpose(std::vector<Vec3>{Vec3(0, -1, 4)}, Q);
   EXPECT_EQ(Q, (std::vector<double>{0, -0.75, 3, 0, -0.25, 1}));
 }
 
@@ -77,7 +77,7 @@ TEST(LineWeights, VelocityIsTheDerivativeOfTheRidingPoint) {
   std::vector<Vec3> dx;
   for (std::size_t i = 0; i < l.x.size(); ++i) dx.push_back(l.random());
   std::vector<Vec3> u(l.r.size());
-  l.map.velocity(flat(dx), u);
+  l.map.apply(flat(dx), u);
   const double e = 1e-6;
   auto plus = l.x, minus = l.x;
   for (std::size_t i = 0; i < l.x.size(); ++i) plus[i] += e * dx[i], minus[i] -= e * dx[i];
@@ -94,8 +94,8 @@ TEST(LineWeights, ForcesAreTheTransposeOfVelocities) {
   std::vector<Vec3> u(l.r.size());
   std::vector<double> Q(3 * l.x.size(), 0.0);
   const std::vector<double> flat_v = flat(v);
-  l.map.velocity(flat_v, u);
-  l.map.add_force(f, Q);
+  l.map.apply(flat_v, u);
+  l.map.apply_transpose(f, Q);
   double points = 0, particles = 0, size = 0;
   for (std::size_t p = 0; p < f.size(); ++p) points += u[p].dot(f[p]), size += std::abs(u[p].dot(f[p]));
   for (std::size_t i = 0; i < Q.size(); ++i) particles += Q[i] * flat_v[i];
@@ -109,7 +109,7 @@ TEST(LineWeights, OnlyTheSpinAboutTheLineIsLost) {
     std::vector<Vec3> f(l.r.size(), Vec3::Zero());
     f[p] = l.random();
     std::vector<double> Q(3 * l.x.size(), 0.0);
-    l.map.add_force(f, Q);
+    l.map.apply_transpose(f, Q);
     Vec3 force = -f[p], torque = -l.r[p].cross(f[p]);
     for (std::size_t i = 0; i < l.x.size(); ++i) {
       const Vec3 q(Q[3 * i], Q[3 * i + 1], Q[3 * i + 2]);
@@ -138,9 +138,9 @@ TEST(LineWeights, BlockDiagonalIsThatOfTheProduct) {
       std::vector<double> v(3 * l.x.size(), 0.0), Q(v.size(), 0.0);
       v[3 * i + c] = 1.0;
       std::vector<Vec3> u(l.r.size());
-      l.map.velocity(v, u);
+      l.map.apply(v, u);
       for (std::size_t p = 0; p < u.size(); ++p) u[p] = K[p] * u[p];
-      l.map.add_force(u, Q);
+      l.map.apply_transpose(u, Q);
       for (int k = 0; k < 3; ++k) EXPECT_NEAR(D.block(i)(k, c), Q[3 * i + k], 1e-12);
     }
 }
@@ -153,7 +153,7 @@ TEST(LineWeights, SegmentsWithoutLengthCarryTheForceWithoutTheTorque) {
   map.set(1, Vec3(2, 1, 1.5), {0, 2}, x);
   map.finish();
   std::vector<double> Q(9, 0.0);
-  map.add_force(std::vector<Vec3>{Vec3(1, 2, 3), Vec3(1, 0, 0)}, Q);
+  map.apply_transpose(std::vector<Vec3>{Vec3(1, 2, 3), Vec3(1, 0, 0)}, Q);
   EXPECT_EQ(Q, (std::vector<double>{1, 2, 3, 0, 0, 0, 1, 0, 0}));
 }
 

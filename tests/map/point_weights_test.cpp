@@ -43,10 +43,10 @@ TEST(PointWeights, VelocityAndForceOfOnePointByHand) {
   map.finish();
   const std::vector<double> v = {4, 0, 0, 9, 9, 9, 0, 8, 0};
   std::vector<Vec3> u(1);
-  map.velocity(v, u);
+  map.apply(v, u);
   EXPECT_EQ(u[0], Vec3(1, 6, 0));
   std::vector<double> Q(9, 1.0);
-  map.add_force(std::vector<Vec3>{Vec3(4, 8, 12)}, Q);
+  map.apply_transpose(std::vector<Vec3>{Vec3(4, 8, 12)}, Q);
   EXPECT_EQ(Q, (std::vector<double>{2, 3, 4, 1, 1, 1, 4, 7, 10}));
 }
 
@@ -56,9 +56,9 @@ TEST(PointWeights, ForceIsTheTransposeOfVelocity) {
   PointWeightsMap map;
   map.assign(rows.particles, rows.start, rows.particle, rows.weight);
   std::vector<Vec3> u(rows.points);
-  map.velocity(rows.v, u);
+  map.apply(rows.v, u);
   std::vector<double> Q(rows.v.size(), 0.0);
-  map.add_force(rows.f, Q);
+  map.apply_transpose(rows.f, Q);
   double a = 0, b = 0, scale = 0;
   for (std::size_t p = 0; p < rows.points; ++p) a += u[p].dot(rows.f[p]), scale += u[p].norm() * rows.f[p].norm();
   for (std::size_t i = 0; i < Q.size(); ++i) b += Q[i] * rows.v[i];
@@ -84,9 +84,9 @@ TEST(PointWeights, DiagonalBlocksAreThoseOfTheAssembledProduct) {
   for (std::size_t c = 0; c < 3 * rows.particles; ++c) {
     std::vector<double> e(3 * rows.particles, 0.0), Q(3 * rows.particles, 0.0);
     e[c] = 1.0;
-    map.velocity(e, u);
+    map.apply(e, u);
     for (std::size_t p = 0; p < rows.points; ++p) u[p] = K[p] * u[p];
-    map.add_force(u, Q);
+    map.apply_transpose(u, Q);
     for (int r = 0; r < 3; ++r) EXPECT_NEAR(D.block(2 + c / 3)(r, c % 3), Q[3 * (c / 3) + r], 1e-12);
   }
   EXPECT_EQ(D.block(0).norm() + D.block(1).norm(), 0.0);
@@ -97,11 +97,11 @@ TEST(PointWeights, NoPointsAndEmptyRowsGiveNothing) {
   map.reset(5, 0, 4);
   map.finish();
   std::vector<double> Q(15, 0.0);
-  map.add_force({}, Q);
+  map.apply_transpose({}, Q);
   EXPECT_EQ(Q, std::vector<double>(15, 0.0));
   map.assign(5, std::vector<std::int32_t>{0, 0}, {}, {});
   std::vector<Vec3> u(1, Vec3::Ones());
-  map.velocity(std::vector<double>(15, 1.0), u);
+  map.apply(std::vector<double>(15, 1.0), u);
   EXPECT_EQ(u[0], Vec3::Zero());
 }
 
@@ -113,7 +113,7 @@ TEST(PointWeights, ThreadsDoNotChangeABit) {
   for (int threads : {1, 2, 4}) {
     ThreadLimit limit(threads);
     std::vector<double> Q(rows.v.size(), 0.0);
-    map.add_force(rows.f, Q);
+    map.apply_transpose(rows.f, Q);
     if (reference.empty()) reference = Q;
     EXPECT_EQ(Q, reference);
   }

@@ -46,10 +46,10 @@ TEST(RigidMap, VelocityAndForceOfOnePointByHand) {
   RigidMap map;
   map.reset(0, Vec3(1, 0, 0), std::vector<Vec3>{Vec3(1, 2, 0)});
   std::vector<Vec3> u(1);
-  map.velocity(std::vector<double>{5, 0, 0, 0, 0, 3}, u);
+  map.apply(std::vector<double>{5, 0, 0, 0, 0, 3}, u);
   EXPECT_EQ(u[0], Vec3(-1, 0, 0));
   std::vector<double> Q(6, 1.0);
-  map.add_force(std::vector<Vec3>{Vec3(4, 0, 0)}, Q);
+  map.apply_transpose(std::vector<Vec3>{Vec3(4, 0, 0)}, Q);
   EXPECT_EQ(Q, (std::vector<double>{5, 1, 1, 1, 1, -7}));
 }
 
@@ -57,9 +57,9 @@ TEST(RigidMap, ForceIsTheTransposeOfVelocity) {
   SCOPED_TRACE(kSeed);
   const Frame f;
   std::vector<Vec3> u(f.points.size());
-  f.map.velocity(f.v, u);
+  f.map.apply(f.v, u);
   std::vector<double> Q(kRows, 0.0);
-  f.map.add_force(f.forces, Q);
+  f.map.apply_transpose(f.forces, Q);
   double work = 0.0, size = 0.0, generalised = 0.0;
   for (std::size_t i = 0; i < u.size(); ++i) work += u[i].dot(f.forces[i]), size += std::abs(u[i].dot(f.forces[i]));
   for (std::size_t i = 0; i < kRows; ++i) generalised += f.v[i] * Q[i];
@@ -72,7 +72,7 @@ TEST(RigidMap, VelocityIsTheDerivativeOfThePositionsOfAMovedFrame) {
   SCOPED_TRACE(kSeed);
   const Frame f;
   std::vector<Vec3> u(f.points.size());
-  f.map.velocity(f.v, u);
+  f.map.apply(f.v, u);
   const double e = 1e-6;
   const auto up = f.moved(e), down = f.moved(-e);
   for (std::size_t i = 0; i < u.size(); ++i) {
@@ -90,9 +90,9 @@ TEST(RigidMap, GeometricTermIsTheChangeOfTheGeneralisedForceWhenTheFrameMoves) {
   std::vector<double> up(kRows, 0.0), down(kRows, 0.0);
   RigidMap moved;
   moved.reset(kFirst, f.origin + e * f.linear(), f.moved(e));
-  moved.add_force(f.forces, up);
+  moved.apply_transpose(f.forces, up);
   moved.reset(kFirst, f.origin - e * f.linear(), f.moved(-e));
-  moved.add_force(f.forces, down);
+  moved.apply_transpose(f.forces, down);
   double size = 0.0;
   for (std::size_t i = 0; i < kRows; ++i) {
     EXPECT_NEAR(geometric[i], (up[i] - down[i]) / (2 * e), 1e-7);  // rounding 1e-15 * 50 points / e
@@ -117,7 +117,7 @@ TEST(RigidMap, BlockDiagonalEqualsTheAssembledProduct) {
   for (int c = 0; c < 6; ++c) {
     std::vector<double> unit(6, 0.0);
     unit[c] = 1.0;
-    f.map.velocity(unit, u);
+    f.map.apply(unit, u);
     for (std::size_t i = 0; i < u.size(); ++i) J.col(c).segment<3>(3 * i) = u[i];
   }
   BlockDiagonal D;
@@ -133,7 +133,7 @@ TEST(RigidMap, NoPointsGiveNoForce) {
   map.reset(0, Vec3(1, 2, 3), {});
   EXPECT_EQ(map.points(), 0u);
   std::vector<double> Q(6, 0.0);
-  map.add_force({}, Q);
+  map.apply_transpose({}, Q);
   EXPECT_EQ(Q, std::vector<double>(6, 0.0));
 }
 

@@ -71,7 +71,7 @@ TEST_P(SelectMap, SomeOfTheRowsDoWhatTheyDidAmongAll) {
   std::vector<double> v(3 * kParticles);
   for (double& x : v) x = scatter.uniform(scatter.random);
   std::vector<Vec3> u(kPoints), picked(rows.size());
-  all->velocity(v, u), some->velocity(v, picked);
+  all->apply(v, u), some->apply(v, picked);
   for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(u[rows[i]], picked[i]);
 
   std::vector<Vec3> f(kPoints, Vec3::Zero()), f_picked = scatter.vectors(rows.size());
@@ -82,7 +82,7 @@ TEST_P(SelectMap, SomeOfTheRowsDoWhatTheyDidAmongAll) {
     f[rows[i]] = f_picked[i], K[rows[i]] = K_picked[i];
   }
   std::vector<double> Q(3 * kParticles, 0.0), Q_picked(Q);
-  all->add_force(f, Q), some->add_force(f_picked, Q_picked);
+  all->apply_transpose(f, Q), some->apply_transpose(f_picked, Q_picked);
   BlockDiagonal D, D_picked;
   D.reset(std::vector<int>(kParticles, 3)), D_picked.reset(std::vector<int>(kParticles, 3));
   all->add_block_diagonal(K, 0, D), some->add_block_diagonal(K_picked, 0, D_picked);
@@ -99,7 +99,7 @@ TEST_P(SelectMap, RoomOfAnotherChoiceIsTakenOver) {
   ASSERT_TRUE(all->select(many, some));
   // The transpose of the former choice has been made, and must go.
   std::vector<double> Q(3 * kParticles, 0.0), alone(Q);
-  some->add_force(scatter.vectors(many.size()), Q);
+  some->apply_transpose(scatter.vectors(many.size()), Q);
   const Map* room = some.get();
   ASSERT_TRUE(all->select(few, some));
   EXPECT_EQ(room, some.get());
@@ -107,7 +107,7 @@ TEST_P(SelectMap, RoomOfAnotherChoiceIsTakenOver) {
   std::vector<Vec3> f_all(kPoints, Vec3::Zero());
   f_all[7] = f[0], f_all[41] = f[1];
   std::fill(Q.begin(), Q.end(), 0.0);
-  some->add_force(f, Q), all->add_force(f_all, alone);
+  some->apply_transpose(f, Q), all->apply_transpose(f_all, alone);
   for (std::size_t i = 0; i < Q.size(); ++i) EXPECT_NEAR(Q[i], alone[i], 1e-14);
 }
 

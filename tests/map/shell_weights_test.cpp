@@ -65,7 +65,7 @@ TEST(ShellWeights, ForceAboveARightTriangleByHand) {
   ShellWeightsMap map;
   map.build(one_triangle(), std::vector{Vec3(0, 0, 1)}, std::vector<std::int32_t>{0}, x);
   std::vector<double> Q(9, 0.0);
-  map.add_force(std::vector<Vec3>{Vec3(1, 0, 0)}, Q);
+  map.apply_transpose(std::vector<Vec3>{Vec3(1, 0, 0)}, Q);
   EXPECT_EQ(Q, (std::vector<double>{1, 0, 1, 0, 0, -1, 0, 0, 0}));
 }
 
@@ -75,7 +75,7 @@ TEST(ShellWeights, VelocityIsTheDerivativeOfTheRidingPoint) {
   std::vector<Vec3> dx;
   for (std::size_t i = 0; i < s.x.size(); ++i) dx.push_back(s.random());
   std::vector<Vec3> u(s.r.size());
-  s.map.velocity(s.flat(dx), u);
+  s.map.apply(s.flat(dx), u);
   const double e = 1e-6;
   auto plus = s.x, minus = s.x;
   for (std::size_t i = 0; i < s.x.size(); ++i) plus[i] += e * dx[i], minus[i] -= e * dx[i];
@@ -94,7 +94,7 @@ TEST(ShellWeights, RigidMotionIsReproduced) {
   const Vec3 t(0.3, -0.4, 0.9), omega(1.0, -2.0, 0.5);
   std::vector<Vec3> v, u(s.r.size());
   for (const Vec3& p : s.x) v.push_back(t + omega.cross(p));
-  s.map.velocity(s.flat(v), u);
+  s.map.apply(s.flat(v), u);
   for (std::size_t p = 0; p < s.r.size(); ++p) EXPECT_LT((u[p] - t - omega.cross(s.r[p])).norm(), 1e-13);
 }
 
@@ -104,7 +104,7 @@ TEST(ShellWeights, ForceAndTorqueArriveWhole) {
     std::vector<Vec3> f(s.r.size(), Vec3::Zero());
     f[p] = s.random();
     std::vector<double> Q(3 * s.x.size(), 0.0);
-    s.map.add_force(f, Q);
+    s.map.apply_transpose(f, Q);
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
     for (std::size_t i = 0; i < s.x.size(); ++i) {
       const Vec3 q(Q[3 * i], Q[3 * i + 1], Q[3 * i + 2]);
@@ -131,9 +131,9 @@ TEST(ShellWeights, ForceIsTheTransposeOfVelocityAndBlocksAgree) {
   for (std::size_t c = 0; c < 3 * s.x.size(); ++c) {
     std::vector<double> e(3 * s.x.size(), 0.0), Q(3 * s.x.size(), 0.0);
     e[c] = 1.0;
-    s.map.velocity(e, u);
+    s.map.apply(e, u);
     for (std::size_t p = 0; p < u.size(); ++p) u[p] = K[p] * u[p];
-    s.map.add_force(u, Q);
+    s.map.apply_transpose(u, Q);
     for (int r = 0; r < 3; ++r) EXPECT_NEAR(D.block(c / 3)(r, c % 3), Q[3 * (c / 3) + r], 1e-12);
   }
 }
@@ -143,7 +143,7 @@ TEST(ShellWeights, SliverFallsBackToTheClosestPoint) {
   ShellWeightsMap map;
   map.build(one_triangle(), std::vector{Vec3(0.5, 0.1, 0)}, std::vector<std::int32_t>{0}, x);
   std::vector<Vec3> u(1);
-  map.velocity(std::vector<double>{2, 0, 0, 4, 0, 0, 0, 0, 0}, u);
+  map.apply(std::vector<double>{2, 0, 0, 4, 0, 0, 0, 0, 0}, u);
   EXPECT_TRUE(u[0].isApprox(Vec3(3, 0, 0)));
 }
 
@@ -174,7 +174,7 @@ TEST(ShellWeights, ASqueezedSheetIsNoShortLever) {
   map.build(SheetPatches(s.triangles), std::vector{r}, std::vector{static_cast<std::int32_t>(t)}, s.x);
   std::vector<double> Q(3 * s.x.size(), 0.0);
   const Vec3 f(0.3, -0.2, 1.0);
-  map.add_force(std::vector{f}, Q);
+  map.apply_transpose(std::vector{f}, Q);
   Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
   double largest = 0.0;
   std::size_t reached = 0;

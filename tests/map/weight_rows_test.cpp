@@ -41,7 +41,7 @@ Eigen::MatrixXd dense(const Map& map, std::size_t nv) {
   for (std::size_t c = 0; c < nv; ++c) {
     std::vector<double> v(nv, 0.0);
     v[c] = 1.0;
-    map.velocity(v, u);
+    map.apply(v, u);
     for (std::size_t p = 0; p < u.size(); ++p) J.block<3, 1>(3 * static_cast<int>(p), static_cast<int>(c)) = u[p];
   }
   return J;
@@ -53,7 +53,7 @@ Eigen::MatrixXd dense_force(const Map& map, std::size_t nv) {
     std::vector<Vec3> f(map.points(), Vec3::Zero());
     f[c / 3][static_cast<int>(c % 3)] = 1.0;
     std::vector<double> Q(nv, 0.0);
-    map.add_force(f, Q);
+    map.apply_transpose(f, Q);
     for (std::size_t i = 0; i < nv; ++i) Jt(static_cast<int>(i), static_cast<int>(c)) = Q[i];
   }
   return Jt;
@@ -69,7 +69,7 @@ TEST(WeightRows, ARowByHand) {
   RowsMap map;
   map.assign(2, w);
   std::vector<Vec3> u(1);
-  map.velocity(std::vector<double>{4, 0, 0, 0, 3, 8}, u);
+  map.apply(std::vector<double>{4, 0, 0, 0, 3, 8}, u);
   EXPECT_EQ(u[0], Vec3(1, 2.25, 6 + 4 + 6));
 }
 
@@ -140,8 +140,8 @@ TEST(WeightRows, NoPointsMakeNoForces) {
   RowsMap map;
   map.assign(3, WeightRows{});
   std::vector<double> Q(9, 0.0);
-  map.add_force(std::span<const Vec3>(), Q);
-  map.velocity(Q, std::span<Vec3>());
+  map.apply_transpose(std::span<const Vec3>(), Q);
+  map.apply(Q, std::span<Vec3>());
   EXPECT_EQ(Q, std::vector<double>(9, 0.0));
 }
 

@@ -16,7 +16,7 @@ using testing::plane_pose;
 using testing::Touching;
 
 /// The rows of a shape at a plane through the origin.
-Constraint rows_of(const Shape& shape, const Pose& pose, const Pose& plane, double h, bool stiff = true) {
+Constraint rows_of(const Shape& shape, const Pose& pose, const Pose& plane, double h, bool rigid = true) {
   const auto half_space = make_half_space();
   const Touching t(shape, pose, *half_space, plane, h, 3 * h, 0.4);
   const std::vector<Vec3> still(t.contacts.size(), Vec3::Zero());
@@ -26,7 +26,7 @@ Constraint rows_of(const Shape& shape, const Pose& pose, const Pose& plane, doub
   normals.begin(t.contacts, std::vector<PairState>(1), o, still, still);
   Constraint rows;
   ConstraintPair law;
-  law.constrained = true, law.friction = 0.5, law.stiff = stiff;
+  law.constrained = true, law.friction = 0.5, law.rigid = stiff;
   rows.gather(t.contacts, normals.normals(), std::vector<ConstraintPair>{law}, {});
   return rows;
 }
@@ -150,7 +150,7 @@ TEST(Constraint, NodesWithoutADirectionMakeNoRowsBetweenSoftParts) {
   const Touching t(*ball, {Mat3::Identity(), Vec3(0, 0, 0.55)}, *half_space, plane_pose(Vec3::UnitZ(), Vec3::Zero()), h,
                    3 * h, 0.4);
   ConstraintPair law;
-  law.constrained = true, law.stiff = false;
+  law.constrained = true, law.rigid = false;
   Constraint rows;
   for (const double none : {0.0, std::numeric_limits<double>::quiet_NaN()}) {
     std::vector<Vec3> normals(t.contacts.size(), Vec3::Constant(none));

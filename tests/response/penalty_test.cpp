@@ -68,7 +68,7 @@ std::pair<Vec3, Vec3> mapped(const Touching& t, const Vec3& center, double sign,
   std::vector<Vec3> f;
   for (const Vec3& x : force) f.push_back(sign * x);
   std::vector<double> Q(6, 0.0);
-  map.add_force(f, Q);
+  map.apply_transpose(f, Q);
   const Vec3 total(Q[0], Q[1], Q[2]), torque(Q[3], Q[4], Q[5]);
   return {total, torque + center.cross(total)};
 }

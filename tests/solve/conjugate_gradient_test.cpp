@@ -13,11 +13,11 @@ namespace {
 
 constexpr unsigned kSeed = 51;
 
-/// Random symmetric positive definite system with a diagonal preconditioner and some imposed directions.
+/// Random symmetric positive definite system with a diagonal preconditioner and some prescribed directions.
 struct Problem {
   Eigen::MatrixXd A;
   Eigen::VectorXd b;
-  std::vector<std::size_t> imposed;
+  std::vector<std::size_t> prescribed;
   LinearSystem system;
 
   explicit Problem(int n) : A(n, n), b(n) {
@@ -36,7 +36,7 @@ struct Problem {
       for (std::size_t i = 0; i < r.size(); ++i) z[i] = r[i] / A(i, i);
     };
     system.filter = [this](std::span<double> x) {
-      for (const std::size_t i : imposed) x[i] = 0.0;
+      for (const std::size_t i : prescribed) x[i] = 0.0;
     };
   }
 };
@@ -109,10 +109,10 @@ TEST(ConjugateGradient, StopsAtTheAskedResidualAndAtTheIterationLimit) {
 TEST(ConjugateGradient, ImposedDirectionsStayZeroAndTheRestSolvesTheReducedSystem) {
   SCOPED_TRACE(kSeed);
   Problem p(40);
-  p.imposed = {0, 7, 8, 39};
+  p.prescribed = {0, 7, 8, 39};
   std::vector<int> free;
   for (int i = 0; i < 40; ++i)
-    if (std::find(p.imposed.begin(), p.imposed.end(), static_cast<std::size_t>(i)) == p.imposed.end())
+    if (std::find(p.prescribed.begin(), p.prescribed.end(), static_cast<std::size_t>(i)) == p.prescribed.end())
       free.push_back(i);
   const Eigen::MatrixXd reduced = p.A(free, free);
   const Eigen::VectorXd expected = reduced.llt().solve(Eigen::VectorXd(p.b(free)));
@@ -120,7 +120,7 @@ TEST(ConjugateGradient, ImposedDirectionsStayZeroAndTheRestSolvesTheReducedSyste
     Eigen::VectorXd x = warm ? Eigen::VectorXd::Ones(40) : Eigen::VectorXd::Zero(40);
     const SolveReport r = ConjugateGradient().solve(p.system, view(p.b), 1e-12, 1000, view(x));
     EXPECT_TRUE(r.converged);
-    for (const std::size_t i : p.imposed) EXPECT_EQ(x[i], 0.0);
+    for (const std::size_t i : p.prescribed) EXPECT_EQ(x[i], 0.0);
     EXPECT_LT((Eigen::VectorXd(x(free)) - expected).norm(), 1e-10 * expected.norm());
   }
 }

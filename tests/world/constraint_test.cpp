@@ -190,7 +190,7 @@ TEST(ConstraintContact, OneTwoOrFourThreadsGiveTheSameBits) {
 TEST(ConstraintContact, ASnapshotThatContinuesEqualsOneStraightRunBitForBit) {
   World straight = tower(3, true);
   run(straight, 0.4);
-  ASSERT_FALSE(straight.state().memory.empty());
+  ASSERT_FALSE(straight.state().warm_start.empty());
   World resumed = tower(3, true);
   resumed.set_state(straight.state());
   for (int s = 0; s < 20; ++s) {

@@ -41,7 +41,7 @@ TEST(Edits, ComeBackFromMemoryAsTheyWereAndLeaveTheRestAlone) {
   EXPECT_EQ(e.rules[0].region, -1);
   EXPECT_EQ(e.rules[1].region, 2);
   State s;
-  s.memory = memory;
+  s.warm_start = memory;
   EXPECT_EQ(removed_in(s), (std::vector<int>{1, 4}));
 }
 

@@ -106,10 +106,10 @@ TEST(Grab, IsNoPartOfTheStateNorOfReports) {
   World w(options_at(0.125));
   w.add(ball("a", {Vec3(0, 0, 2)}));
   w.add(ball("b", {Vec3(2, 0, 2)}));
-  const std::size_t memory = w.state().memory.size();
+  const std::size_t memory = w.state().warm_start.size();
   w.grab(0, Vec3(0, 0, 2));
   EXPECT_TRUE(w.step().links.empty());
-  EXPECT_EQ(w.state().memory.size(), memory);
+  EXPECT_EQ(w.state().warm_start.size(), memory);
   // An attachment that is made meanwhile has its own number and report.
   Attachment pin;
   pin.name = "pin", pin.body = "b", pin.point = Vec3(2, 0, 2);

@@ -52,7 +52,7 @@ World two_balls(const Vec3& gravity = Vec3::Zero()) {
 }
 
 /// Steps a world and asks. @return what became of each
-std::vector<Finding> measured(World& w, const std::vector<Expectation>& expect, int steps) {
+std::vector<ExpectationResult> measured(World& w, const std::vector<Expectation>& expect, int steps) {
   Measures m(w, expect, steps * kStep);
   m.add(w, {}, 0);
   for (int s = 0; s < steps; ++s) {
@@ -134,7 +134,7 @@ TEST(Measures, WhatIsNotANumberHoldsNoBound) {
   r.kinetic_energy = std::numeric_limits<double>::quiet_NaN();
   m.add(w, {}, 0);
   m.add(w, r, 1);
-  for (const Finding& f : m.findings()) EXPECT_FALSE(f.ok) << f.expectation.metric;
+  for (const ExpectationResult& f : m.findings()) EXPECT_FALSE(f.ok) << f.expectation.metric;
 }
 
 TEST(Measures, AWindowThatTheRunDidNotReachHoldsNoBound) {
@@ -182,7 +182,7 @@ TEST(Measures, AWindowHasTheFramesThatLieInIt) {
     EXPECT_EQ(found[2].value, at(z, to) - at(z, from));
     EXPECT_EQ(found[3].value, most(speed));
     EXPECT_EQ(found[4].value, 0.0);
-    for (const Finding& f : found) EXPECT_TRUE(f.reached);
+    for (const ExpectationResult& f : found) EXPECT_TRUE(f.reached);
   }
 }
 

@@ -100,9 +100,9 @@ TEST(OuterActions, WindNeverBringsASheetBeyondItsSpeed) {
   w.apply(f);
   for (int s = 0; s < 60; ++s) {
     w.step();
-    EXPECT_LT(w.body(0).carrier_velocity(0, w.v(0)).z(), 20.02);  // its own waves swing about the air's speed
+    EXPECT_LT(w.body(0).mean_velocity(0, w.v(0)).z(), 20.02);  // its own waves swing about the air's speed
   }
-  EXPECT_GT(w.body(0).carrier_velocity(0, w.v(0)).z(), 17.0);
+  EXPECT_GT(w.body(0).mean_velocity(0, w.v(0)).z(), 17.0);
 }
 
 TEST(OuterActions, AFieldOfAirIsWhatUniformAirWouldBeAtEachPlaceAndTime) {

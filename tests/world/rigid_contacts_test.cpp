@@ -63,7 +63,7 @@ TEST(RigidContacts, RowsThatAreMovedAlongTellTheGapsOfRowsThatAreSampledWhereSol
     for (int s = 0; s < 60; ++s) {
       World fresh = build(n.normalized());
       State state = w.state();
-      state.memory.clear();
+      state.warm_start.clear();
       fresh.set_state(state);
       const StepReport r = w.step(), f = fresh.step();
       nodes += r.voxels, sampled += r.voxels > 0;

@@ -38,7 +38,8 @@ struct PartInfo {
   double thickness = std::numeric_limits<double>::infinity();
   /// [Pa] Young's modulus of the matter behind the surface: contact need not be much stiffer than what it presses.
   double modulus = std::numeric_limits<double>::infinity();
-  bool shapeless = false;  ///< takes the shape of what holds it, as fluids do: contact normals are the other side's own
+  bool conforming =
+      false;  ///< takes the shape of what holds it, as fluids do: contact normals are the other side's own
   Material material;
 };
 
@@ -62,7 +63,7 @@ struct Display {
 /// contact and the solver know of a body is said here; none of them knows its kind.
 ///
 /// Order of calls in a sub-step:
-///   prescribe, update             state and imposed velocities, as the sub-step starts
+///   prescribe, update             state and prescribed velocities, as the sub-step starts
 ///   presence, rasterize, make_map contacts; these are const, and may be called whenever the last update holds
 ///   begin_solve                   then add_forces and the other const operators
 ///   prepare_preconditioner        before a solve whose contacts have changed; several solves are usual
@@ -82,7 +83,7 @@ class Body {
   virtual std::size_t q_size() const = 0;
   virtual std::size_t v_size() const = 0;
   virtual void initial_state(std::span<double> q, std::span<double> v) const = 0;
-  /// Sets the velocities that are imposed (fixed and animated directions) so that the body arrives where it must be
+  /// Sets the velocities that are prescribed (fixed and animated directions) so that the body arrives where it must be
   /// at time + dt. @param q, v  at time
   virtual void prescribe(double time, double dt, std::span<const double> q, std::span<double> v) const {
     (void)time, (void)dt, (void)q, (void)v;
@@ -124,7 +125,7 @@ class Body {
   virtual void prepare_preconditioner(std::size_t first, const BlockDiagonal& D) { (void)first, (void)D; }
   virtual void precondition(std::size_t first, const BlockDiagonal& D, std::span<const double> r,
                             std::span<double> z) const;
-  /// Sets to zero the directions of x in which the velocity is imposed (filtered CG, Baraff and Witkin 1998).
+  /// Sets to zero the directions of x in which the velocity is prescribed (filtered CG, Baraff and Witkin 1998).
   virtual void filter(std::span<double> x) const { (void)x; }
 
   // ---- contact ---------------------------------------------------------------------------------------------------
@@ -137,7 +138,7 @@ class Body {
   /// Box that holds all matter of the part (without ramp), may be infinite.
   virtual Aabb bounds(int p) const = 0;
   /// Velocity with which the part as a whole travels (its mean), [m/s].
-  virtual Vec3 carrier_velocity(int p, std::span<const double> v) const = 0;
+  virtual Vec3 mean_velocity(int p, std::span<const double> v) const = 0;
   /// Largest speed of any matter of the part relative to the carrier velocity, [m/s]; an upper bound.
   virtual double relative_speed_bound(int p, std::span<const double> v) const = 0;
   /// Tiles of step h whose block (halo included) may hold density of the part, within the region: never too few.

@@ -7,7 +7,7 @@ namespace brim {
 class PosedShape;
 
 /// What a Body may be besides where it can tell cheaply how far the surface of a part is. The world then leaves out
-/// tiles on which the bounds of two parts leave no room for contact (world/tile_room.h).
+/// tiles on which the bounds of two parts leave no room for contact (world/tile_culling.h).
 class DistanceBound {
  public:
   virtual ~DistanceBound() = default;

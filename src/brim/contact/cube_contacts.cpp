@@ -7,7 +7,7 @@
 #include "brim/contact/row_ramp.h"
 #include "brim/contact/stencil.h"
 #include "brim/core/parallel.h"
-#include "brim/core/wide.h"
+#include "brim/core/simd.h"
 #include "brim/math/ramp.h"
 #include "brim/raster/cube_distances.h"
 

@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "brim/core/wide.h"
+#include "brim/core/simd.h"
 
 namespace brim {
 

@@ -14,8 +14,8 @@ void ComposedMap::assign(WeightRows rows, std::unique_ptr<Map> inner) {
   transpose_.build(particle_.size(), rows_.first, rows_.source);
 }
 
-void ComposedMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
-  inner_->velocity(v, particle_);
+void ComposedMap::apply(std::span<const double> v, std::span<Vec3> u) const {
+  inner_->apply(v, particle_);
   parallel_for(
       points(),
       [&](std::size_t p) {
@@ -47,9 +47,9 @@ void ComposedMap::spread(std::span<const Vec3> f) const {
       256);
 }
 
-void ComposedMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
+void ComposedMap::apply_transpose(std::span<const Vec3> f, std::span<double> Q) const {
   spread(f);
-  inner_->add_force(particle_, Q);
+  inner_->apply_transpose(particle_, Q);
 }
 
 void ComposedMap::add_geometric(std::span<const Vec3> f, std::span<const double> dq, std::span<double> Q) const {

@@ -24,8 +24,8 @@ class ComposedMap final : public Map {
   std::unique_ptr<Map> release_inner() { return std::move(inner_); }
 
   std::size_t points() const override { return rows_.rows(); }
-  void velocity(std::span<const double> v, std::span<Vec3> u) const override;
-  void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
+  void apply(std::span<const double> v, std::span<Vec3> u) const override;
+  void apply_transpose(std::span<const Vec3> f, std::span<double> Q) const override;
   void add_geometric(std::span<const Vec3> f, std::span<const double> dq, std::span<double> Q) const override;
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
 

@@ -11,7 +11,7 @@ void DenseMap::reset(std::size_t n, std::size_t coordinates) {
   value_.assign(3 * n * coordinates, 0.0);
 }
 
-void DenseMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
+void DenseMap::apply(std::span<const double> v, std::span<Vec3> u) const {
   BRIM_CHECK(v.size(), ==, nv_);
   BRIM_CHECK(u.size(), ==, points_);
   const Eigen::Map<const Eigen::VectorXd> x(v.data(), static_cast<Eigen::Index>(nv_));
@@ -19,7 +19,7 @@ void DenseMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
       points_, [&](std::size_t p) { u[p] = row(p) * x; }, 256);
 }
 
-void DenseMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
+void DenseMap::apply_transpose(std::span<const Vec3> f, std::span<double> Q) const {
   BRIM_CHECK(f.size(), ==, points_);
   BRIM_CHECK(Q.size(), ==, nv_);
   // In the order of the points, on one thread: the same bits always.

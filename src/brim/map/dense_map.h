@@ -23,8 +23,8 @@ class DenseMap final : public Map {
   }
 
   std::size_t points() const override { return points_; }
-  void velocity(std::span<const double> v, std::span<Vec3> u) const override;
-  void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
+  void apply(std::span<const double> v, std::span<Vec3> u) const override;
+  void apply_transpose(std::span<const Vec3> f, std::span<double> Q) const override;
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
 
  private:

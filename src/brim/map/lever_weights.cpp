@@ -55,7 +55,7 @@ bool LeverWeightsMap::select(std::span<const std::uint32_t> rows, std::unique_pt
   return true;
 }
 
-void LeverWeightsMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
+void LeverWeightsMap::apply(std::span<const double> v, std::span<Vec3> u) const {
   BRIM_CHECK(v.size(), ==, 3 * particles_);
   BRIM_CHECK(u.size(), ==, points());
   parallel_blocks(points(), kLeverGrain, [&](std::size_t begin, std::size_t end) {
@@ -70,7 +70,7 @@ void LeverWeightsMap::velocity(std::span<const double> v, std::span<Vec3> u) con
   });
 }
 
-void LeverWeightsMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
+void LeverWeightsMap::apply_transpose(std::span<const Vec3> f, std::span<double> Q) const {
   BRIM_CHECK(Q.size(), ==, 3 * particles_);
   BRIM_CHECK(f.size(), ==, points());
   const RowShares<Share>& shares = by_particle();

@@ -21,8 +21,8 @@ class LeverWeightsMap : public Map, public SparseMap {
   void finish();
 
   std::size_t points() const override { return direction_.size(); }
-  void velocity(std::span<const double> v, std::span<Vec3> u) const override;
-  void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
+  void apply(std::span<const double> v, std::span<Vec3> u) const override;
+  void apply_transpose(std::span<const Vec3> f, std::span<double> Q) const override;
   bool append_rows(MapRows& out) const override;
   bool select(std::span<const std::uint32_t> rows, std::unique_ptr<Map>& out) const override;
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;

@@ -22,12 +22,12 @@ class Map {
   /// u = J v: velocity of the body's matter at each point.
   /// @param v  generalised velocities of the body, shape (nv)
   /// @param u  [m/s], overwritten, shape (n)
-  virtual void velocity(std::span<const double> v, std::span<Vec3> u) const = 0;
+  virtual void apply(std::span<const double> v, std::span<Vec3> u) const = 0;
 
   /// Q += Jᵀ f: generalised forces that do the same work as f.
   /// @param f  [N], shape (n)
   /// @param Q  shape (nv)
-  virtual void add_force(std::span<const Vec3> f, std::span<double> Q) const = 0;
+  virtual void apply_transpose(std::span<const Vec3> f, std::span<double> Q) const = 0;
 
   /// Q += (∂Jᵀ/∂q · dq) f with f held and the points carried by the matter (appendix B, last term).
   /// Zero for maps that are linear in q. @param dq  displacement in generalised coordinates, shape (nv)

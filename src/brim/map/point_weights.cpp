@@ -45,7 +45,7 @@ const RowShares<PointWeightsMap::Share>& PointWeightsMap::by_particle() const {
   return by_particle_;
 }
 
-void PointWeightsMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
+void PointWeightsMap::apply(std::span<const double> v, std::span<Vec3> u) const {
   BRIM_CHECK(v.size(), ==, 3 * particles_);
   BRIM_CHECK(u.size(), ==, points());
   parallel_blocks(points(), kPointGrain, [&](std::size_t begin, std::size_t end) {
@@ -58,7 +58,7 @@ void PointWeightsMap::velocity(std::span<const double> v, std::span<Vec3> u) con
   });
 }
 
-void PointWeightsMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
+void PointWeightsMap::apply_transpose(std::span<const Vec3> f, std::span<double> Q) const {
   BRIM_CHECK(Q.size(), ==, 3 * particles_);
   BRIM_CHECK(f.size(), ==, points());
   const RowShares<Share>& shares = by_particle();

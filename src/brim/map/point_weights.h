@@ -34,8 +34,8 @@ class PointWeightsMap final : public Map, public SparseMap {
   void finish();
 
   std::size_t points() const override { return row_start_.empty() ? 0 : row_start_.size() - 1; }
-  void velocity(std::span<const double> v, std::span<Vec3> u) const override;
-  void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
+  void apply(std::span<const double> v, std::span<Vec3> u) const override;
+  void apply_transpose(std::span<const Vec3> f, std::span<double> Q) const override;
   bool append_rows(MapRows& out) const override;
   bool select(std::span<const std::uint32_t> rows, std::unique_ptr<Map>& out) const override;
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;

@@ -8,13 +8,13 @@ void RigidMap::reset(std::size_t first, const Vec3& origin, std::span<const Vec3
   for (std::size_t i = 0; i < points.size(); ++i) arm_[i] = points[i] - origin;
 }
 
-void RigidMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
+void RigidMap::apply(std::span<const double> v, std::span<Vec3> u) const {
   const Eigen::Map<const Vec3> o(v.data() + first_), w(v.data() + first_ + 3);
   const Vec3 linear = o, angular = w;
   for (std::size_t i = 0; i < arm_.size(); ++i) u[i] = linear + angular.cross(arm_[i]);
 }
 
-void RigidMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
+void RigidMap::apply_transpose(std::span<const Vec3> f, std::span<double> Q) const {
   Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
   for (std::size_t i = 0; i < arm_.size(); ++i) {
     force += f[i];

@@ -15,8 +15,8 @@ class RigidMap final : public Map, public SparseMap {
   void reset(std::size_t first, const Vec3& origin, std::span<const Vec3> points);
 
   std::size_t points() const override { return arm_.size(); }
-  void velocity(std::span<const double> v, std::span<Vec3> u) const override;
-  void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
+  void apply(std::span<const double> v, std::span<Vec3> u) const override;
+  void apply_transpose(std::span<const Vec3> f, std::span<double> Q) const override;
   /// Torque of a force that stays while its arm turns: (dθ × (r − o)) × f, the ω × (ω × r) term of section 5.3.
   void add_geometric(std::span<const Vec3> f, std::span<const double> dq, std::span<double> Q) const override;
   bool append_rows(MapRows& out) const override;

@@ -12,7 +12,7 @@ void RowsMap::assign(std::size_t particles, WeightRows rows) {
   transpose_.build(particles, rows_.first, rows_.source);
 }
 
-void RowsMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
+void RowsMap::apply(std::span<const double> v, std::span<Vec3> u) const {
   BRIM_CHECK(u.size(), ==, points());
   parallel_for(
       points(),
@@ -29,7 +29,7 @@ void RowsMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
       256);
 }
 
-void RowsMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
+void RowsMap::apply_transpose(std::span<const Vec3> f, std::span<double> Q) const {
   BRIM_CHECK(f.size(), ==, points());
   parallel_for(
       transpose_.columns.size(),

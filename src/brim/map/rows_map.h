@@ -17,8 +17,8 @@ class RowsMap final : public Map, public SparseMap {
   void assign(std::size_t particles, WeightRows rows);
 
   std::size_t points() const override { return rows_.rows(); }
-  void velocity(std::span<const double> v, std::span<Vec3> u) const override;
-  void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
+  void apply(std::span<const double> v, std::span<Vec3> u) const override;
+  void apply_transpose(std::span<const Vec3> f, std::span<double> Q) const override;
   bool append_rows(MapRows& out) const override;
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
   const WeightRows& rows() const { return rows_; }

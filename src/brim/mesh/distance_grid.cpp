@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "brim/core/error.h"
-#include "brim/core/wide.h"
+#include "brim/core/simd.h"
 #include "brim/mesh/isosurface.h"
 
 namespace brim {

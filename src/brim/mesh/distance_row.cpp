@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstring>
 
-#include "brim/core/wide.h"
+#include "brim/core/simd.h"
 
 namespace brim {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "brim/core/wide.h"
+#include "brim/core/simd.h"
 
 #define BRIM_LAMBDA_INLINE __attribute__((always_inline))
 

@@ -89,8 +89,8 @@ void FrameLists::add(const World& world, const StepReport& frame, std::span<cons
   add_links(frame.links);
   add_link_ends(world);
   const State& state = world.state();
-  memory_.append_rows(0, state.memory.data(), state.memory.size());
-  memory_.close_frame(state.memory.size());
+  memory_.append_rows(0, state.warm_start.data(), state.warm_start.size());
+  memory_.close_frame(state.warm_start.size());
   add_warnings(frame.warnings);
 }
 

@@ -263,7 +263,7 @@ State RunReader::state(std::int64_t frame) const {
   s.q = row("/frames/q");
   s.v = row("/frames/v");
   const auto [first, count] = d.range("/memory", frame);
-  s.memory = d.rows<double>("/memory/value", first, count, 1, Type::Float64);
+  s.warm_start = d.rows<double>("/memory/value", first, count, 1, Type::Float64);
   return s;
 }
 

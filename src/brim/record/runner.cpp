@@ -124,7 +124,7 @@ StepReport step_frame(World& world, int steps, int& taken, const std::function<v
     if (taken == 0)
       frame = std::move(step);
     else
-      join(frame, std::move(step));
+      accumulate(frame, std::move(step));
   }
   return frame;
 }
@@ -133,7 +133,7 @@ StepReport step_frame(World& world, int steps, int& taken, const std::function<v
 
 bool RunResult::ok() const {
   return end == RunEnd::Completed &&
-         std::all_of(findings.begin(), findings.end(), [](const Finding& f) { return f.as_expected(); });
+         std::all_of(findings.begin(), findings.end(), [](const ExpectationResult& f) { return f.as_expected(); });
 }
 
 RunResult record_run(World& world, const RunPlan& plan, const std::function<bool(const RunProgress&)>& progress) {

@@ -39,7 +39,7 @@ struct RunProgress {
 
 struct RunResult {
   RunEnd end = RunEnd::Completed;
-  std::vector<Finding> findings;
+  std::vector<ExpectationResult> findings;
   RunTotals totals;
   bool started_over = false;  ///< what was to be gone on with had no frame yet: the run was made from its start
   std::string refused{};      ///< why the last step could not be taken, as where memory_limit has no room for it

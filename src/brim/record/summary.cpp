@@ -22,7 +22,7 @@ double energy(const StepReport& r) { return r.kinetic_energy + r.potential_energ
 
 double ratio(double a, double b) { return b > 0.0 ? a / b : 0.0; }
 
-Json finding_json(const Finding& f) {
+Json finding_json(const ExpectationResult& f) {
   const Expectation& e = f.expectation;
   Json j{{"metric", e.metric}};
   if (!e.body.empty()) j["body"] = e.body;
@@ -112,7 +112,7 @@ void RunTotals::add(const StepReport& r, int n) {
 }
 
 std::string summary_text(const World& world, const RunTotals& t, const RunFacts& facts,
-                         const std::vector<Finding>& findings) {
+                         const std::vector<ExpectationResult>& findings) {
   double particles = 0.0;
   std::map<std::string, int> kinds;
   for (int b = 0; b < world.body_count(); ++b) {
@@ -141,7 +141,7 @@ std::string summary_text(const World& world, const RunTotals& t, const RunFacts&
   for (const Warning& w : t.warnings) warnings.push_back({{"time", w.time}, {"code", w.code}, {"message", w.message}});
   Json expect = Json::array();
   bool all = true;
-  for (const Finding& f : findings) {
+  for (const ExpectationResult& f : findings) {
     expect.push_back(finding_json(f));
     all = all && f.as_expected();
   }

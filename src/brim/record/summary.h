@@ -57,7 +57,7 @@ struct RunFacts {
 
 /// The text of summary.json (docs/formats.md). Not-a-number is written as null.
 std::string summary_text(const World& world, const RunTotals& totals, const RunFacts& facts,
-                         const std::vector<Finding>& findings);
+                         const std::vector<ExpectationResult>& findings);
 
 /// Largest resident memory of this process so far, [bytes]; 0 where the system does not say.
 double peak_memory();

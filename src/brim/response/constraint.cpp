@@ -97,7 +97,7 @@ void Constraint::gather_pair(const ContactSet& contacts, std::span<const Vec3> n
   if (options.every_node)
     for (const std::size_t c : order_)
       add_point(contacts, c, contacts.point[c], normals[c], -contacts.depth[c], law, {});
-  else if (law.stiff)
+  else if (law.rigid)
     gather_stiff(contacts, normals, pair, law);
   else
     gather_soft(contacts, normals, pair, law);
@@ -108,7 +108,7 @@ void Constraint::gather_pair(const ContactSet& contacts, std::span<const Vec3> n
       against = against || (normal_[i].dot(e.normal) < 0.0 && (points_.point[i] - e.point).norm() < kAround * pair.h);
     if (!against) add_point(contacts, e.node, e.point, e.normal, e.gap, law, sharp_bend(contacts, e.node, pair.h));
   }
-  if (law.stiff && !options.every_node) deepen(contacts, normals, pair, law, first);
+  if (law.rigid && !options.every_node) deepen(contacts, normals, pair, law, first);
 }
 
 void Constraint::deepen(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
@@ -199,7 +199,7 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
     const auto told = [&](std::size_t c) {
       return std::abs(model.gap_at(contacts.point[c]) + contacts.depth[c]) <= miss;
     };
-    if (law.stiff && !std::all_of(fitter_.near().begin(), fitter_.near().end(), told)) {
+    if (law.rigid && !std::all_of(fitter_.near().begin(), fitter_.near().end(), told)) {
       std::erase_if(around_, [&](std::size_t c) { return !around(c); });
       model = fitter_.fit(contacts, normals, pair.h, around_, law.fixed);
       // Rough surfaces are no quadric anywhere: their deepest node speaks for itself.
@@ -209,7 +209,7 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
     const std::size_t center = points_.size();
     add_point(contacts, around_.front(), model.least_point, model.n, model.least_gap, law,
               {model.bend_a, model.bend_b});
-    if (!law.stiff) return;
+    if (!law.rigid) return;
     add_corners(contacts, pair, law, model, first, center);
     // What lies nearer than the model says has points of its own.
     std::erase_if(rest_, [&](std::size_t c) {
@@ -291,9 +291,9 @@ void Constraint::add_point(const ContactSet& contacts, std::size_t c, const Vec3
 void Constraint::set_targets(const ConstraintOptions& options, std::span<const Vec3> start,
                              std::span<const Vec3> free) {
   const double dt = options.dt;
-  velocity_target_.resize(points_.size()), travel_target_.resize(points_.size());
+  velocity_target_.resize(points_.size()), position_target_.resize(points_.size());
   touch_time_.assign(points_.size(), 0.0);
-  travels_apart_ = bounces_ = false;
+  targets_differ_ = bounces_ = false;
   for (const ContactPair& pair : points_.pairs) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t c = pair.begin; c < pair.end; ++c) least = std::min(least, -double{points_.depth[c]});
@@ -305,7 +305,7 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
       const bool flies = restitution_[c] > 0.0 && -u1 > options.bounce_speed;
       const double closing = -std::max(0.0, gap - (flies ? 0.0 : kTouch * pair.h)) / dt;
       velocity_target_[c] = closing;
-      travel_target_[c] = closing + push;
+      position_target_[c] = closing + push;
       const bool touches = open + dt * u1 < 0.0;
       if (touches && restitution_[c] > 0.0 && gap <= least + kTogether * pair.h) {
         // In free flight by v ← v + a dt, x ← x + dt v, the parabola's own velocity is half a step ahead of v.
@@ -316,10 +316,10 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
           bounces_ = true;
           const double after = -restitution_[c] * hit;
           velocity_target_[c] = std::max(0.0, after + a * (0.5 * dt - before));
-          travel_target_[c] = std::max(push, (after * left + 0.5 * a * left * left) / dt) - open / dt;
+          position_target_[c] = std::max(push, (after * left + 0.5 * a * left * left) / dt) - open / dt;
         }
       }
-      travels_apart_ = travels_apart_ || velocity_target_[c] != travel_target_[c];
+      targets_differ_ = targets_differ_ || velocity_target_[c] != position_target_[c];
     }
   }
 }
@@ -327,8 +327,8 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
 void Constraint::set_rebound(std::size_t c, double velocity, double dt) {
   velocity_target_[c] = std::max(0.0, velocity);
   const double open = std::max(0.0, -double{points_.depth[c]});
-  travel_target_[c] = std::max(0.0, velocity) * (1.0 - touch_time_[c] / dt) - open / dt;
-  travels_apart_ = travels_apart_ || velocity_target_[c] != travel_target_[c];
+  position_target_[c] = std::max(0.0, velocity) * (1.0 - touch_time_[c] / dt) - open / dt;
+  targets_differ_ = targets_differ_ || velocity_target_[c] != position_target_[c];
 }
 
 }  // namespace brim

@@ -24,7 +24,7 @@ struct ConstraintPair {
   bool constrained = false;           ///< false: the pair is not this response's
   double friction = 0.0;              ///< [-] Coulomb coefficient
   double restitution = 0.0;           ///< [-] e, 0 to 1
-  bool stiff = false;                 ///< neither part deforms: few points per patch carry every force and torque
+  bool rigid = false;                 ///< neither part deforms: few points per patch carry every force and torque
   FixedPart fixed = FixedPart::None;  ///< where the other one deforms
 };
 
@@ -67,14 +67,14 @@ class Constraint {
   void set_targets(const ConstraintOptions& options, std::span<const Vec3> start, std::span<const Vec3> free);
   /// Least normal velocity at the end of the step, and on the mean over the step, [m/s].
   std::span<const double> velocity_targets() const { return velocity_target_; }
-  std::span<const double> travel_targets() const { return travel_target_; }
+  std::span<const double> position_targets() const { return position_target_; }
   /// Sets the velocity after an impact that others pass on: where impacts follow each other within the step.
   void set_rebound(std::size_t c, double velocity, double dt);
   std::span<const double> restitution() const { return restitution_; }
   /// True when some contact bounces within the step.
   bool bounces() const { return bounces_; }
   /// True when some way is not what the velocity at the end makes of it.
-  bool travels_apart() const { return travels_apart_; }
+  bool targets_differ() const { return targets_differ_; }
 
  private:
   void gather_pair(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
@@ -106,9 +106,9 @@ class Constraint {
   std::vector<Vec3> normal_, grip_;
   std::vector<double> friction_, restitution_;
   std::vector<Bend> bend_;
-  std::vector<double> velocity_target_, travel_target_;
+  std::vector<double> velocity_target_, position_target_;
   std::vector<double> touch_time_;  ///< [s] from the start of the step to the touch; 0 where it touches already
-  bool travels_apart_ = false, bounces_ = false;
+  bool targets_differ_ = false, bounces_ = false;
   std::vector<std::size_t> order_, patch_, rest_, around_, flat_;
   std::vector<std::uint8_t> taken_;
   PatchFitter fitter_;

@@ -48,8 +48,8 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
   options_ = options;
   const std::size_t n = contacts.size();
   direction_.resize(n), normal_.resize(n), force_.resize(n), relative_.resize(n);
-  lead_.resize(n), load_.resize(n), active_.resize(n), rate_.resize(n), stiffness_.resize(n), scale_.resize(n),
-      drag_.resize(n), mu_.resize(n);
+  implicit_time_.resize(n), load_.resize(n), active_.resize(n), rate_.resize(n), stiffness_.resize(n), scale_.resize(n),
+      friction_viscosity_.resize(n), mu_.resize(n);
   pressed_.assign(n, 0.0);
   bonds_.clear();
   bend_.resize(contacts.pairs.size()), slip_.resize(contacts.pairs.size()), inverse_mass_.resize(contacts.pairs.size()),
@@ -66,7 +66,7 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
       relative_[c] = velocity_a[c] - velocity_b[c];
       scale_[c] = kv * along;
       stiffness_[c] = kv * along * along;
-      lead_[c] = options.dt + (contacts.overlap[c] > 0.0 ? options.damping : 0.0);
+      implicit_time_[c] = options.dt + (contacts.overlap[c] > 0.0 ? options.damping : 0.0);
       mu_[c] = pairs[p].friction;
     }
   });
@@ -90,7 +90,7 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
     const double slack = touching && deforms ? 0.0 : 1.5 * options.slack / pair.w;
     double load = 0.0, slip = 0.0;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
-      const double after = contacts.overlap[c] - lead_[c] * rate_[c];
+      const double after = contacts.overlap[c] - implicit_time_[c] * rate_[c];
       active_[c] = pairs[p].filled || (scale_[c] > 0.0 && (contacts.overlap[c] > 0.0 || after + slack > 0.0));
       load_[c] = scale_[c] * after;
       load += std::max(0.0, load_[c]), slip += std::max(0.0, load_[c]) * slip_after(c, {}).norm();
@@ -128,9 +128,9 @@ void Penalty::choose_normals(const ContactSet& contacts, std::span<const PairSta
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
     if (pair.begin == pair.end) return;
-    const auto [shapeless_a, shapeless_b] = pairs[p].shapeless;
-    if (shapeless_a != shapeless_b) {
-      take_normals_of(shapeless_a, contacts, pair);
+    const auto [conforming_a, conforming_b] = pairs[p].conforming;
+    if (conforming_a != conforming_b) {
+      take_normals_of(conforming_a, contacts, pair);
       bend_[p] = {0.0, 0.0};
       return;
     }
@@ -171,8 +171,8 @@ void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState
     Vec3 n = Vec3::Zero();
     for (std::size_t c = pair.begin; c < pair.end; ++c) n += weight_of(contacts, c) * normal_[c];
     n.normalize();
-    const Vec3 carrier = pairs[p].carrier_b;
-    Vec3 travel = pairs[p].carrier_a - carrier;
+    const Vec3 carrier = pairs[p].mean_velocity_b;
+    Vec3 travel = pairs[p].mean_velocity_a - carrier;
     travel -= n * n.dot(travel);
 
     // Rate = ĝ_n·(v_a − v_b) + e_a·(v_a − c) + e_b·(v_b − c): e is what the bent part's own slope has beyond the
@@ -208,7 +208,7 @@ void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState
 }
 
 void Penalty::set_friction(std::size_t c, double load, const Vec3& tangential, double stick) {
-  drag_[c] = mu_[c] * std::max(0.0, load) / std::max(tangential.norm(), stick);
+  friction_viscosity_[c] = mu_[c] * std::max(0.0, load) / std::max(tangential.norm(), stick);
 }
 
 void Penalty::right_hand_side(std::span<Vec3> force) const {
@@ -220,8 +220,8 @@ void Penalty::right_hand_side(std::span<Vec3> force) const {
           return;
         }
         const Vec3& n = normal_[c];
-        force[c] =
-            force_[c] - (lead_[c] * scale_[c] * rate_[c]) * n - drag_[c] * (relative_[c] - n * n.dot(relative_[c]));
+        force[c] = force_[c] - (implicit_time_[c] * scale_[c] * rate_[c]) * n -
+                   friction_viscosity_[c] * (relative_[c] - n * n.dot(relative_[c]));
       },
       512);
   for (std::size_t i = 0; i < bonds_.size(); ++i)
@@ -233,9 +233,9 @@ void Penalty::settle_actions() {
   parallel_for(
       force_.size(),
       [&](std::size_t c) {
-        const double drag = active_[c] ? options_.dt * drag_[c] : 0.0;
-        const double across = active_[c] ? options_.dt * lead_[c] * stiffness_[c] - drag : 0.0;
-        action_[c] = {normal_[c], across, drag};
+        const double viscosity = active_[c] ? options_.dt * friction_viscosity_[c] : 0.0;
+        const double across = active_[c] ? options_.dt * implicit_time_[c] * stiffness_[c] - viscosity : 0.0;
+        action_[c] = {normal_[c], across, viscosity};
       },
       512);
   for (std::size_t i = 0; i < bonds_.size(); ++i) {
@@ -280,13 +280,13 @@ void Penalty::apply(std::span<const Vec3> delta, std::span<Vec3> force) const {
 
 Mat3 Penalty::block(std::size_t c) const {
   const Action& a = action_[c];
-  return (a.across + pressed_[c]) * a.n * a.n.transpose() + a.drag * Mat3::Identity();
+  return (a.across + pressed_[c]) * a.n * a.n.transpose() + a.viscosity * Mat3::Identity();
 }
 
 void Penalty::set_load(std::size_t c, double load) {
   load_[c] = load;
   set_friction(c, load, slip_after(c, {}), options_.friction_speed);
-  action_[c] = {normal_[c], -options_.dt * drag_[c], options_.dt * drag_[c]};
+  action_[c] = {normal_[c], -options_.dt * friction_viscosity_[c], options_.dt * friction_viscosity_[c]};
 }
 
 double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> delta) {
@@ -302,7 +302,8 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
       const double separation = std::max(n.dot(relative_[c] + delta[c]), n.dot(relative_[c]));
       // Loads of filled pairs are told, and their friction follows once: a fluid's is small, and its last load near.
       if (!filled_[p])
-        load_[c] = scale_[c] * (contacts.overlap[c] - lead_[c] * rate_[c]) - lead_[c] * stiffness_[c] * n.dot(delta[c]);
+        load_[c] = scale_[c] * (contacts.overlap[c] - implicit_time_[c] * rate_[c]) -
+                   implicit_time_[c] * stiffness_[c] * n.dot(delta[c]);
       if (was_active) net += load_[c];
       if (was_active && load_[c] > 0.0) push += load_[c];
       if (filled_[p]) continue;
@@ -319,12 +320,12 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
     double load = 0.0, assumed = 0.0;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const Vec3 slip = slip_after(c, delta);
-      const double before = drag_[c];
+      const double before = friction_viscosity_[c];
       const Vec3 expected = slip + (next.ratio - 1.0) * (rigid_[p] ? next.mean : slip);
       const Vec3 tangential = expected - normal_[c] * normal_[c].dot(expected);
       set_friction(c, share * load_[c], tangential, slip_[p].stick);
       load += std::max(0.0, load_[c]), assumed += std::max(0.0, load_[c]) * tangential.norm();
-      if (active_[c] && !filled_[p]) change[p] += std::abs(drag_[c] - before) * slip.norm();
+      if (active_[c] && !filled_[p]) change[p] += std::abs(friction_viscosity_[c] - before) * slip.norm();
     }
     slip_[p].assumed = std::max(slip_[p].stick, load > 0.0 ? assumed / load : 0.0);
   });
@@ -335,10 +336,10 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
   return load > 0.0 ? changed / load : changed > 0.0 ? 1.0 : 0.0;
 }
 
-void Penalty::keep_loads() { kept_active_ = active_, kept_drag_ = drag_; }
+void Penalty::keep_loads() { kept_active_ = active_, kept_viscosity_ = friction_viscosity_; }
 
 void Penalty::take_back_loads() {
-  active_.swap(kept_active_), drag_.swap(kept_drag_);
+  active_.swap(kept_active_), friction_viscosity_.swap(kept_viscosity_);
   settle_actions();
 }
 
@@ -386,7 +387,8 @@ Penalty::SlipForecast Penalty::expected_slip(const ContactPair& pair, std::size_
   for (std::size_t c = pair.begin; c < pair.end; ++c) {
     const Vec3 after = slip_after(c, delta);
     const double speed = after.norm();
-    if (action_[c].drag > 0.0) friction += drag_[c] * (rigid_[p] ? f.mean.dot(after) / std::max(size, kNone) : speed);
+    if (action_[c].viscosity > 0.0)
+      friction += friction_viscosity_[c] * (rigid_[p] ? f.mean.dot(after) / std::max(size, kNone) : speed);
     if (!active_[c] || !(load_[c] > 0.0)) continue;
     most += mu_[c] * share * load_[c];
     load += load_[c], slip += load_[c] * speed;
@@ -419,8 +421,8 @@ void Penalty::forces(std::span<const Vec3> delta, std::span<Vec3> normal, std::s
         }
         const Vec3& n = normal_[c];
         const Vec3 after = relative_[c] + delta[c];
-        normal[c] = force_[c] - lead_[c] * (scale_[c] * rate_[c] + stiffness_[c] * n.dot(delta[c])) * n;
-        friction[c] = -drag_[c] * (after - n * n.dot(after));
+        normal[c] = force_[c] - implicit_time_[c] * (scale_[c] * rate_[c] + stiffness_[c] * n.dot(delta[c])) * n;
+        friction[c] = -friction_viscosity_[c] * (after - n * n.dot(after));
       },
       512);
   for (std::size_t i = 0; i < bonds_.size(); ++i)

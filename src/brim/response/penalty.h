@@ -21,12 +21,12 @@ struct PenaltyOptions {
 
 /// What the response needs of a pair besides its contacts.
 struct PairState {
-  double stiffness = 0.0;         ///< [Pa] k
-  double friction = 0.0;          ///< [-] Coulomb coefficient
-  Vec3 carrier_a = Vec3::Zero();  ///< [m/s] velocity with which each part as a whole travels
-  Vec3 carrier_b = Vec3::Zero();
+  double stiffness = 0.0;               ///< [Pa] k
+  double friction = 0.0;                ///< [-] Coulomb coefficient
+  Vec3 mean_velocity_a = Vec3::Zero();  ///< [m/s] velocity with which each part as a whole travels
+  Vec3 mean_velocity_b = Vec3::Zero();
   /// Sides that take the shape of the other, as fluids do: if it is one only, normals are the other's, unsmoothed.
-  std::array<bool, 2> shapeless = {false, false};
+  std::array<bool, 2> conforming = {false, false};
   bool rigid = false;         ///< neither part deforms: no node can be driven without all the others
   bool filled = false;        ///< one part's own pressure answers the other: of this response there is friction alone
   double inverse_mass = 0.0;  ///< [1/kg] sum of those of the two bodies
@@ -69,7 +69,7 @@ class Penalty {
   /// The same at contact c.
   Vec3 apply(std::size_t c, const Vec3& delta) const {
     const Action& a = action_[c];
-    return (a.across * a.n.dot(delta)) * a.n + a.drag * delta;
+    return (a.across * a.n.dot(delta)) * a.n + a.viscosity * delta;
   }
   /// The 3x3 matrix of apply at contact c, and what set_pressed has said besides: for preconditioners.
   Mat3 block(std::size_t c) const;
@@ -107,10 +107,10 @@ class Penalty {
   double energy() const { return energy_; }
 
  private:
-  /// across n nᵀ + drag 1, what the implicit step sees of a contact; zero where it does not act.
+  /// across n nᵀ + viscosity 1, what the implicit step sees of a contact; zero where it does not act.
   struct Action {
     Vec3 n;
-    double across, drag;
+    double across, viscosity;
   };
   void settle_actions();
   std::size_t first_bond() const { return force_.size() - bonds_.size(); }
@@ -120,7 +120,7 @@ class Penalty {
   /// added to
   void update_bonds(std::span<const Vec3> delta, double& changed, double& total);
   void choose_normals(const ContactSet& contacts, std::span<const PairState> pairs);
-  /// The normals of a surface that something shapeless lies against.
+  /// The normals of a surface that something conforming lies against.
   void take_normals_of(bool side_b, const ContactSet& contacts, const ContactPair& pair);
   /// Judges a patch by the harmonic mean of its curvature: a patch with any flat middle is flat, whatever its edges.
   void bend_of_patch(const ContactSet& contacts, const ContactPair& pair, std::size_t p);
@@ -164,19 +164,19 @@ class Penalty {
   double energy_ = 0.0;
   bool idle_ = true, settled_ = false;
   // Per contact:
-  std::vector<Vec3> direction_;       ///< ĝ, [1/m]
-  std::vector<Vec3> normal_;          ///< n, unit
-  std::vector<Vec3> force_;           ///< f_a at the start, along n, [N]
-  std::vector<Vec3> relative_;        ///< v_a − v_b at the start, [m/s]
-  std::vector<double> rate_;          ///< −dρ̄/dt seen by the travelling patch, [1/s]
-  std::vector<double> stiffness_;     ///< k h³ (ĝ·n)², [N/m]
-  std::vector<double> lead_;          ///< [s] dt + β in overlap, dt before it
-  std::vector<std::uint8_t> active_;  ///< 0: no force in this step
+  std::vector<Vec3> direction_;        ///< ĝ, [1/m]
+  std::vector<Vec3> normal_;           ///< n, unit
+  std::vector<Vec3> force_;            ///< f_a at the start, along n, [N]
+  std::vector<Vec3> relative_;         ///< v_a − v_b at the start, [m/s]
+  std::vector<double> rate_;           ///< −dρ̄/dt seen by the travelling patch, [1/s]
+  std::vector<double> stiffness_;      ///< k h³ (ĝ·n)², [N/m]
+  std::vector<double> implicit_time_;  ///< [s] dt + β in overlap, dt before it
+  std::vector<std::uint8_t> active_;   ///< 0: no force in this step
   std::vector<std::uint8_t> kept_active_;
-  std::vector<double> kept_drag_;
-  std::vector<double> scale_;  ///< k h³ (ĝ·n), [N]
-  std::vector<double> load_;   ///< predicted normal force, [N]
-  std::vector<double> drag_;   ///< C, friction per speed, [N·s/m]
+  std::vector<double> kept_viscosity_;
+  std::vector<double> scale_;               ///< k h³ (ĝ·n), [N]
+  std::vector<double> load_;                ///< predicted normal force, [N]
+  std::vector<double> friction_viscosity_;  ///< C, friction per speed, [N·s/m]
   std::vector<double> mu_;
   std::vector<double> pressed_;  ///< set_pressed
   std::vector<Action> action_;

@@ -4,7 +4,7 @@
 
 namespace brim {
 
-/// Moves an entry of "bodies" as a whole: its transform, velocities, imposed motions and regions of constraints.
+/// Moves an entry of "bodies" as a whole: its transform, velocities, prescribed motions and regions of constraints.
 /// @param body       changed in place; defaults need not be filled in
 /// @param transform  {"position", "rotation"}, validated
 /// @param written    where the body is written, for messages
@@ -12,7 +12,7 @@ namespace brim {
 void move_entry(Json& body, const Node& transform, const Node& written);
 
 /// Likewise an entry of "filters", "attachments", "joints", "forces" or "sensors": its points, regions, directions,
-/// grids and imposed motions.
+/// grids and prescribed motions.
 void move_link(Json& link, const Node& transform, const Node& written);
 
 /// Likewise an entry of "timeline": its offset, rotation and velocities.

@@ -11,7 +11,7 @@ namespace brim {
 struct LinearSystem {
   std::function<void(std::span<const double> x, std::span<double> y)> apply;         ///< y = A x
   std::function<void(std::span<const double> r, std::span<double> z)> precondition;  ///< z = P⁻¹ r
-  std::function<void(std::span<double> x)> filter;                                   ///< zero in the imposed directions
+  std::function<void(std::span<double> x)> filter;  ///< zero in the prescribed directions
   /// Unknowns first[i] to first[i + 1] belong to island island[i]. Neither A nor P⁻¹ couples two islands, so that each
   /// is a system of its own. Shapes (slices + 1) and (slices); both empty: all is one island.
   std::span<const std::size_t> first{};
@@ -31,9 +31,9 @@ struct SolveReport {
 };
 
 /// Solves S A S x = S b by preconditioned conjugate gradient, S the filter (Baraff and Witkin 1998, section 5.3; here
-/// the imposed directions of x are zero). Islands are iterated side by side, each with steps and an end of its own: how
-/// well one is solved does not depend on forces elsewhere. Vectors are kept between calls.
-/// Tests: tests/solve/conjugate_gradient_test.cpp
+/// the prescribed directions of x are zero). Islands are iterated side by side, each with steps and an end of its own:
+/// how well one is solved does not depend on forces elsewhere. Vectors are kept between calls. Tests:
+/// tests/solve/conjugate_gradient_test.cpp
 class ConjugateGradient {
  public:
   /// @param x      first guess on entry, solution on return; filtered

@@ -43,7 +43,7 @@ class BodyInverses {
   std::span<const std::unique_ptr<Body>> bodies_;
   std::vector<std::size_t> first_v_, first_block_;
   std::vector<std::uint8_t> dense_;
-  std::vector<Eigen::LLT<Eigen::MatrixXd>> factor_;  ///< of A with imposed directions replaced by the identity
+  std::vector<Eigen::LLT<Eigen::MatrixXd>> factor_;  ///< of A with prescribed directions replaced by the identity
   std::vector<std::unique_ptr<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>>> sparse_;  ///< likewise, or none
   std::vector<Eigen::MatrixXd> mode_;  ///< Z, filtered, shape (nv, 6) or none
   std::vector<Eigen::LLT<Eigen::MatrixXd>> mode_factor_;

@@ -13,7 +13,7 @@ namespace brim {
 namespace {
 
 /// Solves with A at most, where its inverse is not known: for velocities, and for ways that differ from them.
-constexpr int kMostRefinements = 40, kTravelRefinements = 4;
+constexpr int kMostRefinements = 40, kPositionRefinements = 4;
 /// With more points of rigid pairs sweeps become fewer in proportion, down to this share: warm starts carry the rest
 /// from step to step, and the cost stays linear. Their residual is worth a warning where it reaches the motion of a
 /// free fall.
@@ -52,7 +52,7 @@ void ConstraintStep::begin(std::span<const std::unique_ptr<Body>> bodies, std::s
                            std::span<const ConstraintPair> pairs, const GatheredRows& gathered,
                            std::span<const double> v, const Settings& settings, std::span<const double> memory) {
   bodies_ = bodies, first_v_ = first_v, parts_ = parts, settings_ = settings;
-  travel_.clear();
+  position_correction_.clear();
   rows_.gather(contacts, normals, pairs, settings.rows, gathered);
   const ContactSet& points = rows_.points();
   const std::size_t n = points.size();
@@ -107,19 +107,19 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
     for (std::size_t c = 0; c < n; ++c) more[c] = lambda[c] - first[c];
     direct_.respond(inverses_, first_v_, more, v);
   };
-  if (rows_.travels_apart()) {
+  if (rows_.targets_differ()) {
     std::vector<Vec3> lambda = lambda_;
     std::vector<double> way = change;
     const double worst = report.row_residual;
     if (exact_ && !mapped_ && !rows_.bounces())
       push_apart(way, report);
     else
-      solve_rows(solve, rows_.travel_targets(), kTravelRefinements, lambda, way, residual, report);
+      solve_rows(solve, rows_.position_targets(), kPositionRefinements, lambda, way, residual, report);
     report.row_residual = worst;
     complete(lambda, way);
     complete(lambda_, change);
-    travel_.resize(delta.size());
-    for (std::size_t i = 0; i < travel_.size(); ++i) travel_[i] = way[i] - change[i];
+    position_correction_.resize(delta.size());
+    for (std::size_t i = 0; i < position_correction_.size(); ++i) position_correction_[i] = way[i] - change[i];
   } else {
     complete(lambda_, change);
   }
@@ -130,7 +130,8 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
   bool finite = true;
   for (std::size_t i = 0; i < delta.size(); ++i) {
     delta[i] = change[i];
-    finite = finite && std::isfinite(delta[i]) && (travel_.empty() || std::isfinite(travel_[i]));
+    finite =
+        finite && std::isfinite(delta[i]) && (position_correction_.empty() || std::isfinite(position_correction_[i]));
   }
   return finite;
 }
@@ -203,7 +204,7 @@ void ConstraintStep::push_apart(std::vector<double>& way, StepReport& report) {
   std::vector<Vec3> at(n), push(n, Vec3::Zero());
   for (std::size_t c = 0; c < n; ++c) at[c] = offset_[c] + sweep_.velocity(c, way);
   std::vector<double> change(width_, 0.0);
-  const auto r = sweep_.solve(at, rows_.travel_targets(), kPushTolerance, exact_ ? kRigidPushSweeps : kPushSweeps,
+  const auto r = sweep_.solve(at, rows_.position_targets(), kPushTolerance, exact_ ? kRigidPushSweeps : kPushSweeps,
                               settings_.scale, push, change, 0.0);
   report.sweeps += r.sweeps;
   for (std::size_t i = 0; i < width_; ++i) way[i] += change[i];

@@ -57,7 +57,7 @@ class ConstraintStep {
   /// False where the last correct() ended with a residual that it warned of.
   bool converged() const { return converged_; }
   /// Mean velocity of the step less that at its end, for the positions; shape (nv), or empty where they are the same.
-  std::span<const double> travel() const { return travel_; }
+  std::span<const double> position_correction() const { return position_correction_; }
 
   /// Adds forces to the reports of pairs and to the samples, checks momentum, and keeps λ for the next step.
   void finish(StepReport& report, std::vector<ContactSample>& samples, bool check, std::vector<double>& memory) const;
@@ -124,7 +124,7 @@ class ConstraintStep {
   std::vector<Vec3> start_;   ///< [m/s] relative velocity at the start, world frame
   std::vector<Vec3> offset_;  ///< the same in the contact's frame
   std::vector<Vec3> lambda_;  ///< [N s] in the contact's frame
-  std::vector<double> impulse_, travel_;
+  std::vector<double> impulse_, position_correction_;
   std::vector<Vec3> force_on_a_;
   // Workspace.
   std::vector<std::unique_ptr<Map>> map_;  ///< per part, of the point at hand

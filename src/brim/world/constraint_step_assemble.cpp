@@ -178,7 +178,7 @@ void ConstraintStep::find_forces(const ContactPair& pair, std::size_t c, std::si
       if (axis == 0 || (side_a && side_b))
         parts_[part].body->make_map(parts_[part].index, std::span(&points.point[c], 1), std::span(&source, 1), map);
       const Vec3 f = sign * frame_[c].row(axis).transpose();
-      map->add_force(std::span(&f, 1), force_[axis]);
+      map->apply_transpose(std::span(&f, 1), force_[axis]);
     };
     if (side_a) add_side(pair.part_a, points.source_a[c], 1.0);
     if (side_b) add_side(pair.part_b, points.source_b[c], -1.0);

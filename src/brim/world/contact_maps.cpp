@@ -90,7 +90,7 @@ void ContactMaps::velocities(std::span<const double> v, std::span<Vec3> a, std::
   parallel_for(side_.size(), [&](std::size_t p) {
     const Side& s = side_[p];
     if (s.begin < s.end)
-      s.map->velocity(v.subspan(s.first_v, s.v_size), std::span(row_vector_).subspan(s.begin, s.end - s.begin));
+      s.map->apply(v.subspan(s.first_v, s.v_size), std::span(row_vector_).subspan(s.begin, s.end - s.begin));
   });
   parallel_for(
       a.size(),
@@ -107,7 +107,7 @@ void ContactMaps::row_velocities(std::span<const double> v) const {
     if (s.begin == s.end) return;
     const auto rows = std::span(row_vector_).subspan(s.begin, s.end - s.begin);
     if (s.movable)
-      s.map->velocity(v.subspan(s.first_v, s.v_size), rows);
+      s.map->apply(v.subspan(s.first_v, s.v_size), rows);
     else
       std::fill(rows.begin(), rows.end(), Vec3::Zero());
   });
@@ -115,8 +115,8 @@ void ContactMaps::row_velocities(std::span<const double> v) const {
 
 void ContactMaps::add_row_forces(std::span<double> Q) const {
   for_movable([&](const Side& s) {
-    s.map->add_force(std::span<const Vec3>(row_vector_).subspan(s.begin, s.end - s.begin),
-                     Q.subspan(s.first_v, s.v_size));
+    s.map->apply_transpose(std::span<const Vec3>(row_vector_).subspan(s.begin, s.end - s.begin),
+                           Q.subspan(s.first_v, s.v_size));
   });
 }
 

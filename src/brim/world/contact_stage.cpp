@@ -12,8 +12,8 @@
 #include "brim/core/profile.h"
 #include "brim/core/stopwatch.h"
 #include "brim/world/averaged_raster.h"
+#include "brim/world/contact_parameters.h"
 #include "brim/world/fill_stage.h"
-#include "brim/world/pair_laws.h"
 #include "brim/world/part_filter.h"
 
 namespace brim {
@@ -164,7 +164,7 @@ void ContactStage::outline(std::span<const WorldPart> parts, std::span<const dou
         o.swept = o.box;
         if (rigid_.any() && rigid_.follows(static_cast<std::int32_t>(p)))
           o.swept.extend(rigid_.box(static_cast<std::int32_t>(p)));
-        o.velocity = part.body->carrier_velocity(part.index, vb);
+        o.velocity = part.body->mean_velocity(part.index, vb);
         o.spread = part.body->relative_speed_bound(part.index, vb);
       },
       64);

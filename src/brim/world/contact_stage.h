@@ -11,7 +11,7 @@
 #include "brim/math/box_sweep.h"
 #include "brim/world/rigid_contacts.h"
 #include "brim/world/step_report.h"
-#include "brim/world/tile_room.h"
+#include "brim/world/tile_culling.h"
 #include "brim/world/world.h"
 #include "brim/world/world_part.h"
 

@@ -172,7 +172,7 @@ void Edits::keep(std::vector<double>& memory) const {
 }
 
 std::vector<int> removed_in(const State& state) {
-  std::vector<double> memory = state.memory;
+  std::vector<double> memory = state.warm_start;
   Levels().take(memory, {});
   std::vector<int> out;
   for_records(memory, [&](Word word, RecordReader r) {

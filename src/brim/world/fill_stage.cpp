@@ -18,7 +18,9 @@ constexpr std::size_t kGrain = 512;
 /// Step of central differences of a distance, over the reach.
 constexpr double kDifference = 1e-3;
 
-const Filling* filling(const WorldPart& p) { return p.info.shapeless ? dynamic_cast<const Filling*>(p.body) : nullptr; }
+const Filling* filling(const WorldPart& p) {
+  return p.info.conforming ? dynamic_cast<const Filling*>(p.body) : nullptr;
+}
 
 bool inside(const Aabb& box, const Vec3& x) {
   return (x.array() >= box.lo.array()).all() && (x.array() <= box.hi.array()).all();
@@ -40,7 +42,7 @@ TileKey tile_of(const Vec3& x, double h, Vec3i& node) {
 }  // namespace
 
 bool fills(const WorldPart& a, const WorldPart& b) {
-  return a.info.shapeless != b.info.shapeless && (filling(a) != nullptr || filling(b) != nullptr);
+  return a.info.conforming != b.info.conforming && (filling(a) != nullptr || filling(b) != nullptr);
 }
 
 void FillStage::find(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts,

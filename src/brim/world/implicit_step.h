@@ -8,10 +8,10 @@
 #include "brim/body/body.h"
 #include "brim/response/penalty.h"
 #include "brim/solve/conjugate_gradient.h"
+#include "brim/world/coarse_space.h"
 #include "brim/world/contact_factor.h"
 #include "brim/world/contact_maps.h"
 #include "brim/world/fill_stage.h"
-#include "brim/world/rigid_modes.h"
 #include "brim/world/step_report.h"
 
 namespace brim {
@@ -21,8 +21,8 @@ namespace brim {
 /// solved by filtered conjugate gradient; then nodes that pull let go, friction takes its new loads, and the system is
 /// solved again, from what the last solve found.
 /// Preconditioner: the bodies' own (block Jacobi for most), exact where contact touches (ContactFactor), and the rigid
-/// motions of all bodies that deform (RigidModes): they cost little, and without them the residual hardly sees an error
-/// of the mean motion.
+/// motions of all bodies that deform (CoarseSpace): they cost little, and without them the residual hardly sees an
+/// error of the mean motion.
 class ImplicitStep {
  public:
   struct Settings {
@@ -86,7 +86,7 @@ class ImplicitStep {
   BlockDiagonal bodies_diagonal_, diagonal_;
   ContactMaps acting_;    ///< of the contacts that act; waiting ones cost nothing in the products
   std::size_t room_ = 0;  ///< most contacts so far
-  RigidModes modes_;
+  CoarseSpace modes_;
   ContactRows contact_rows_;
   std::vector<std::uint8_t> sparse_;            ///< per body: its maps show their rows
   std::vector<std::uint8_t> lone_;              ///< per body: one block, without coarse modes

@@ -111,29 +111,29 @@ void set_levels(World& world, const LevelOptions& options) {
   }
   levels.changed_ = levels.level_;
   State state = world.state();
-  state.memory.erase(state.memory.begin(),
-                     state.memory.begin() + static_cast<std::ptrdiff_t>(Levels().read(state.memory)));
-  levels.keep(state.memory);
+  state.warm_start.erase(state.warm_start.begin(),
+                         state.warm_start.begin() + static_cast<std::ptrdiff_t>(Levels().read(state.warm_start)));
+  levels.keep(state.warm_start);
   world.set_state(std::move(state));
 }
 
 void follow_levels(World& world, std::span<const int> followed) {
   State state = world.state();
   Levels levels;
-  const std::size_t size = levels.read(state.memory);
+  const std::size_t size = levels.read(state.warm_start);
   if (followed.size() != levels.level_.size())
     throw InputError(fmt::format("levels: {} are given; this world has {} bodies whose level is known", followed.size(),
                                  levels.level_.size()));
-  state.memory.erase(state.memory.begin(), state.memory.begin() + static_cast<std::ptrdiff_t>(size));
+  state.warm_start.erase(state.warm_start.begin(), state.warm_start.begin() + static_cast<std::ptrdiff_t>(size));
   levels.told_ = true;
   levels.changed_.assign(followed.begin(), followed.end());
-  levels.keep(state.memory);
+  levels.keep(state.warm_start);
   world.set_state(std::move(state));
 }
 
 std::vector<int> levels_in(const State& state) {
   Levels levels;
-  levels.read(state.memory);
+  levels.read(state.warm_start);
   return levels.level_;
 }
 

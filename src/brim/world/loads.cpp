@@ -85,7 +85,7 @@ double soften_stiffness(double k, double E, const Loads& loads, double w, double
   return std::isinf(E) ? k : std::max(20.0 * E, least_stiffness(100.0, loads, w, dt));
 }
 
-double shapeless_stiffness(double k, double E, const Loads& loads) {
+double conforming_stiffness(double k, double E, const Loads& loads) {
   const double p = loads.pressure;
   return p > 0.0 ? std::min(k, std::clamp(20.0 * E, 20.0 * p, 1000.0 * p)) : k;
 }

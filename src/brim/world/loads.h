@@ -31,11 +31,11 @@ double choose_stiffness(const Loads& loads, double w, double dt);
 constexpr double kTellingModulus = 5.0;
 double soften_stiffness(double k, double E, const Loads& loads, double w, double dt);
 
-/// Contact stiffness of what is shapeless (PartInfo::shapeless), [Pa]: 20 E, between 20 and 1000 p_max, at most k (k
-/// without weight), E the modulus of the shapeless side, which is 0 where its surface is only as good as its own grid:
+/// Contact stiffness of what is conforming (PartInfo::conforming), [Pa]: 20 E, between 20 and 1000 p_max, at most k (k
+/// without weight), E the modulus of the conforming side, which is 0 where its surface is only as good as its own grid:
 /// at 1000 p_max a hundredth of a voxel of such noise presses ten times as hard as the weight, and stirs the fluid. It
 /// gives way to a blow, so that nothing has to stop its whole depth within a voxel. Particles want it stiff: at
 /// 100 p_max a solve takes half the iterations, but a small pool without viscosity bounces in its basin for seconds.
-double shapeless_stiffness(double k, double E, const Loads& loads);
+double conforming_stiffness(double k, double E, const Loads& loads);
 
 }  // namespace brim

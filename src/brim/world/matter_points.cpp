@@ -121,7 +121,7 @@ MatterPoints MatterPoints::of_part(const WorldPart& part, double w, std::span<co
     return InputError(
         fmt::format("'{}' ({}) has no points that a link can hold", part.body->name(), part.body->kind()));
   };
-  if (part.info.shapeless || q.size() != part.body->v_size()) throw refuse();
+  if (part.info.conforming || q.size() != part.body->v_size()) throw refuse();
   m.source_ = nearest_sources(part, w, m.x_);
   if (std::count(m.source_.begin(), m.source_.end(), -1) > 0) {
     for (std::size_t i = 0; i < m.x_.size(); ++i)
@@ -140,7 +140,7 @@ MatterPoints MatterPoints::of_part(const WorldPart& part, double w, std::span<co
     std::vector<std::int32_t> source(loose.size());
     for (std::size_t k = 0; k < loose.size(); ++k) at[k] = m.x_[loose[k]], source[k] = m.source_[loose[k]];
     part.body->make_map(part.index, at, source, map);
-    map->velocity(q, next);
+    map->apply(q, next);
     std::vector<std::size_t> still;
     for (std::size_t k = 0; k < loose.size(); ++k) {
       if (!next[k].allFinite()) throw refuse();
@@ -166,7 +166,7 @@ MatterPoints MatterPoints::of_part(const WorldPart& part, double w, std::span<co
     m.x_[i] = m.x_[j], m.source_[i] = m.source_[j];
   }
   part.body->make_map(part.index, m.x_, m.source_, map);
-  map->velocity(q, there);
+  map->apply(q, there);
   m.x_ = there;
   m.map_ = std::move(map);
   return m;
@@ -180,7 +180,7 @@ void MatterPoints::follow(const WorldPart& part, std::span<const double> q) {
     const auto* matter = dynamic_cast<const MaterialPoints*>(part.body);
     for (std::size_t i = 0; i < x_.size(); ++i) x_[i] = matter->position_of(part.index, local_[i]);
   } else if (means_ == Means::Nodes) {
-    map_->velocity(q, x_);
+    map_->apply(q, x_);
   }
 }
 

@@ -189,9 +189,9 @@ void Measures::take(const MeasuredFrame& frame) {
   }
 }
 
-Finding Measures::find(const Asked& a) const {
+ExpectationResult Measures::find(const Asked& a) const {
   const Expectation& e = a.expectation;
-  Finding finding;
+  ExpectationResult finding;
   finding.expectation = e;
   if (frames_ == 0) {
     finding.reached = false;
@@ -228,8 +228,8 @@ Finding Measures::find(const Asked& a) const {
   return finding;
 }
 
-std::vector<Finding> Measures::findings() const {
-  std::vector<Finding> all;
+std::vector<ExpectationResult> Measures::findings() const {
+  std::vector<ExpectationResult> all;
   for (const Asked& a : asked_) all.push_back(find(a));
   return all;
 }

@@ -18,7 +18,7 @@
 namespace brim {
 
 /// An expectation and what became of it.
-struct Finding {
+struct ExpectationResult {
   Expectation expectation;
   double value = 0.0;   ///< of the body that does worst
   std::string body;     ///< that body, when the metric is about bodies
@@ -61,7 +61,7 @@ class Measures {
   void restore(const World& world, const StepReport& frame, int steps, std::size_t warnings,
                std::span<const BodySample> bodies);
 
-  std::vector<Finding> findings() const;
+  std::vector<ExpectationResult> findings() const;
 
   /// Words that an expectation's metric may be.
   static std::vector<std::string> metrics();
@@ -93,7 +93,7 @@ class Measures {
   void take(const MeasuredFrame& frame);
   double end_of(const Expectation& e) const { return std::isfinite(e.to) ? e.to : end_; }
   std::unique_ptr<MetricFold> new_fold(const Asked& asked) const;
-  Finding find(const Asked& asked) const;
+  ExpectationResult find(const Asked& asked) const;
 
   std::vector<Asked> asked_;
   double end_;

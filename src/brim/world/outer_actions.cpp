@@ -106,7 +106,7 @@ void OuterActions::choose_points(const AppliedForce& given, std::span<const Worl
   std::vector<Vec3f> shown(body.display().vertices);
   body.display_positions(shown);
   // Of fluids, whose particles move past each other, the particles themselves.
-  if (parts[0].info.shapeless && shows_nodes(body)) {
+  if (parts[0].info.conforming && shows_nodes(body)) {
     std::size_t nearest = 0;
     for (std::size_t i = 0; i < shown.size(); ++i) {
       const Vec3 x = shown[i].cast<double>();
@@ -144,7 +144,7 @@ void OuterActions::add_at_points(const Vec3& force, std::span<const WorldPart> p
     for (std::size_t i = 0; i < source.size(); ++i) source[i] = spot.points.source(i);
     std::unique_ptr<Map> map;
     part.body->make_map(part.index, x, source, map);
-    map->add_force(std::vector<Vec3>(x.size(), share), Q);
+    map->apply_transpose(std::vector<Vec3>(x.size(), share), Q);
   }
 }
 

@@ -21,8 +21,8 @@ void warn_of_start(std::span<const WorldPart> parts, double time, StepReport& re
   constexpr double kDeep = 2.0;  // [voxels]
   for (const PairReport& r : report.pairs) {
     // What takes the shape of another starts where that leaves it room.
-    const bool shapeless = parts[r.part_a].info.shapeless || parts[r.part_b].info.shapeless;
-    if (shapeless || !(r.worst_overlap > kDeep)) continue;
+    const bool conforming = parts[r.part_a].info.conforming || parts[r.part_b].info.conforming;
+    if (conforming || !(r.worst_overlap > kDeep)) continue;
     if (report.warnings.size() >= 16) return;
     report.warnings.push_back(
         {time, "start_overlap",
@@ -33,7 +33,7 @@ void warn_of_start(std::span<const WorldPart> parts, double time, StepReport& re
   }
 }
 
-void warn_of_mass_ratio(std::span<const WorldPart> parts, const PairLaws& laws, const WorldOptions& options,
+void warn_of_mass_ratio(std::span<const WorldPart> parts, const ContactParameters& laws, const WorldOptions& options,
                         double time, StepReport& report) {
   // A load over a light box sinks by 0.01 voxel at 100 times its mass, 0.05 at 300, 0.3 to 1.3 at 1,000, and goes
   // through it at 10,000.

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "brim/contact/contact_set.h"
+#include "brim/world/contact_parameters.h"
 #include "brim/world/contact_stage.h"
-#include "brim/world/pair_laws.h"
 
 namespace brim {
 
@@ -14,7 +14,7 @@ void warn_of_start(std::span<const WorldPart> parts, double time, StepReport& re
 
 /// Warns of loaded pairs under rows whose masses differ by 300 times and more, the light one carrying more than ten
 /// times its own weight: called where the rows of a step did not converge.
-void warn_of_mass_ratio(std::span<const WorldPart> parts, const PairLaws& laws, const WorldOptions& options,
+void warn_of_mass_ratio(std::span<const WorldPart> parts, const ContactParameters& laws, const WorldOptions& options,
                         double time, StepReport& report);
 
 /// Writes the totals of every touching pair, the contact samples, and the warnings of contacts near saturation.

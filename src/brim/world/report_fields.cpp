@@ -69,7 +69,7 @@ constexpr ReportField kFields[] = {
 
 std::span<const ReportField> report_fields() { return kFields; }
 
-void join(StepReport& frame, StepReport&& next) {
+void accumulate(StepReport& frame, StepReport&& next) {
   frame.time = next.time;
   for (const ReportField& f : kFields) {
     const double x = f.get(frame), y = f.get(next);

@@ -29,7 +29,7 @@ std::span<const ReportField> report_fields();
 
 /// Joins the report of the next step to that of the steps before it, so that one report speaks of a whole frame:
 /// counts and times add up, worst values stay, states (energy, contacts, pairs) are those of the later step.
-void join(StepReport& frame, StepReport&& next);
+void accumulate(StepReport& frame, StepReport&& next);
 
 /// Seconds that contact took: presence to respond, and its share of the solve.
 double contact_seconds(const StepReport& report);

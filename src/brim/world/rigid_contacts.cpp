@@ -15,7 +15,7 @@
 #include "brim/core/workspace_pool.h"
 #include "brim/response/patch_normals.h"
 #include "brim/response/solid_gap.h"
-#include "brim/world/pair_laws.h"
+#include "brim/world/contact_parameters.h"
 #include "brim/world/pair_reports.h"
 
 namespace brim {
@@ -67,7 +67,8 @@ struct RigidContacts::Workspaces : WorkspacePool<Workspace> {};
 RigidContacts::RigidContacts() : workspaces_(std::make_unique<Workspaces>()) {}
 RigidContacts::~RigidContacts() = default;
 
-void RigidContacts::start(std::span<const WorldPart> parts, const PairLaws& laws, const WorldOptions& options) {
+void RigidContacts::start(std::span<const WorldPart> parts, const ContactParameters& laws,
+                          const WorldOptions& options) {
   class_.assign(parts.size(), -1), solid_.assign(parts.size(), nullptr);
   half_ramp_.assign(parts.size(), 0.0), reach_.assign(parts.size(), 0.0);
   side_.assign(parts.size(), {}), box_.assign(parts.size(), {});
@@ -98,7 +99,7 @@ void RigidContacts::start(std::span<const WorldPart> parts, const PairLaws& laws
   for (const std::size_t a : example)
     for (const std::size_t b : example) {
       laws_.push_back(laws.constraint_between(parts[a], parts[b], options));
-      laws_.back().constrained = laws_.back().constrained && laws_.back().stiff;
+      laws_.back().constrained = laws_.back().constrained && laws_.back().rigid;
       any_ = any_ || laws_.back().constrained;
     }
 }

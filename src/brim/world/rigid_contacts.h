@@ -15,7 +15,7 @@
 namespace brim {
 
 struct WorldOptions;
-class PairLaws;
+class ContactParameters;
 class PosedShape;
 
 /// Pairs of rigid solids that rows hold. They are sampled where their references are (ReferencePoses), gathered to rows
@@ -28,7 +28,7 @@ class RigidContacts {
   ~RigidContacts();
 
   /// Finds the parts that are rigid solids, and how they act on each other.
-  void start(std::span<const WorldPart> parts, const PairLaws& laws, const WorldOptions& options);
+  void start(std::span<const WorldPart> parts, const ContactParameters& laws, const WorldOptions& options);
   /// Takes the references of a state over and forgets what was kept.
   void restore(std::span<const double> memory);
   /// True when rows hold the two parts apart and both are rigid solids.

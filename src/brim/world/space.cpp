@@ -10,10 +10,8 @@ class StillMap final : public Map {
  public:
   explicit StillMap(std::size_t points) : points_(points) {}
   std::size_t points() const override { return points_; }
-  void velocity(std::span<const double>, std::span<Vec3> u) const override {
-    std::fill(u.begin(), u.end(), Vec3::Zero());
-  }
-  void add_force(std::span<const Vec3>, std::span<double>) const override {}
+  void apply(std::span<const double>, std::span<Vec3> u) const override { std::fill(u.begin(), u.end(), Vec3::Zero()); }
+  void apply_transpose(std::span<const Vec3>, std::span<double>) const override {}
   void add_block_diagonal(std::span<const Mat3>, std::size_t, BlockDiagonal&) const override {}
 
  private:

@@ -25,7 +25,7 @@ class Space : public Body {
   PartInfo part(int) const override { return {}; }
   bool immobile() const override { return true; }
   Aabb bounds(int) const override { return {}; }
-  Vec3 carrier_velocity(int, std::span<const double>) const override { return Vec3::Zero(); }
+  Vec3 mean_velocity(int, std::span<const double>) const override { return Vec3::Zero(); }
   double relative_speed_bound(int, std::span<const double>) const override { return 0.0; }
   void presence(int, double, double, const Aabb&, std::vector<TileKey>&) const override {}
   void rasterize(int, double, double, std::span<const TileKey>, std::span<DensityBlock>) const override {}

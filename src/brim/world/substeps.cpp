@@ -9,7 +9,7 @@
 #include "brim/body/motion_clusters.h"
 #include "brim/core/parallel.h"
 #include "brim/math/box_sweep.h"
-#include "brim/world/pair_laws.h"
+#include "brim/world/contact_parameters.h"
 
 namespace brim {
 
@@ -28,7 +28,7 @@ double most_pieces(std::span<const WorldPart> parts, std::span<const double> v, 
   for (const WorldPart& part : parts) {
     if (dynamic_cast<const MotionClusters*>(part.body) != nullptr) return std::numeric_limits<double>::infinity();
     const auto vb = v.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
-    const double speed = part.body->carrier_velocity(part.index, vb).norm() +
+    const double speed = part.body->mean_velocity(part.index, vb).norm() +
                          part.body->relative_speed_bound(part.index, vb) + (is_fixed(part) ? 0.0 : change);
     second = std::max(second, std::min(fastest, speed));
     fastest = std::max(fastest, speed);
@@ -56,7 +56,7 @@ struct FastPair {
 double motion_limit(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
   const double h = meeting_step(a, b);
   const double usual = options.max_motion_voxels * h;
-  if (meet_by_rigid_rows(a, b, options) || a.info.shapeless || b.info.shapeless) return usual;
+  if (meet_by_rigid_rows(a, b, options) || a.info.conforming || b.info.conforming) return usual;
   const auto thickness = [](const WorldPart& p) {
     return std::isfinite(p.info.thickness) ? p.info.thickness : kLeastThickness * p.h;
   };
@@ -81,7 +81,7 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
       moving->motion_clusters(part.index, vb, clusters[p]);
     if (clusters[p].empty()) {
       whole[p] = 1;
-      const Vec3 mean = part.body->carrier_velocity(part.index, vb);
+      const Vec3 mean = part.body->mean_velocity(part.index, vb);
       clusters[p].push_back(
           {part.body->bounds(part.index), {mean, mean}, part.body->relative_speed_bound(part.index, vb)});
     }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "brim/core/wide.h"
+#include "brim/core/simd.h"
 
 namespace brim {
 

@@ -24,8 +24,8 @@ class Watcher {
   /// The step has ended and bodies are where it left them.
   virtual void end_step(const World& world, const StepReport& report) = 0;
 
-  /// Takes what State::memory holds of the watcher, in front of all else, and removes it there: nothing where it was
-  /// not watching. Both are called together also between steps: what is kept follows from what was taken.
+  /// Takes what State::warm_start holds of the watcher, in front of all else, and removes it there: nothing where it
+  /// was not watching. Both are called together also between steps: what is kept follows from what was taken.
   virtual void take(std::vector<double>& memory) { (void)memory; }
   /// Puts what the next step goes on from in front of what memory holds.
   virtual void keep(const World& world, std::vector<double>& memory) const { (void)world, (void)memory; }

@@ -107,7 +107,7 @@ void WindOnBody::add_on_faces(const AppliedForce::Wind& wind, double scale, Face
   std::unique_ptr<Map> map;
   body.make_map(part.index, x, source, map);
   std::vector<Vec3> u(x.size());
-  map->velocity(v, u);
+  map->apply(v, u);
   const Display& display = body.display();
   std::vector<Vec3f> shown(display.vertices);
   body.display_positions(shown);
@@ -130,7 +130,7 @@ void WindOnBody::add_on_faces(const AppliedForce::Wind& wind, double scale, Face
     const double mass = part.info.areal_mass * facing.norm();
     u[i] = mass > 0.0 ? Vec3(f / (1.0 + dt * slope / mass)) : f;
   }
-  map->add_force(u, Q);
+  map->apply_transpose(u, Q);
 }
 
 void WindOnBody::add_on_nodes(const AppliedForce::Wind& wind, double scale, const Display& display,

@@ -62,19 +62,19 @@ void World::Impl::append(std::unique_ptr<Body> body, std::span<const double> q0,
 }
 
 void World::Impl::take_memory() {
-  for (const auto& w : watchers) w->take(state.memory);
-  levels.take(state.memory, std::span(bodies).first(count()));
-  edits.take(state.memory, static_cast<int>(count()));
-  links.take(state.memory);
-  sleep.take(state.memory);
+  for (const auto& w : watchers) w->take(state.warm_start);
+  levels.take(state.warm_start, std::span(bodies).first(count()));
+  edits.take(state.warm_start, static_cast<int>(count()));
+  links.take(state.warm_start);
+  sleep.take(state.warm_start);
 }
 
 void World::Impl::keep_memory() {
-  sleep.keep(state.memory);
-  links.keep(state.memory);
-  edits.keep(state.memory);
-  levels.keep(state.memory);
-  for (std::size_t i = watchers.size(); i-- > 0;) watchers[i]->keep(*self, state.memory);
+  sleep.keep(state.warm_start);
+  links.keep(state.warm_start);
+  edits.keep(state.warm_start);
+  levels.keep(state.warm_start);
+  for (std::size_t i = watchers.size(); i-- > 0;) watchers[i]->keep(*self, state.warm_start);
   show_whole();
 }
 
@@ -121,7 +121,7 @@ void World::set_state(State state) {
   w.levels.mark(w.parts);
   w.stage.average(w.levels.average());
   w.keep_apart();
-  w.stage.rigid().restore(w.state.memory);
+  w.stage.rigid().restore(w.state.warm_start);
   for (const int b : w.edits.frozen) std::ranges::fill(w.v(static_cast<std::size_t>(b)), 0.0);
   for (std::size_t b = 0; b < w.bodies.size(); ++b)
     if (std::any_of(w.v(b).begin(), w.v(b).end(), [](double x) { return x != 0.0; })) w.sleep.wake(b);
@@ -161,7 +161,7 @@ std::uint64_t World::hash() const {
   mix(&s.time, sizeof s.time);
   mix(s.q.data(), s.q.size() * sizeof(double));
   mix(s.v.data(), s.v.size() * sizeof(double));
-  mix(s.memory.data(), s.memory.size() * sizeof(double));
+  mix(s.warm_start.data(), s.warm_start.size() * sizeof(double));
   return hash;
 }
 

@@ -61,7 +61,7 @@ struct State {
   std::vector<double> v;  ///< generalised velocities, shape (nv)
   /// What the next step starts from besides: impulses of constraint rows, references of solids, who sleeps, links that
   /// broke, edits, levels of detail, and what watchers keep.
-  std::vector<double> memory;
+  std::vector<double> warm_start;
 };
 
 /// A global part: part `index` of body `body`.

@@ -102,7 +102,7 @@ PartInfo World::Impl::info_of(const WorldPart& p) const {
     // What stays where it is does not give way, and keeps its shape.
     info.areal_mass = 0.0;
     info.modulus = std::numeric_limits<double>::infinity();
-    info.shapeless = false;
+    info.conforming = false;
   }
   return info;
 }
@@ -163,7 +163,7 @@ void World::Impl::edit(const std::function<void(Edits&)>& change) {
   change(edits);
   leave_out();
   follow_edits();
-  stage.rigid().restore(state.memory);
+  stage.rigid().restore(state.warm_start);
   keep_memory();
   update_bodies();
 }

@@ -10,6 +10,7 @@
 #include "brim/response/penalty.h"
 #include "brim/world/constraint_step.h"
 #include "brim/world/contact_maps.h"
+#include "brim/world/contact_parameters.h"
 #include "brim/world/contact_stage.h"
 #include "brim/world/edits.h"
 #include "brim/world/fill_stage.h"
@@ -17,7 +18,6 @@
 #include "brim/world/levels.h"
 #include "brim/world/links.h"
 #include "brim/world/outer_actions.h"
-#include "brim/world/pair_laws.h"
 #include "brim/world/part_filter.h"
 #include "brim/world/sleep.h"
 #include "brim/world/touch_rules.h"
@@ -40,7 +40,7 @@ struct World::Impl {
   std::vector<std::size_t> first_q{0}, first_v{0};
   State state;
   bool started = false;
-  PairLaws laws;
+  ContactParameters laws;
   Sleep sleep;
   TouchRules rules;
   PartFilter filter;  ///< of the rules with regions: those of the options first, then as set_touch was told
@@ -73,7 +73,7 @@ struct World::Impl {
   ImplicitStep implicit;
   ConstraintStep constraints;
   std::vector<Vec3> velocity_a, velocity_b, normal_force, friction_force;
-  std::vector<double> delta, before_q, before_v, travel;
+  std::vector<double> delta, before_q, before_v, advance_v;
   // The state that bodies were last updated to, and which have not been advanced since.
   std::vector<double> updated_q, updated_v;
   double updated_time = 0.0;

@@ -41,7 +41,7 @@ inline bool may_touch(const WorldPart& a, const WorldPart& b) {
 /// thinner than two voxels, and fluids keep their own.
 inline int meeting_level(const WorldPart& a, const WorldPart& b) {
   int level = std::max(a.level, b.level);
-  if (level == 0 || a.info.shapeless || b.info.shapeless) return 0;
+  if (level == 0 || a.info.conforming || b.info.conforming) return 0;
   const double h = std::min(a.h, b.h), thin = std::min(a.info.thickness, b.info.thickness);
   while (level > 0 && thin < (2.0 - 1e-9) * std::ldexp(h, level)) --level;
   return level;

@@ -30,7 +30,7 @@ void World::Impl::start() {
   laws.start(parts, state.v, first_v, given, h0);
   follow_edits();
   if (options.sleep) sleep.start(bodies);
-  stage.rigid().restore(state.memory);
+  stage.rigid().restore(state.warm_start);
 }
 
 void World::Impl::stir() {
@@ -104,7 +104,7 @@ void World::Impl::choose_levels(StepReport& report) {
 void World::Impl::measure(StepReport& report) {
   const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Advance)]);
   update_bodies();
-  stage.rigid().keep(state.memory);
+  stage.rigid().keep(state.warm_start);
   if (sleep.on()) {
     if (report.ok) sleep.settle(parts, report.pairs, report.dt, state.v, first_v);
     // What is linked does not sleep: its links would have to be followed.
@@ -122,7 +122,7 @@ void World::Impl::measure(StepReport& report) {
   }
   for (const WorldPart& p : parts)
     if (!is_fixed(p))
-      report.max_speed = std::max(report.max_speed, p.body->carrier_velocity(p.index, v(p.body_index)).norm() +
+      report.max_speed = std::max(report.max_speed, p.body->mean_velocity(p.index, v(p.body_index)).norm() +
                                                         p.body->relative_speed_bound(p.index, v(p.body_index)));
 }
 

@@ -95,7 +95,7 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
     s.max_sweeps = options.constraint_sweeps;
     s.scale = std::max(g * dt, 1e-6);
     constraints.begin(bodies, first_v, parts, contacts, response.normals(), laws.constraints(), stage.rigid().gather(),
-                      state.v, s, ReferencePoses::rows_of(state.memory));
+                      state.v, s, ReferencePoses::rows_of(state.warm_start));
   }
 
   ImplicitStep::Settings settings;
@@ -150,10 +150,10 @@ double World::Impl::substep(double left, StepReport& report) {
   bool finite = solve_substep(dt, report);
   // What contact throws may outrun the choice, which knows the speeds before only: cut again, once.
   if (finite && report.substeps + 1 < options.max_substeps) {
-    travel = state.v;
-    for (std::size_t i = 0; i < travel.size(); ++i) travel[i] += delta[i];
+    advance_v = state.v;
+    for (std::size_t i = 0; i < advance_v.size(); ++i) advance_v[i] += delta[i];
     presence.emplace(seconds(Phase::Presence));
-    const double pieces = motion_pieces(parts, travel, first_v, options, dt, 0.0);
+    const double pieces = motion_pieces(parts, advance_v, first_v, options, dt, 0.0);
     presence.reset();
     if (pieces > kOutrun) {
       state.q = before_q;
@@ -198,19 +198,20 @@ double World::Impl::substep(double left, StepReport& report) {
       links.finish(contacts, normal_force, state.time, report);
       keep_apart();
     }
-    constraints.finish(report, samples, last, state.memory);
+    constraints.finish(report, samples, last, state.warm_start);
     if (!constraints.empty() && !constraints.converged()) warn_of_mass_ratio(parts, laws, options, state.time, report);
     report.contact_energy = response.energy();
     for (const auto& w : watchers) w->substep(*self, state.time, dt);
   }
   const ScopedSeconds timer(seconds(Phase::Advance));
   for (std::size_t i = 0; i < state.v.size(); ++i) state.v[i] += delta[i];
-  travel = state.v;
-  for (std::size_t i = 0; i < constraints.travel().size(); ++i) travel[i] += constraints.travel()[i];
+  advance_v = state.v;
+  for (std::size_t i = 0; i < constraints.position_correction().size(); ++i)
+    advance_v[i] += constraints.position_correction()[i];
   parallel_for(bodies.size(), [&](std::size_t b) {
     if (sleep.asleep(b) || is_frozen(b)) return;
     const ProfileScope scope("advance", *bodies[b]);
-    bodies[b]->advance(dt, q(b), std::span<const double>(travel).subspan(first_v[b], first_v[b + 1] - first_v[b]));
+    bodies[b]->advance(dt, q(b), std::span<const double>(advance_v).subspan(first_v[b], first_v[b + 1] - first_v[b]));
     bodies[b]->finish_step(state.time, dt, q(b), v(b));
   });
   stir();

@@ -26,7 +26,7 @@ void World::Impl::show_space() {
   part_h.push_back(*std::ranges::max_element(part_h));
   if (sleep.on()) sleep.follow(bodies);
   follow_edits();
-  stage.rigid().restore(state.memory);
+  stage.rigid().restore(state.warm_start);
 }
 
 void World::Impl::hide_space() {

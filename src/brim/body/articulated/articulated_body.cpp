@@ -199,7 +199,7 @@ Vec6 ArticulatedBody::link_twist(int link, std::span<const double> v) const {
   return V;
 }
 
-Vec3 ArticulatedBody::carrier_velocity(int p, std::span<const double> v) const {
+Vec3 ArticulatedBody::mean_velocity(int p, std::span<const double> v) const {
   const int link = parts_[p].link;
   return moved_twist(link_twist(link, v), pose_.link[link].rotation * parts_[p].middle).head<3>();
 }

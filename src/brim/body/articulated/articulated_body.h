@@ -64,7 +64,7 @@ class ArticulatedBody final : public Body,
   PartInfo part(int p) const override { return parts_[p].info; }
   bool parts_collide(int p, int q) const override;
   Aabb bounds(int p) const override { return parts_[p].solid.bounds(); }
-  Vec3 carrier_velocity(int p, std::span<const double> v) const override;
+  Vec3 mean_velocity(int p, std::span<const double> v) const override;
   double relative_speed_bound(int p, std::span<const double> v) const override;
   void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override {
     parts_[p].solid.presence(h, w, region, out);

@@ -35,13 +35,13 @@ Vec6 TreeMap::twist(std::span<const double> v) const {
   return V;
 }
 
-void TreeMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
+void TreeMap::apply(std::span<const double> v, std::span<Vec3> u) const {
   const Vec6 V = twist(v);
   const Vec3 linear = V.head<3>(), angular = V.tail<3>();
   for (std::size_t i = 0; i < arm_.size(); ++i) u[i] = linear + angular.cross(arm_[i]);
 }
 
-void TreeMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
+void TreeMap::apply_transpose(std::span<const Vec3> f, std::span<double> Q) const {
   Vec6 W = Vec6::Zero();
   for (std::size_t i = 0; i < arm_.size(); ++i) {
     W.head<3>() += f[i];

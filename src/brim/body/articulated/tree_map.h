@@ -21,8 +21,8 @@ class TreeMap final : public Map {
   void reset(const Tree& tree, const TreePose& pose, int link, std::span<const Vec3> points, TreeContact* contact);
 
   std::size_t points() const override { return arm_.size(); }
-  void velocity(std::span<const double> v, std::span<Vec3> u) const override;
-  void add_force(std::span<const Vec3> f, std::span<double> Q) const override;
+  void apply(std::span<const double> v, std::span<Vec3> u) const override;
+  void apply_transpose(std::span<const Vec3> f, std::span<double> Q) const override;
   /// Arms, axes and origins of the joints turn with what they hang on.
   void add_geometric(std::span<const Vec3> f, std::span<const double> dq, std::span<double> Q) const override;
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;

@@ -167,7 +167,7 @@ void FaceMap::reset(const MacGrid& g, const WetFaces& wet, std::span<const doubl
     std::copy(row_[p].begin(), row_[p].end(), entry_.begin() + static_cast<std::ptrdiff_t>(row_start_[p]));
 }
 
-void FaceMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
+void FaceMap::apply(std::span<const double> v, std::span<Vec3> u) const {
   BRIM_CHECK(u.size(), ==, points());
   parallel_for(
       points(),
@@ -179,7 +179,7 @@ void FaceMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
       256);
 }
 
-void FaceMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
+void FaceMap::apply_transpose(std::span<const Vec3> f, std::span<double> Q) const {
   BRIM_CHECK(f.size(), ==, points());
   // In the order of the points, on one thread: the same bits always.
   for (std::size_t p = 0; p < points(); ++p)

@@ -46,7 +46,7 @@ GridFluidBody::GridFluidBody(GridFluidModel model)
   part_.voxel_size = model_.voxel_size > 0.0 ? model_.voxel_size : g.dx;
   part_.areal_mass = model_.density * bounds_.extent().minCoeff();
   part_.modulus = 0.0;  // contact as soft as the loads allow: it presses matter that yields
-  part_.shapeless = true;
+  part_.conforming = true;
   part_.thickness = bounds_.extent().minCoeff();
   part_.material = model_.material;
 }

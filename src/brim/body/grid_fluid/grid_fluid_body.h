@@ -65,7 +65,7 @@ class GridFluidBody final : public Body, public Walled, public ChangingSurface, 
 
   PartInfo part(int) const override { return part_; }
   Aabb bounds(int) const override { return bounds_; }
-  Vec3 carrier_velocity(int, std::span<const double> v) const override;
+  Vec3 mean_velocity(int, std::span<const double> v) const override;
   double relative_speed_bound(int, std::span<const double> v) const override;
   void presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
   void rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;

@@ -5,7 +5,7 @@
 /// How a grid fluid shows itself to contact: density, presence, map.
 namespace brim {
 
-Vec3 GridFluidBody::carrier_velocity(int, std::span<const double> v) const {
+Vec3 GridFluidBody::mean_velocity(int, std::span<const double> v) const {
   const Vec3 p = linear_momentum(v);
   Vec3 m = Vec3::Zero();
   for (std::size_t f = 0; f < v.size(); ++f) m[static_cast<int>(f % 3)] += mass_[f];
@@ -13,7 +13,7 @@ Vec3 GridFluidBody::carrier_velocity(int, std::span<const double> v) const {
 }
 
 double GridFluidBody::relative_speed_bound(int, std::span<const double> v) const {
-  const Vec3 mean = carrier_velocity(0, v);
+  const Vec3 mean = mean_velocity(0, v);
   Vec3 most = Vec3::Zero();
   for (std::size_t f = 0; f < v.size(); ++f) {
     const int a = static_cast<int>(f % 3);

@@ -25,7 +25,7 @@ struct ObstacleModel {
 };
 
 /// Static or animated rigid solid of infinite mass. q and v are those of a rigid body (origin of the shape); every
-/// direction of v is imposed, so the solver has nothing to decide.
+/// direction of v is prescribed, so the solver has nothing to decide.
 class ObstacleBody final : public Body, public DistanceBound, public RigidFrame, public PosedDisplay, public Movable {
  public:
   /// @throws InputError when keys are missing or their times do not increase
@@ -51,7 +51,7 @@ class ObstacleBody final : public Body, public DistanceBound, public RigidFrame,
   PartInfo part(int) const override { return model_.part; }
   bool immobile() const override { return true; }
   Aabb bounds(int) const override { return solid_.bounds(); }
-  Vec3 carrier_velocity(int, std::span<const double> v) const override { return {v[0], v[1], v[2]}; }
+  Vec3 mean_velocity(int, std::span<const double> v) const override { return {v[0], v[1], v[2]}; }
   double relative_speed_bound(int, std::span<const double> v) const override;
   void presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override {
     solid_.presence(h, w, region, out);

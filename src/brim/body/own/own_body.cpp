@@ -1,5 +1,7 @@
 #include "brim/body/own/own_body.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -17,7 +19,7 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Steps of central differences: of place, and of the energy's first and second derivatives.
+/// Steps of central differences: of deform, and of the energy's first and second derivatives.
 constexpr double kPlaceStep = 1e-5, kForceStep = 1e-5, kStiffnessStep = 1e-4;
 /// [-] of the extent by which matter may bulge beyond the corners of its surface.
 constexpr double kBulge = 0.02;
@@ -65,9 +67,9 @@ void OwnBody::jacobian(Coordinates q, const Vec3& X, Eigen::Ref<Jacobian> J) con
   for (std::size_t i = 0; i < q.size(); ++i) {
     const double d = step_at(q[i], kPlaceStep);
     moved[i] = q[i] + d;
-    const Vec3 up = place(moved, X);
+    const Vec3 up = deform(moved, X);
     moved[i] = q[i] - d;
-    J.col(static_cast<Eigen::Index>(i)) = (up - place(moved, X)) / (2.0 * d);
+    J.col(static_cast<Eigen::Index>(i)) = (up - deform(moved, X)) / (2.0 * d);
     moved[i] = q[i];
   }
 }
@@ -86,14 +88,23 @@ Eigen::VectorXd OwnBody::energy_force(Coordinates given) const {
   return f;
 }
 
-void OwnBody::place_all(Coordinates q, std::span<const Vec3> X, std::span<Vec3> x) const {
-  parallel_for(
-      X.size(), [&](std::size_t p) { x[p] = place(q, X[p]); }, 64);
+Vec3 OwnBody::place(Coordinates, const Vec3&) const {
+  throw InputError(fmt::format("body of kind '{}': deform(q, X) is missing; it says where the matter of X is", kind()));
 }
 
-void OwnBody::rest_all(Coordinates q, std::span<const Vec3> x, std::span<Vec3> X) const {
+Vec3 OwnBody::rest(Coordinates, const Vec3&) const {
+  throw InputError(
+      fmt::format("body of kind '{}': inverse_deform(q, x) is missing; it says which matter is at x", kind()));
+}
+
+void OwnBody::deform_all(Coordinates q, std::span<const Vec3> X, std::span<Vec3> x) const {
   parallel_for(
-      x.size(), [&](std::size_t p) { X[p] = rest(q, x[p]); }, 64);
+      X.size(), [&](std::size_t p) { x[p] = deform(q, X[p]); }, 64);
+}
+
+void OwnBody::inverse_deform_all(Coordinates q, std::span<const Vec3> x, std::span<Vec3> X) const {
+  parallel_for(
+      x.size(), [&](std::size_t p) { X[p] = inverse_deform(q, x[p]); }, 64);
 }
 
 void OwnBody::jacobian_all(Coordinates q, std::span<const Vec3> X, DenseMap& J) const {
@@ -110,7 +121,7 @@ void OwnBody::update(double, std::span<const double> q, std::span<const double> 
   q_.assign(q.begin(), q.end());
   v_.assign(v.begin(), v.end());
   vertex_.resize(model_.surface.vertices.size());
-  place_all(q_, model_.surface.vertices, vertex_);
+  deform_all(q_, model_.surface.vertices, vertex_);
   bounds_ = Aabb();
   for (const Vec3& x : vertex_) bounds_.extend(x);
   bounds_ = bounds_.inflated(kBulge * bounds_.extent().maxCoeff());
@@ -130,7 +141,7 @@ void OwnBody::measure_matter() {
   std::vector<double> ahead(q_), behind(q_);
   for (std::size_t i = 0; i < q_.size(); ++i) ahead[i] += d * v_[i], behind[i] -= d * v_[i];
   std::vector<Vec3> x(piece_.size());
-  place_all(q_, piece_, x);
+  deform_all(q_, piece_, x);
   DenseMap at_q, at_ahead, at_behind;
   for (const auto& [where, map] : {std::pair{&q_, &at_q}, {&ahead, &at_ahead}, {&behind, &at_behind}}) {
     map->reset(piece_.size(), q_.size());
@@ -188,13 +199,13 @@ void OwnBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) const {
 }
 
 double OwnBody::relative_speed_bound(int, std::span<const double> v) const {
-  const Vec3 mean = carrier_velocity(0, v);
+  const Vec3 mean = mean_velocity(0, v);
   const double d = kPlaceStep / std::max(1.0, vector(v).lpNorm<Eigen::Infinity>());
   std::vector<double> ahead(q_), behind(q_);
   for (std::size_t i = 0; i < q_.size(); ++i) ahead[i] += d * v[i], behind[i] -= d * v[i];
   std::vector<Vec3> front(model_.surface.vertices.size()), back(front.size());
-  place_all(ahead, model_.surface.vertices, front);
-  place_all(behind, model_.surface.vertices, back);
+  deform_all(ahead, model_.surface.vertices, front);
+  deform_all(behind, model_.surface.vertices, back);
   double most = 0.0;
   for (std::size_t i = 0; i < front.size(); ++i)
     most = std::max(most, ((front[i] - back[i]) / (2.0 * d) - mean).norm());
@@ -220,19 +231,19 @@ void OwnBody::make_map(int, std::span<const Vec3> points, std::span<const std::i
   auto& dense = static_cast<DenseMap&>(*map);
   dense.reset(points.size(), q_.size());
   std::vector<Vec3> X(points.size());
-  rest_all(q_, points, X);
+  inverse_deform_all(q_, points, X);
   jacobian_all(q_, X, dense);
 }
 
 Vec3 OwnBody::material_at(int, const Vec3& x) const {
   Vec3 X;
-  rest_all(q_, {&x, 1}, {&X, 1});
+  inverse_deform_all(q_, {&x, 1}, {&X, 1});
   return X;
 }
 
 Vec3 OwnBody::position_of(int, const Vec3& X) const {
   Vec3 x;
-  place_all(q_, {&X, 1}, {&x, 1});
+  deform_all(q_, {&X, 1}, {&x, 1});
   return x;
 }
 

@@ -24,11 +24,11 @@ struct OwnModel {
 
 /// A body of a few coordinates q by someone who says only where its matter is, how far its surface is, and what
 /// energy it holds; all that contact and the solver want follows from that (docs/bodies/your_own.md):
-///   J = ∂place/∂q,  M = Σ m JᵀJ,  Q = −∂E/∂q + Σ m Jᵀ g − Σ m Jᵀ J̇ v,  K = −∂²E/∂q² without its positive part
+///   J = ∂deform/∂q,  M = Σ m JᵀJ,  Q = −∂E/∂q + Σ m Jᵀ g − Σ m Jᵀ J̇ v,  K = −∂²E/∂q² without its positive part
 /// with derivatives by central differences unless they are overridden, and sums over pieces of the matter at rest.
 /// Every cost grows with n² or n³: for up to some dozens of coordinates.
 ///
-/// Momentum of contact is exact in so far as place() can move as a rigid body can: translations of all matter give
+/// Momentum of contact is exact in so far as deform() can move as a rigid body can: translations of all matter give
 /// exact linear momentum, rotations exact angular momentum.
 /// Tests: tests/body/own_body_test.cpp
 class OwnBody : public Body, public OuterForces, public MaterialPoints {
@@ -38,22 +38,27 @@ class OwnBody : public Body, public OuterForces, public MaterialPoints {
 
   // ---- what the author says; called from several threads -----------------------------------------------------------
   /// Where the matter is that is at X at rest, [m].
-  virtual Vec3 place(Coordinates q, const Vec3& X) const = 0;
+  virtual Vec3 deform(Coordinates q, const Vec3& X) const { return place(q, X); }
   /// The inverse: which matter is at x, [m]; wanted within some voxels of the surface.
-  virtual Vec3 rest(Coordinates q, const Vec3& x) const = 0;
+  virtual Vec3 inverse_deform(Coordinates q, const Vec3& x) const { return rest(q, x); }
   /// Signed distance from x to the surface, negative inside, [m]; wanted within some voxels of the surface, far from it
   /// only its sign.
   virtual double distance(Coordinates q, const Vec3& x) const = 0;
   /// Energy of the body's own forces, [J].
   virtual double energy(Coordinates q) const { return static_cast<void>(q), 0.0; }
-  /// ∂place/∂q, shape (3, n). The default takes central differences.
+  /// ∂deform/∂q, shape (3, n). The default takes central differences.
   virtual void jacobian(Coordinates q, const Vec3& X, Eigen::Ref<Jacobian> J) const;
   /// −∂E/∂q, shape (n). The default takes central differences.
   virtual Eigen::VectorXd energy_force(Coordinates q) const;
 
+  /// The former names of deform and inverse_deform, for bodies that were written with them.
+  /// @throws InputError  where a body has neither
+  virtual Vec3 place(Coordinates q, const Vec3& X) const;
+  virtual Vec3 rest(Coordinates q, const Vec3& x) const;
+
   // ---- the same for many points at once, for authors who work on arrays; the defaults go point by point -------------
-  virtual void place_all(Coordinates q, std::span<const Vec3> X, std::span<Vec3> x) const;
-  virtual void rest_all(Coordinates q, std::span<const Vec3> x, std::span<Vec3> X) const;
+  virtual void deform_all(Coordinates q, std::span<const Vec3> X, std::span<Vec3> x) const;
+  virtual void inverse_deform_all(Coordinates q, std::span<const Vec3> x, std::span<Vec3> X) const;
   /// @param J  made for X.size() points and n coordinates
   virtual void jacobian_all(Coordinates q, std::span<const Vec3> X, DenseMap& J) const;
 
@@ -71,7 +76,7 @@ class OwnBody : public Body, public OuterForces, public MaterialPoints {
   void add_system_diagonal(std::size_t first, BlockDiagonal& D) const override;
   PartInfo part(int) const override { return part_; }
   Aabb bounds(int) const override { return bounds_; }
-  Vec3 carrier_velocity(int, std::span<const double> v) const override { return linear_momentum(v) / mass_; }
+  Vec3 mean_velocity(int, std::span<const double> v) const override { return linear_momentum(v) / mass_; }
   double relative_speed_bound(int, std::span<const double> v) const override;
   void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
   void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;

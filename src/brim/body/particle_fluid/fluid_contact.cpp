@@ -7,7 +7,7 @@
 #include "brim/body/filling.h"
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
-#include "brim/core/wide.h"
+#include "brim/core/simd.h"
 
 namespace brim {
 

@@ -62,7 +62,7 @@ const FluidMap::ByParticle& FluidMap::by_particle() const {
   return b;
 }
 
-void FluidMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
+void FluidMap::apply(std::span<const double> v, std::span<Vec3> u) const {
   BRIM_CHECK(u.size(), ==, points());
   if (u.empty()) return;
   BRIM_CHECK(v.size(), ==, 3 * x_->size());
@@ -84,7 +84,7 @@ void FluidMap::velocity(std::span<const double> v, std::span<Vec3> u) const {
   });
 }
 
-void FluidMap::add_force(std::span<const Vec3> f, std::span<double> Q) const {
+void FluidMap::apply_transpose(std::span<const Vec3> f, std::span<double> Q) const {
   BRIM_CHECK(f.size(), ==, points());
   if (f.empty()) return;
   BRIM_CHECK(Q.size(), ==, 3 * x_->size());

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "brim/core/parallel.h"
-#include "brim/core/wide.h"
+#include "brim/core/simd.h"
 
 namespace brim {
 

@@ -82,7 +82,7 @@ ParticleFluidBody::ParticleFluidBody(std::vector<Vec3> x, ParticleFluidOptions o
   part_.voxel_size = o.voxel_size > 0.0 ? o.voxel_size : 0.5 * o.spacing;
   part_.areal_mass = o.density * down.cwiseAbs().dot(extent);
   part_.modulus = bulk_modulus_;
-  part_.shapeless = true;
+  part_.conforming = true;
   part_.material = o.material;
   display_.kind = Display::Kind::Points;
   display_.vertices = start_.size();
@@ -278,10 +278,10 @@ Aabb ParticleFluidBody::bounds(int) const {
   return box.inflated(0.5 * options_.spacing);
 }
 
-Vec3 ParticleFluidBody::carrier_velocity(int, std::span<const double> v) const { return linear_momentum(v) / mass(); }
+Vec3 ParticleFluidBody::mean_velocity(int, std::span<const double> v) const { return linear_momentum(v) / mass(); }
 
 double ParticleFluidBody::relative_speed_bound(int, std::span<const double> v) const {
-  const Vec3 carrier = carrier_velocity(0, v);
+  const Vec3 carrier = mean_velocity(0, v);
   double largest = 0.0;
   for (std::size_t i = 0; i < start_.size(); ++i)
     largest = std::max(largest, (particle_at(v, i) - carrier).squaredNorm());

@@ -65,7 +65,7 @@ class ParticleFluidBody final : public Body, public Filling, public OuterForces,
 
   PartInfo part(int) const override { return part_; }
   Aabb bounds(int p) const override;
-  Vec3 carrier_velocity(int p, std::span<const double> v) const override;
+  Vec3 mean_velocity(int p, std::span<const double> v) const override;
   double relative_speed_bound(int p, std::span<const double> v) const override;
   void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
   void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;

@@ -50,18 +50,18 @@ ParticleBody::ParticleBody(std::vector<Vec3> rest, std::vector<double> mass, Par
   for (const Vec3& x : x_) box_.extend(x);
   for (std::size_t i = 0; i < rest_.size(); ++i)
     if (!rest_[i].allFinite()) throw InputError(fmt::format("body: vertex {} has a position that is not finite", i));
-  imposed_ = options_.fixed;
+  prescribed_ = options_.fixed;
   for (const NodeMotion& m : options_.motions) {
     if (!m.position) throw InputError("body: a motion has no path");
-    imposed_.insert(imposed_.end(), m.nodes.begin(), m.nodes.end());
+    prescribed_.insert(prescribed_.end(), m.nodes.begin(), m.nodes.end());
   }
-  std::sort(imposed_.begin(), imposed_.end());
-  for (std::size_t i = 0; i < imposed_.size(); ++i) {
-    if (imposed_[i] < 0 || static_cast<std::size_t>(imposed_[i]) >= rest_.size())
+  std::sort(prescribed_.begin(), prescribed_.end());
+  for (std::size_t i = 0; i < prescribed_.size(); ++i) {
+    if (prescribed_[i] < 0 || static_cast<std::size_t>(prescribed_[i]) >= rest_.size())
       throw InputError(
-          fmt::format("body: node {} is fixed or moved, but nodes are 0 to {}", imposed_[i], rest_.size() - 1));
-    if (i > 0 && imposed_[i] == imposed_[i - 1])
-      throw InputError(fmt::format("body: node {} is fixed or moved twice", imposed_[i]));
+          fmt::format("body: node {} is fixed or moved, but nodes are 0 to {}", prescribed_[i], rest_.size() - 1));
+    if (i > 0 && prescribed_[i] == prescribed_[i - 1])
+      throw InputError(fmt::format("body: node {} is fixed or moved twice", prescribed_[i]));
   }
 }
 
@@ -99,7 +99,7 @@ void ParticleBody::update(double, std::span<const double> q, std::span<const dou
 
 void ParticleBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
   if (hold_together(stiffness_))
-    advance_turning({mass_, imposed_}, dt, q, v);
+    advance_turning({mass_, prescribed_}, dt, q, v);
   else
     for (std::size_t i = 0; i < q.size(); ++i) q[i] += dt * v[i];
 }
@@ -128,7 +128,7 @@ void ParticleBody::finish_step(double, double dt, std::span<double> q, std::span
     for (std::size_t i = 0; i < v_.size(); ++i)
       at(std::span(impulse_), i) -= dt * (at(std::span(x), i) + options_.mass_damping * mass_[i] * v_[i]);
   }
-  turn_velocities({mass_, imposed_}, dt, flat(x_), q, v, impulse_);
+  turn_velocities({mass_, prescribed_}, dt, flat(x_), q, v, impulse_);
 }
 
 void ParticleBody::add_forces(const Environment& env, std::span<double> Q) const {
@@ -137,7 +137,7 @@ void ParticleBody::add_forces(const Environment& env, std::span<double> Q) const
   if (options_.stiffness_damping > 0.0) {
     stiffness_.multiply_add(-options_.stiffness_damping, 0.0, mass_, flat(v_), Q);
   }
-  if (hold_together(stiffness_)) add_turning_forces({mass_, imposed_}, dt_, flat(x_), flat(v_), Q);
+  if (hold_together(stiffness_)) add_turning_forces({mass_, prescribed_}, dt_, flat(x_), flat(v_), Q);
   add_outer_forces(Q);
 }
 
@@ -167,7 +167,7 @@ std::optional<BlockSystem> ParticleBody::block_system() const {
                      dt_ * (options_.stiffness_damping + dt_),
                      1.0 + dt_ * options_.mass_damping,
                      mass_,
-                     imposed_,
+                     prescribed_,
                      x_,
                      contact_ && contact_->thin()};
 }
@@ -181,7 +181,7 @@ void ParticleBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) cons
 }
 
 void ParticleBody::filter(std::span<double> x) const {
-  for (const std::int32_t i : imposed_) at(x, i).setZero();
+  for (const std::int32_t i : prescribed_) at(x, i).setZero();
 }
 
 void ParticleBody::set_contact(std::unique_ptr<const ParticleContact> contact, PartInfo part) {
@@ -224,10 +224,10 @@ void ParticleBody::display_positions(std::span<Vec3f> x) const {
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = x_[i].cast<float>();
 }
 
-Vec3 ParticleBody::carrier_velocity(int, std::span<const double> v) const { return linear_momentum(v) / total_mass_; }
+Vec3 ParticleBody::mean_velocity(int, std::span<const double> v) const { return linear_momentum(v) / total_mass_; }
 
 double ParticleBody::relative_speed_bound(int, std::span<const double> v) const {
-  const Vec3 carrier = carrier_velocity(0, v);
+  const Vec3 carrier = mean_velocity(0, v);
   double largest = 0.0;
   for (std::size_t i = 0; i < rest_.size(); ++i) largest = std::max(largest, (at(v, i) - carrier).squaredNorm());
   return std::sqrt(largest);
@@ -243,7 +243,7 @@ void ParticleBody::finer_clusters(int, std::size_t cluster, std::span<const doub
 }
 
 double ParticleBody::mass() const {
-  return imposed_.size() == rest_.size() ? std::numeric_limits<double>::infinity() : total_mass_;
+  return prescribed_.size() == rest_.size() ? std::numeric_limits<double>::infinity() : total_mass_;
 }
 
 double ParticleBody::kinetic_energy(std::span<const double> v) const {

@@ -16,7 +16,7 @@
 
 namespace brim {
 
-/// Particles whose place is imposed over time.
+/// Particles whose place is prescribed over time.
 struct NodeMotion {
   std::vector<std::int32_t> nodes;
   /// Where a node that rests at `rest` [m] is at `time` [s].
@@ -40,7 +40,7 @@ struct ParticleOptions {
 
 /// Body of particles with three coordinates each: q are positions [m], v velocities [m/s], mass lumped at particles.
 /// Inner forces f(x) and their stiffness K(x) (positive semi-definite) come from the kind of body; this class adds
-/// gravity, Rayleigh damping −(a M + b K) v, imposed nodes, and the system of the implicit step
+/// gravity, Rayleigh damping −(a M + b K) v, prescribed nodes, and the system of the implicit step
 ///   A = (1 + dt a) M + (dt b + dt²) K
 /// K in the damping is that of the current state; its own change with q is left out of ∂Q/∂q.
 /// Contact is left to a ParticleContact, which the kind of body gives to set_contact.
@@ -75,7 +75,7 @@ class ParticleBody : public Body,
   void add_system_diagonal(std::size_t first, BlockDiagonal& D) const override;
   void filter(std::span<double> x) const override;
 
-  bool immobile() const override { return imposed_.size() == rest_.size() && options_.motions.empty(); }
+  bool immobile() const override { return prescribed_.size() == rest_.size() && options_.motions.empty(); }
   PartInfo part(int) const override { return part_; }
   Aabb bounds(int p) const override;
   void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
@@ -83,7 +83,7 @@ class ParticleBody : public Body,
   void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
   void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
                 std::unique_ptr<Map>& map) const override;
-  Vec3 carrier_velocity(int p, std::span<const double> v) const override;
+  Vec3 mean_velocity(int p, std::span<const double> v) const override;
   double relative_speed_bound(int p, std::span<const double> v) const override;
   void motion_clusters(int p, std::span<const double> v, std::vector<MotionCluster>& out) const override;
   void finer_clusters(int p, std::size_t cluster, std::span<const double> v,
@@ -130,8 +130,8 @@ class ParticleBody : public Body,
   std::vector<Vec3> rest_;
   std::vector<double> mass_;
   ParticleOptions options_;
-  std::vector<std::int32_t> imposed_;  // fixed and moved nodes, sorted
-  std::vector<Vec3> x_, v_, force_;    // of the last update
+  std::vector<std::int32_t> prescribed_;  // fixed and moved nodes, sorted
+  std::vector<Vec3> x_, v_, force_;       // of the last update
   BlockMatrix stiffness_;
   Display display_;
 

@@ -9,7 +9,7 @@
 
 namespace brim {
 
-TetContact::TetContact(const TetMesh& mesh) : tets_(mesh.tets), carriers_(tets_) {
+TetContact::TetContact(const TetMesh& mesh) : tets_(mesh.tets), fallback_(tets_) {
   TetSurface surface = tet_surface(mesh);
   surface_ = std::move(surface.triangles);
   owner_ = std::move(surface.owner);
@@ -45,7 +45,7 @@ void TetContact::make_map(std::span<const Vec3> x, std::span<const Vec3> points,
       const Tetrahedron* t = &tets_[sources[p]];
       std::array<double, 4> w = linear_weights(points[p], corners(*t));
       if (!(sum_of_sizes(w) <= kMaxTetWeight)) {
-        t = &tets_[carriers_.choose(tets_, sources[p], kMaxTetWeight,
+        t = &tets_[fallback_.choose(tets_, sources[p], kMaxTetWeight,
                                     [&](const Tetrahedron& c) { return tet_weight_sum(points[p], corners(c)); })];
         w = tet_weights(points[p], corners(*t));
       }

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "brim/body/body.h"
-#include "brim/body/particles/carriers.h"
+#include "brim/body/particles/element_fallback.h"
 #include "brim/body/particles/particle_contact.h"
 #include "brim/core/workspace_pool.h"
 #include "brim/raster/raster_tets.h"
@@ -34,7 +34,7 @@ class TetContact final : public ParticleContact {
   TetSolid solid(std::span<const Vec3> x) const { return {x, tets_, surface_, owner_}; }
 
   std::vector<Tetrahedron> tets_;
-  Carriers<4> carriers_;
+  ElementFallback<4> fallback_;
   std::vector<Triangle> surface_;
   std::vector<std::int32_t> owner_;
   mutable WorkspacePool<TetRasterWorkspace> workspace_;

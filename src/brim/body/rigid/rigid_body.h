@@ -57,7 +57,7 @@ class RigidBody final : public Body,
 
   PartInfo part(int) const override { return model_.part; }
   Aabb bounds(int) const override { return solid_.bounds(); }
-  Vec3 carrier_velocity(int, std::span<const double> v) const override { return {v[0], v[1], v[2]}; }
+  Vec3 mean_velocity(int, std::span<const double> v) const override { return {v[0], v[1], v[2]}; }
   double relative_speed_bound(int, std::span<const double> v) const override;
   void presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override {
     solid_.presence(h, w, region, out);

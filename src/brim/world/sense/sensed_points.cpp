@@ -68,7 +68,7 @@ std::span<const Vec3> SensedPoints::velocities(const World& world) {
   for (std::size_t i = 0; i < source.size(); ++i) source[i] = points_.source(i);
   part_.body->make_map(part_.index, points_.positions(), source, map_);
   velocity_.resize(points_.size());
-  map_->velocity(world.v(body_), velocity_);
+  map_->apply(world.v(body_), velocity_);
   return velocity_;
 }
 

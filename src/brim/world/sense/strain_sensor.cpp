@@ -22,7 +22,7 @@ StrainSensor::StrainSensor(const SensorModel& model, const World& world) : Senso
   const Body& body = world.body(body_);
   shown_ = &body;
   if (!model.region) throw InputError("strain is that of a region; none is given");
-  if (changing_surface(body) || body.part(0).shapeless)
+  if (changing_surface(body) || body.part(0).conforming)
     throw InputError(fmt::format("'{}' ({}) has no vertices that stay with its matter", body.name(), body.kind()));
   display_now(body, position_);
   for (std::size_t i = 0; i < position_.size(); ++i)

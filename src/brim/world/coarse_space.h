@@ -20,7 +20,7 @@ namespace brim {
 /// but rigid motions is solved here alone.
 /// Cost of a build: six products per body and six per contact; of an application: two passes over the places of the
 /// nodes where a body has told them (BlockSystem), else over six vectors.
-class RigidModes {
+class CoarseSpace {
  public:
   /// Takes the motions of the bodies and what the contacts see of them. Bodies must have begun their solve.
   /// @param without  nonzero for bodies that are left out, shape (bodies)

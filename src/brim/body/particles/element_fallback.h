@@ -13,11 +13,11 @@ namespace brim {
 /// unless it is squeezed so flat that the point's weights w in it exceed a bound; then the best of those around it,
 /// whose weights reproduce linear fields too, so that forces keep their torque. Tests: tests/body/fem_body_test.cpp
 template <std::size_t N>
-class Carriers {
+class ElementFallback {
  public:
   using Primitive = std::array<std::int32_t, N>;
 
-  explicit Carriers(std::span<const Primitive> primitives) {
+  explicit ElementFallback(std::span<const Primitive> primitives) {
     std::int32_t vertices = 0;
     for (const Primitive& p : primitives)
       for (const std::int32_t i : p) vertices = std::max(vertices, i + 1);

@@ -1,4 +1,4 @@
-#include "brim/world/pair_laws.h"
+#include "brim/world/contact_parameters.h"
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ World on_ground(double stiffness) {
   return w;
 }
 
-TEST(PairLaws, AContactThirtyTimesStifferThanItsLoadsAskForIsTold) {
+TEST(ContactParameters, AContactThirtyTimesStifferThanItsLoadsAskForIsTold) {
   const auto said = [](double stiffness) {
     World w = on_ground(stiffness);
     FemOptions options;
@@ -45,7 +45,7 @@ TEST(PairLaws, AContactThirtyTimesStifferThanItsLoadsAskForIsTold) {
 
 /// Two boxes of 64 kg fall onto each other and the ground, 1.6e7 Pa chosen: 1e9 Pa takes their energy from 1.1 to 12
 /// kJ.
-TEST(PairLaws, AGigapascalBetweenRigidBoxesIsTold) {
+TEST(ContactParameters, AGigapascalBetweenRigidBoxesIsTold) {
   const auto said = [](double stiffness) {
     World w = on_ground(stiffness);
     w.add(box("lower", {Vec3(0, 0, 0.6)}, 0.5, 0.4));
@@ -56,7 +56,7 @@ TEST(PairLaws, AGigapascalBetweenRigidBoxesIsTold) {
   EXPECT_EQ(said(1e9), 1);
 }
 
-TEST(PairLaws, APairOfMaterialsThatIsTooStiffIsToldOnce) {
+TEST(ContactParameters, APairOfMaterialsThatIsTooStiffIsToldOnce) {
   WorldOptions o = options_at(0.125);
   o.pair_materials[{"default", "default"}].stiffness = 1e11;
   World w(o);
@@ -76,13 +76,13 @@ int mass_warnings(double mass, Response response) {
   return warnings_of(w, "mass_ratio", 30);
 }
 
-TEST(PairLaws, AMassRatioThatRowsDoNotHoldIsTold) {
+TEST(ContactParameters, AMassRatioThatRowsDoNotHoldIsTold) {
   EXPECT_GT(mass_warnings(1e4, Response::Constraint), 0);
   EXPECT_EQ(mass_warnings(100.0, Response::Constraint), 0);
   EXPECT_EQ(mass_warnings(1e4, Response::Penalty), 0) << "penalties hold it";
 }
 
-TEST(PairLaws, ALightBoxOnAHeavyOneIsNotTold) {
+TEST(ContactParameters, ALightBoxOnAHeavyOneIsNotTold) {
   WorldOptions o = options_at(0.125);
   o.response = Response::Constraint;
   World w(o);

@@ -21,8 +21,8 @@ bool is_rigid(const WorldPart& p);
 bool meet_by_rigid_rows(const WorldPart& a, const WorldPart& b, const WorldOptions& options);
 
 /// The law of contact between two parts: what the scene, their materials and the loads say together.
-/// Tests: tests/world/pair_laws_test.cpp, tests/world/loads_test.cpp
-class PairLaws {
+/// Tests: tests/world/contact_parameters_test.cpp, tests/world/loads_test.cpp
+class ContactParameters {
  public:
   /// Chooses the stiffness that the world has at most, from its initial state.
   /// @param v   [m/s] velocities of all bodies  @param h0  [m] finest step of the grid

@@ -1,4 +1,4 @@
-#include "brim/world/tile_room.h"
+#include "brim/world/tile_culling.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "brim/world/rigid_modes.h"
+#include "brim/world/coarse_space.h"
 
 #include <Eigen/Cholesky>
 #include <optional>
@@ -17,7 +17,7 @@ constexpr double kIndependentMode = 1e-6;
 
 }  // namespace
 
-void RigidModes::take_modes(const Body& body, std::size_t n, Modes& m) const {
+void CoarseSpace::take_modes(const Body& body, std::size_t n, Modes& m) const {
   m.count = 0;
   m.free = true;
   m.columns.resize(kModes * n);
@@ -70,9 +70,9 @@ void RigidModes::take_modes(const Body& body, std::size_t n, Modes& m) const {
   }
 }
 
-void RigidModes::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
-                       std::span<const WorldPart> parts, const ContactMaps& maps, const ContactSet& contacts,
-                       std::span<const std::uint8_t> without) {
+void CoarseSpace::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+                        std::span<const WorldPart> parts, const ContactMaps& maps, const ContactSet& contacts,
+                        std::span<const std::uint8_t> without) {
   modes_.resize(bodies.size());
   complete_.resize(bodies.size());
   first_v_.assign(first_v.begin(), first_v.end());
@@ -108,13 +108,13 @@ void RigidModes::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<
   }
 }
 
-void RigidModes::add_block(const Block& block, const Modes& a, const Modes& b) {
+void CoarseSpace::add_block(const Block& block, const Modes& a, const Modes& b) {
   for (int j = 0; j < b.count; ++j)
     for (int i = 0; i < a.count; ++i)
       entries_.emplace_back(static_cast<int>(a.row) + i, static_cast<int>(b.row) + j, block(i, j));
 }
 
-bool RigidModes::factor(const ContactSet& contacts, const Penalty& response) {
+bool CoarseSpace::factor(const ContactSet& contacts, const Penalty& response) {
   pair_blocks_.resize(contacts.pairs.size());
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     std::array<Block, 3>& sum = pair_blocks_[p];
@@ -145,7 +145,7 @@ bool RigidModes::factor(const ContactSet& contacts, const Penalty& response) {
   return solver_.info() == Eigen::Success && (solver_.vectorD().array() > 0.0).all();
 }
 
-void RigidModes::give_back(std::span<const double> r, std::span<double> x) const {
+void CoarseSpace::give_back(std::span<const double> r, std::span<double> x) const {
   parallel_for(modes_.size(), [&](std::size_t b) {
     const Modes& m = modes_[b];
     if (m.count == 0 || !m.free) return;
@@ -158,7 +158,7 @@ void RigidModes::give_back(std::span<const double> r, std::span<double> x) const
   });
 }
 
-Eigen::VectorXd RigidModes::restricted(const Modes& m, std::span<const double> r) {
+Eigen::VectorXd CoarseSpace::restricted(const Modes& m, std::span<const double> r) {
   const auto n = static_cast<Eigen::Index>(r.size());
   if (m.place.empty())
     return Eigen::Map<const Eigen::MatrixXd>(m.columns.data(), n, m.count).transpose() *
@@ -172,7 +172,7 @@ Eigen::VectorXd RigidModes::restricted(const Modes& m, std::span<const double> r
   return m.basis.leftCols(m.count).transpose() * sum;
 }
 
-void RigidModes::add_prolonged(const Modes& m, const Eigen::VectorXd& c, std::span<double> z) {
+void CoarseSpace::add_prolonged(const Modes& m, const Eigen::VectorXd& c, std::span<double> z) {
   const auto n = static_cast<Eigen::Index>(z.size());
   if (m.place.empty()) {
     Eigen::Map<Eigen::VectorXd>(z.data(), n).noalias() +=
@@ -186,7 +186,7 @@ void RigidModes::add_prolonged(const Modes& m, const Eigen::VectorXd& c, std::sp
   });
 }
 
-void RigidModes::add(std::span<const double> r, std::span<double> z) {
+void CoarseSpace::add(std::span<const double> r, std::span<double> z) {
   if (coarse_.size() == 0) return;
   const auto segment = [&](const Modes& m) { return coarse_.segment(static_cast<Eigen::Index>(m.row), m.count); };
   const auto slice = [&](auto x, std::size_t b) { return x.subspan(first_v_[b], first_v_[b + 1] - first_v_[b]); };

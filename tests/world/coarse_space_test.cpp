@@ -1,4 +1,4 @@
-#include "brim/world/rigid_modes.h"
+#include "brim/world/coarse_space.h"
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ double iterations_of_tower(int boxes) {
   return iterations / solves;
 }
 
-TEST(RigidModes, ATowerOfRigidBodiesNeedsNoIterationsPerStorey) {
+TEST(CoarseSpace, ATowerOfRigidBodiesNeedsNoIterationsPerStorey) {
   // The coarse level is the whole problem here; what is left is rounding.
   EXPECT_LE(iterations_of_tower(2), 3.0);
   EXPECT_LE(iterations_of_tower(8), 3.0);

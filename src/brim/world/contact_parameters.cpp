@@ -1,4 +1,4 @@
-#include "brim/world/pair_laws.h"
+#include "brim/world/contact_parameters.h"
 
 #include <fmt/format.h>
 
@@ -68,12 +68,12 @@ bool meet_by_rigid_rows(const WorldPart& a, const WorldPart& b, const WorldOptio
          Response::Constraint;
 }
 
-void PairLaws::start(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
-                     const WorldOptions& options, double h0) {
+void ContactParameters::start(std::span<const WorldPart> parts, std::span<const double> v,
+                              std::span<const std::size_t> first_v, const WorldOptions& options, double h0) {
   std::vector<double> speed(parts.size());
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const auto vb = velocities_of(parts[p], v, first_v);
-    speed[p] = parts[p].body->carrier_velocity(parts[p].index, vb).norm() +
+    speed[p] = parts[p].body->mean_velocity(parts[p].index, vb).norm() +
                parts[p].body->relative_speed_bound(parts[p].index, vb);
   }
   loads_ = estimate_loads(parts, speed, options.environment);
@@ -83,14 +83,14 @@ void PairLaws::start(std::span<const WorldPart> parts, std::span<const double> v
   stiffness_ = options.stiffness > 0.0 ? options.stiffness : chosen_;
 }
 
-double PairLaws::chosen_stiffness(const PartInfo& a, const PartInfo& b, double dt) const {
-  if (a.shapeless || b.shapeless)
-    return shapeless_stiffness(
-        chosen_, std::min(a.shapeless ? a.modulus : b.modulus, b.shapeless ? b.modulus : a.modulus), loads_);
+double ContactParameters::chosen_stiffness(const PartInfo& a, const PartInfo& b, double dt) const {
+  if (a.conforming || b.conforming)
+    return conforming_stiffness(
+        chosen_, std::min(a.conforming ? a.modulus : b.modulus, b.conforming ? b.modulus : a.modulus), loads_);
   return soften_stiffness(chosen_, std::min(a.modulus, b.modulus), loads_, loads_width_, dt);
 }
 
-PairMaterial PairLaws::material_of(const PartInfo& a, const PartInfo& b, const WorldOptions& options) const {
+PairMaterial ContactParameters::material_of(const PartInfo& a, const PartInfo& b, const WorldOptions& options) const {
   auto key = std::minmax(a.material.name, b.material.name);
   const auto it = options.pair_materials.find({key.first, key.second});
   PairMaterial m = it != options.pair_materials.end() ? it->second : PairMaterial{};
@@ -102,12 +102,12 @@ PairMaterial PairLaws::material_of(const PartInfo& a, const PartInfo& b, const W
   return m;
 }
 
-void PairLaws::warn(std::span<const WorldPart> parts, const WorldOptions& options, StepReport& report) const {
+void ContactParameters::warn(std::span<const WorldPart> parts, const WorldOptions& options, StepReport& report) const {
   if (options.stiffness == 0.0 && options.pair_materials.empty()) return;
   // One part stands for all of its material and modulus.
   std::map<std::pair<std::string, double>, const WorldPart*> example;
   for (const WorldPart& p : parts)
-    if (!p.info.shapeless) example.try_emplace({p.info.material.name, p.info.modulus}, &p);
+    if (!p.info.conforming) example.try_emplace({p.info.material.name, p.info.modulus}, &p);
   std::set<std::pair<std::string, std::string>> said;
   for (const auto& [key_a, a] : example)
     for (const auto& [key_b, b] : example) {
@@ -136,13 +136,15 @@ void PairLaws::warn(std::span<const WorldPart> parts, const WorldOptions& option
     }
 }
 
-ConstraintPair PairLaws::constraint_between(const WorldPart& a, const WorldPart& b, const WorldOptions& options) const {
+ConstraintPair ContactParameters::constraint_between(const WorldPart& a, const WorldPart& b,
+                                                     const WorldOptions& options) const {
   const PairMaterial m = material_of(a.info, b.info, options);
   return {m.response == Response::Constraint, m.friction, m.restitution, is_rigid(a) && is_rigid(b)};
 }
 
-void PairLaws::choose(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
-                      const WorldOptions& options, std::span<const ContactPair> pairs) {
+void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const double> v,
+                               std::span<const std::size_t> first_v, const WorldOptions& options,
+                               std::span<const ContactPair> pairs) {
   penalties_.resize(pairs.size());
   constraints_.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -150,8 +152,8 @@ void PairLaws::choose(std::span<const WorldPart> parts, std::span<const double> 
     const PairMaterial m = material_of(a.info, b.info, options);
     const bool filled = fills(a, b);
     // What takes the shape of another has no few points to hold it by: rows are for what keeps its own.
-    const bool shapeless = a.info.shapeless || b.info.shapeless;
-    const bool constrained = !shapeless && m.response == Response::Constraint;
+    const bool conforming = a.info.conforming || b.info.conforming;
+    const bool constrained = !conforming && m.response == Response::Constraint;
     const bool stiff = is_rigid(a) && is_rigid(b);
     constraints_[i] = {constrained, m.friction, m.restitution, stiff,
                        stiff         ? FixedPart::None
@@ -163,9 +165,9 @@ void PairLaws::choose(std::span<const WorldPart> parts, std::span<const double> 
     const double faces = hard && fixed && !is_told(a.info, b.info, options) ? faces_of(pairs[i]) : 1.0;
     penalties_[i] = {constrained || filled ? 0.0 : faces * m.stiffness,
                      m.friction,
-                     a.body->carrier_velocity(a.index, velocities_of(a, v, first_v)),
-                     b.body->carrier_velocity(b.index, velocities_of(b, v, first_v)),
-                     {a.info.shapeless, b.info.shapeless},
+                     a.body->mean_velocity(a.index, velocities_of(a, v, first_v)),
+                     b.body->mean_velocity(b.index, velocities_of(b, v, first_v)),
+                     {a.info.conforming, b.info.conforming},
                      hard && stiff,  // rods and grains do not yield to what presses them, but they bend
                      filled,
                      inverse_mass_of(a) + inverse_mass_of(b),
@@ -173,11 +175,11 @@ void PairLaws::choose(std::span<const WorldPart> parts, std::span<const double> 
   }
 }
 
-void PairLaws::leave_to_links(std::size_t first) {
+void ContactParameters::leave_to_links(std::size_t first) {
   for (std::size_t i = first; i < penalties_.size(); ++i) {
     penalties_[i] = PairState{};
     // Without gradients there are no normals to find, and no loads.
-    penalties_[i].shapeless = {true, false};
+    penalties_[i].conforming = {true, false};
     penalties_[i].filled = true;
     constraints_[i] = ConstraintPair{};
   }
