@@ -34,7 +34,7 @@ void contact(benchmark::State& state, const std::string& bodies) {
     }
     contacts += static_cast<double>(r.contacts) * r.substeps;
     r.pairs.clear();
-    join(sum, std::move(r));
+    accumulate(sum, std::move(r));
   }
   // Phases are timed by the wall clock: on a machine that does other things too, only this share of it is brim's.
   const double share = static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC / wall;

@@ -26,7 +26,7 @@ Constraint rows_of(const Shape& shape, const Pose& pose, const Pose& plane, doub
   normals.begin(t.contacts, std::vector<PairState>(1), o, still, still);
   Constraint rows;
   ConstraintPair law;
-  law.constrained = true, law.friction = 0.5, law.rigid = stiff;
+  law.constrained = true, law.friction = 0.5, law.rigid = rigid;
   rows.gather(t.contacts, normals.normals(), std::vector<ConstraintPair>{law}, {});
   return rows;
 }
@@ -139,7 +139,7 @@ TEST(Constraint, PairsOfThePenaltyResponseAndEmptyPairsHaveNoPoints) {
   rows.gather(none, {}, std::vector<ConstraintPair>{{true, 0.5, 0.0, true}}, {});
   EXPECT_EQ(rows.points().size(), 0u);
   rows.set_targets({}, {}, {});
-  EXPECT_FALSE(rows.travels_apart());
+  EXPECT_FALSE(rows.targets_differ());
 }
 
 TEST(Constraint, NodesWithoutADirectionMakeNoRowsBetweenSoftParts) {
@@ -173,7 +173,7 @@ TEST(Constraint, TargetsByHand) {
   const std::vector<Vec3> start{Vec3(0, 0, -1.0)}, free{Vec3(0, 0, -2.0)};
   rows.set_targets({dt, 0.0}, start, free);
   EXPECT_NEAR(rows.velocity_targets()[0], -gap / dt, 0.006 * h / dt);
-  EXPECT_FALSE(rows.travels_apart());
+  EXPECT_FALSE(rows.targets_differ());
 }
 
 }  // namespace

@@ -11,11 +11,12 @@ namespace brim {
 template <class F>
 void BlockCholesky::with_stream(const Supernode& s, const F& f) {
   const std::size_t column = 3 * static_cast<std::size_t>(s.begin);
-  float *square = square_.data() + panel::kBlock * column, *step = step_.data() + column;
+  float *columns = square_columns_.data() + panel::kSquare * column,
+        *rows = square_rows_.data() + panel::kSquare * column, *step = step_.data() + column;
   if (compressed_)
-    f(panel::Stream<panel::Triple>{triple_stream_.data() + s.stream, square, step});
+    f(panel::Stream<panel::Triple>{triple_stream_.data() + s.stream, columns, rows, step});
   else
-    f(panel::Stream<float>{stream_.data() + s.stream, square, step});
+    f(panel::Stream<float>{stream_.data() + s.stream, columns, rows, step});
 }
 
 void BlockCholesky::load(const Supernode& s, std::span<const Block> value, Task& task) {

@@ -86,7 +86,7 @@ class BlockCholesky {
   // The same as solves read it (panel::Stream): of large factors in ten bits, of small ones as floats.
   bool compressed_ = false;
   std::vector<panel::Triple> triple_stream_;
-  std::vector<float> stream_, square_, step_;
+  std::vector<float> stream_, square_columns_, square_rows_, step_;
   std::vector<Task> task_;               ///< the last one is the top
   std::vector<std::int32_t> task_of_;    ///< per supernode
   std::vector<std::int32_t> top_place_;  ///< per block: its place in the top

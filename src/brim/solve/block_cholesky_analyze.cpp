@@ -221,7 +221,8 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
     grow(triple_stream_, streamed);
   else
     grow(stream_, streamed);
-  square_.resize(panel::kBlock * 3 * static_cast<std::size_t>(n));
+  square_columns_.resize(panel::kSquare * 3 * static_cast<std::size_t>(n));
+  square_rows_.resize(square_columns_.size());
   step_.resize(3 * static_cast<std::size_t>(n));
   scale_.resize(3 * static_cast<std::size_t>(n));
   x_.resize(3 * static_cast<std::size_t>(n));

@@ -157,9 +157,12 @@ BRIM_INLINE void to_stream(const float* panel, std::size_t stride, std::size_t r
   for (std::size_t first = 0; first < width; first += kBlock) {
     const std::size_t block = std::min(kBlock, width - first), end = first + block, n = chunks(rows - end);
     const std::size_t chunk = chunk_size<T>(block);
+    std::fill_n(out.column + first * kSquare, block * kSquare, 0.0f);
+    std::fill_n(out.row + first * kSquare, block * kSquare, 0.0f);
     for (std::size_t k = 0; k < block; ++k) {
       const float *column = panel + (first + k) * stride, *below = column + end;
-      std::copy_n(column + first, block, out.square + (first + k) * kBlock);
+      for (std::size_t i = k; i < block; ++i)
+        out.column[(first + k) * kSquare + i] = out.row[(first + i) * kSquare + k] = column[first + i];
       const float most = largest(below, rows - end);
       out.step[first + k] = step_for(T{}, most);
       const float inverse = inverse_step(T{}, most);
@@ -174,6 +177,17 @@ BRIM_INLINE void to_stream(const float* panel, std::size_t stride, std::size_t r
     }
     stream += n * chunk;
   }
+}
+
+/// x = Σ_k s_k v_k for the columns or rows s of a square with N of them; what is beyond N is zero.
+template <int N>
+BRIM_INLINE void square_product(const float* s, const float* v, float (&x)[kSquare]) {
+  Wide low = {}, high = {};
+  for (int k = 0; k < N; ++k, s += kSquare) {
+    low += load(s) * v[k];
+    if (N > kWide) high += load(s + kWide) * v[k];
+  }
+  store(x, low), store(x + kWide, high);
 }
 
 /// y -= B x, B the N columns of a block as a stream.
@@ -203,31 +217,42 @@ BRIM_INLINE void transposed_product(const T* stream, const float* y, std::size_t
   for (int k = 0; k < N; ++k) t[k] = sum_of(sum[k]);
 }
 
+template <int N, class T>
+BRIM_INLINE void forward_block(const Stream<T>& panel, const T* stream, std::size_t first, std::size_t n, float* y) {
+  float x[kSquare];
+  square_product<N>(panel.column + first * kSquare, y + first, x);
+  std::copy_n(x, N, y + first);
+  for (int k = 0; k < N; ++k) x[k] *= panel.step[first + static_cast<std::size_t>(k)];
+  subtract_product<N>(stream, x, n, y + first + N);
+}
+
+template <int N, class T>
+BRIM_INLINE void backward_block(const Stream<T>& panel, const T* stream, std::size_t first, std::size_t n, float* y) {
+  float t[N], x[kSquare];
+  transposed_product<N>(stream, y + first + N, n, t);
+  for (int k = 0; k < N; ++k)
+    t[k] = y[first + static_cast<std::size_t>(k)] - panel.step[first + static_cast<std::size_t>(k)] * t[k];
+  square_product<N>(panel.row + first * kSquare, t, x);
+  std::copy_n(x, N, y + first);
+}
+
 template <class T>
 BRIM_INLINE void forward(const Stream<T>& panel, std::size_t rows, std::size_t width, float* y) {
   const T* stream = panel.below;
   for (std::size_t first = 0; first < width; first += kBlock) {
-    const std::size_t block = std::min(kBlock, width - first), end = first + block, n = chunks(rows - end);
-    float x[kBlock] = {};
-    for (std::size_t k = 0; k < block; ++k) {
-      // Above the diagonal the square holds nothing that counts.
-      const float* column = panel.square + (first + k) * kBlock;
-      for (std::size_t i = k; i < block; ++i) x[i] += column[i] * y[first + k];
-    }
-    std::copy(x, x + block, y + first);
-    for (std::size_t k = 0; k < block; ++k) x[k] *= panel.step[first + k];
+    const std::size_t block = std::min(kBlock, width - first), n = chunks(rows - first - block);
     switch (block) {
       case 3:
-        subtract_product<3>(stream, x, n, y + end);
+        forward_block<3>(panel, stream, first, n, y);
         break;
       case 6:
-        subtract_product<6>(stream, x, n, y + end);
+        forward_block<6>(panel, stream, first, n, y);
         break;
       case 9:
-        subtract_product<9>(stream, x, n, y + end);
+        forward_block<9>(panel, stream, first, n, y);
         break;
       default:
-        subtract_product<12>(stream, x, n, y + end);
+        forward_block<12>(panel, stream, first, n, y);
     }
     stream += n * chunk_size<T>(block);
   }
@@ -237,28 +262,20 @@ template <class T>
 BRIM_INLINE void backward(const Stream<T>& panel, std::size_t rows, std::size_t width, float* y) {
   const T* stream = panel.below + stream_size<T>(rows, width);
   for (std::size_t first = (width - 1) / kBlock * kBlock;; first -= kBlock) {
-    const std::size_t block = std::min(kBlock, width - first), end = first + block, n = chunks(rows - end);
+    const std::size_t block = std::min(kBlock, width - first), n = chunks(rows - first - block);
     stream -= n * chunk_size<T>(block);
-    float t[kBlock];
     switch (block) {
       case 3:
-        transposed_product<3>(stream, y + end, n, t);
+        backward_block<3>(panel, stream, first, n, y);
         break;
       case 6:
-        transposed_product<6>(stream, y + end, n, t);
+        backward_block<6>(panel, stream, first, n, y);
         break;
       case 9:
-        transposed_product<9>(stream, y + end, n, t);
+        backward_block<9>(panel, stream, first, n, y);
         break;
       default:
-        transposed_product<12>(stream, y + end, n, t);
-    }
-    for (std::size_t k = 0; k < block; ++k) t[k] = y[first + k] - panel.step[first + k] * t[k];
-    for (std::size_t k = 0; k < block; ++k) {
-      const float* column = panel.square + (first + k) * kBlock;
-      float sum = 0.0f;
-      for (std::size_t i = k; i < block; ++i) sum += column[i] * t[i];
-      y[first + k] = sum;
+        backward_block<12>(panel, stream, first, n, y);
     }
     if (first == 0) break;
   }

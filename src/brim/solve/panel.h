@@ -11,6 +11,8 @@ namespace brim::panel {
 inline constexpr std::size_t kPad = 16;
 /// Columns of a block that is factored by itself before the rest of the panel follows.
 inline constexpr std::size_t kBlock = 12;
+/// Floats of a column or row of such a block's square in a stream: two registers.
+inline constexpr std::size_t kSquare = 16;
 
 /// Rows of a panel with its padding.
 inline std::size_t padded(std::size_t rows) { return (rows + kPad - 1) / kPad * kPad; }
@@ -32,16 +34,18 @@ inline constexpr float kLeastPivot = 1e-5f;
 int factor(float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* workspace);
 
 /// A factored panel as solves read it, in the order in which they do: for every twelve columns the square on the
-/// diagonal, inverted, and apart from it what is below in chunks of eight rows, a chunk of each of the columns in turn.
-/// T is float, or Triple, ten bits a number: equal steps over each column's range, a third of the memory for solves
-/// that are bound by it. An iteration loses nothing by that, as entries of a factor that is scaled to a diagonal of
-/// ones are at most 1. Numbers of three columns in a row of a panel: in bits 0 to 9, 11 to 20 and 22 to 31.
+/// diagonal, inverted, by columns and by rows, and apart from it what is below in chunks of eight rows, a chunk of each
+/// of the columns in turn. T is float, or Triple, ten bits a number: equal steps over each column's range, a third of
+/// the memory for solves that are bound by it. An iteration loses nothing by that, as entries of a factor that is
+/// scaled to a diagonal of ones are at most 1. Numbers of three columns in a row of a panel: in bits 0 to 9, 11 to 20
+/// and 22 to 31.
 enum class Triple : std::uint32_t {};
 
 template <class T>
 struct Stream {
   T* below;       ///< shape (stream_size)
-  float* square;  ///< shape (width, 12)
+  float* column;  ///< of the squares, zeros above the diagonal, shape (width, kSquare)
+  float* row;     ///< of the squares, zeros beyond the diagonal, shape (width, kSquare)
   float* step;    ///< of each column, what 1 of T is worth; shape (width)
 };
 /// @return how many of T
