@@ -24,7 +24,7 @@ std::vector<Contact> centred(const CubeSide& a, const CubeSide& b, const Vec3& p
   const Vec3i lo = ((place - Vec3::Constant(reach)) / h).array().floor().cast<int>(),
               hi = ((place + Vec3::Constant(reach)) / h).array().ceil().cast<int>();
   find_between_solids(a, b, pair, {lo, hi}, finds);
-  center_on_least_gap(a, b, h, finds.contacts);
+  center_on_least_gap(a, b, a, h, finds.contacts);
   return finds.contacts;
 }
 
@@ -42,6 +42,8 @@ TEST(PatchCenter, ABallIsCarriedStraightBelowItsMiddleWhereverTheNodesLie) {
       const Vec3 lever = c.point - middle;
       // A curvature of 0.005 voxels a voxel is blended to flat: a fiftieth of the half voxel to the node is left.
       EXPECT_LT((lever - n * n.dot(lever)).norm(), 0.05 * h);
+      // At the radius of the ball, though it sinks in by a tenth of a voxel.
+      EXPECT_NEAR(lever.norm(), 0.4, 0.05 * h);
     }
   }
 }
@@ -71,6 +73,28 @@ TEST(PatchCenter, BallsAndLyingCylindersAreRoundAndBoxesAreNotHoweverTheyLean) {
   }
 }
 
+TEST(PatchCenter, ACylinderThatTouchesAtItsRimIsCarriedOnItsLine) {
+  const auto cylinder = make_cylinder(0.4, 0.4), plane = make_half_space();
+  std::mt19937 rng(7);
+  std::uniform_real_distribution<double> u(-1, 1);
+  int seen = 0;
+  for (int trial = 0; trial < 50; ++trial) {
+    // It leans on one end by a twentieth of a voxel, and is turned a little across its line.
+    const Mat3 lying = (rotation_from_vector(Vec3(0, 0, 0.05 * u(rng))) * rotation_from_vector(Vec3(0.0125, 0, 0)) *
+                        rotation_from_vector(Vec3(M_PI / 2, 0, 0)))
+                           .toRotationMatrix();
+    const Vec3 middle(h * u(rng), h * u(rng), 0.393), line = lying.col(2), across = line.cross(Vec3::UnitZ());
+    const auto contacts =
+        centred(solid_side(cylinder, {lying, middle}), solid_side(plane, {}), Vec3(middle.x(), middle.y(), 0), 0.4);
+    seen += !contacts.empty();  // between nodes it may lie unseen
+    for (const Contact& c : contacts)
+      if (c.overlap > 0.0f) {
+        EXPECT_LT(std::abs(across.dot(c.point - middle)), 0.01 * h) << trial;
+      }
+  }
+  EXPECT_GT(seen, 25);
+}
+
 TEST(PatchCenter, ACylinderIsCarriedOnItsLine) {
   const auto cylinder = make_cylinder(0.4, 1.0), plane = make_half_space();
   const Mat3 lying = rotation_from_vector(Vec3(M_PI / 2, 0, 0)).toRotationMatrix();
@@ -96,7 +120,7 @@ TEST(PatchCenter, FacesAndEdgesStay) {
     find_between_solids(a, b, pair, {Vec3i(-4, -4, -4), Vec3i(4, 4, 4)}, finds);
     std::vector<Vec3> before;
     for (const Contact& c : finds.contacts) before.push_back(c.point);
-    center_on_least_gap(a, b, h, finds.contacts);
+    center_on_least_gap(a, b, a, h, finds.contacts);
     for (std::size_t c = 0; c < before.size(); ++c) EXPECT_LT((finds.contacts[c].point - before[c]).norm(), 1e-6);
   }
 }

@@ -1,6 +1,9 @@
 #include "brim/contact/patch_center.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
 
 namespace brim {
 
@@ -17,11 +20,20 @@ constexpr double kFlat = 0.005;
 constexpr double kNarrow = 3.0, kFarthest = 0.75;
 /// [voxels] gap by which a point lies beside the place of touch.
 constexpr double kBeside = 0.5;
+/// [voxels] from a rim to where a line of contact is looked at.
+constexpr double kInside = 1.25;
+/// [voxels] by how much the gap may be larger there; by how much less the higher differences must be.
+constexpr double kAlikeGap = 0.25, kClearly = 0.03;
+/// Newton's steps to the least gap.
+constexpr int kNewton = 3;
+/// Least slope of a distance at which its surface is looked for.
+constexpr double kFacing = 0.9;
 /// Weight of a node that waits, for solids that do not overlap yet.
 constexpr double kWaiting = 1e-9;
 
 struct Parabola {
   double slope = 0.0, curvature = 0.0;  ///< [-], [1/m]
+  double misfit = 0.0;                  ///< [voxels] the larger of the higher differences
   bool fits = false;
   bool round = false;  ///< it rises to both sides alike, facets or not
 };
@@ -32,9 +44,9 @@ Parabola along(const CubeSide& a, const CubeSide& b, const Vec3& x, const Vec3& 
   const double m2 = gap(-1.0), m1 = gap(-0.5), p0 = gap(0.0), p1 = gap(0.5), p2 = gap(1.0);
   const double third = p2 - 2.0 * p1 + 2.0 * m1 - m2, fourth = p2 - 4.0 * p1 + 6.0 * p0 - 4.0 * m1 + m2;
   const double left = m2 - m1, right = p2 - p1;
-  return {(p2 - m2) / (2.0 * h), (p2 - 2.0 * p0 + m2) / (h * h),
-          std::abs(third) < kParabola * h && std::abs(fourth) < kParabola * h,
-          left > kAlike * right && right > kAlike * left};
+  const double misfit = std::max(std::abs(third), std::abs(fourth)) / h;
+  return {(p2 - m2) / (2.0 * h), (p2 - 2.0 * p0 + m2) / (h * h), misfit,
+          misfit<kParabola, left> kAlike * right && right > kAlike * left};
 }
 
 struct Principal {
@@ -42,17 +54,58 @@ struct Principal {
 };
 
 /// The directions across n in which the gap bends most and least at x.
-Principal principal_directions(const CubeSide& a, const CubeSide& b, const Vec3& x, const Vec3& n, double h) {
+/// @param both  of both diagonals, so that what the gap has beyond a parabola does not turn them. One alone turns them
+///              off the line of an edge, along which it then looks less round
+Principal principal_directions(const CubeSide& a, const CubeSide& b, const Vec3& x, const Vec3& n, double h,
+                               bool both) {
   int across = 0;
   n.cwiseAbs().minCoeff(&across);
   Vec3 e = Vec3::Unit(across);
   e = (e - n * n.dot(e)).normalized();
-  const Vec3 f = n.cross(e), diagonal = (e + f).normalized();
+  const Vec3 f = n.cross(e), up = (e + f).normalized(), down = (e - f).normalized();
   const double bend_e = along(a, b, x, e, h).curvature, bend_f = along(a, b, x, f, h).curvature;
-  const double mixed = along(a, b, x, diagonal, h).curvature - 0.5 * (bend_e + bend_f);
+  const double bend_up = along(a, b, x, up, h).curvature;
+  const double mixed = both ? 0.5 * (bend_up - along(a, b, x, down, h).curvature) : bend_up - 0.5 * (bend_e + bend_f);
   const double turn = 0.5 * std::atan2(2.0 * mixed, bend_e - bend_f);
   const Vec3 major = std::cos(turn) * e + std::sin(turn) * f;
   return {major, n.cross(major)};
+}
+
+struct Place {
+  Vec3 x;
+  std::array<Vec3, 2> directions;  ///< in which the gap bends most and least there
+};
+
+/// x, or the place beside it from which the gap is more of a parabola in both directions: above the rim where a line of
+/// contact ends it is none, and the line's direction cannot be told.
+Place smooth_place(const CubeSide& a, const CubeSide& b, const Vec3& x, const Vec3& n, double h) {
+  const auto directions = [&](const Vec3& at) {
+    const Principal v = principal_directions(a, b, at, n, h, true);
+    return std::array{v.major, v.minor};
+  };
+  const auto misfit = [&](const Place& p) {
+    return std::max(along(a, b, p.x, p.directions[0], h).misfit, along(a, b, p.x, p.directions[1], h).misfit);
+  };
+  const auto round_at = [&](const Place& p) {
+    return std::ranges::any_of(p.directions, [&](const Vec3& v) {
+      const Parabola q = along(a, b, p.x, v, h);
+      return q.fits && q.round && q.curvature > 0.0;
+    });
+  };
+  Place best{x, directions(x)};
+  double least = misfit(best) - kClearly;
+  if (!(least > 0.0)) return best;
+  const auto [e, f] = best.directions;
+  const double most = gap_between(a, b, x) + kAlikeGap * h;
+  for (int k = 0; k < 8; ++k) {
+    const double turn = k * 0.25 * std::numbers::pi;
+    const Vec3 at = x + kInside * h * (std::cos(turn) * e + std::sin(turn) * f);
+    if (gap_between(a, b, at) > most) continue;
+    const Place beside{at, directions(at)};
+    const double is = misfit(beside);
+    if (is < least && round_at(beside)) best = beside, least = is;
+  }
+  return best;
 }
 
 /// The centre of the overlap and the direction across it.
@@ -76,13 +129,92 @@ Touch middle_of(std::span<const Contact> contacts, double least) {
 /// 0 for a face, towards 1 for what is round.
 double bent(const Parabola& p, double h) { return p.curvature / (p.curvature + kFlat / h); }
 
+/// Where the gap is least along a line through x, by Newton's steps: what is round is a parabola near there only. [m]
+double least_along(const CubeSide& a, const CubeSide& b, const Vec3& x, const Vec3& v, double h) {
+  double t = 0.0;
+  for (int k = 0; k < kNewton; ++k) {
+    const Parabola p = along(a, b, x + t * v, v, h);
+    if (!(p.curvature > 0.0)) break;
+    t -= std::clamp(p.slope / p.curvature, -h, h);
+  }
+  return v.dot(x) + t;
+}
+
+/// A direction in which the gap is a parabola, and where along it the gap is least.
+struct Bend {
+  Vec3 v = Vec3::Zero();
+  double least = 0.0, share = 0.0;  ///< [m], [-]
+};
+
+/// Slope of the distance to a solid.
+Vec3 slope_of(const CubeSide& side, const Vec3& x, double h) {
+  const auto distance = [&](const Vec3& at) { return side.solid->rough_distance(side.pose.to_local(at)); };
+  Vec3 slope;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 step = 0.25 * h * Vec3::Unit(i);
+    slope[i] = (distance(x + step) - distance(x - step)) / (0.5 * h);
+  }
+  return slope;
+}
+
+/// Carries points so much of the way onto the plane that touches the surface of a solid beside x.
+void carry_to_surface(const CubeSide& side, const Vec3& x, double h, double share, std::span<Contact> contacts) {
+  const Vec3 slope = slope_of(side, x, h);
+  if (!(slope.norm() > kFacing)) return;
+  const double distance = side.solid->rough_distance(side.pose.to_local(x));
+  const Vec3 n = slope.normalized(), surface = x - distance / slope.norm() * n;
+  for (Contact& c : contacts) c.point += share * n.dot(surface - c.point) * n;
+}
+
+/// True where all that overlaps lies within a few voxels of x along v.
+bool is_narrow(std::span<const Contact> contacts, const Vec3& x, const Vec3& v, double h) {
+  return std::ranges::all_of(
+      contacts, [&](const Contact& c) { return !(c.overlap > 0.0f) || std::abs(v.dot(c.point - x)) < kNarrow * h; });
+}
+
+void move_points(const Bend& bend, std::span<Contact> contacts) {
+  for (Contact& c : contacts) c.point += bend.share * (bend.least - bend.v.dot(c.point)) * bend.v;
+}
+
+/// Moves the points of what is round to where it touches. @return false where nothing is round
+bool roll(const CubeSide& a, const CubeSide& b, const CubeSide& moving, Touch touch, double h,
+          std::span<Contact> contacts) {
+  if (!(touch.weight > 0.0) && !contacts.empty()) {
+    // Nothing overlaps yet: the node that comes nearest to it.
+    const auto nearest = std::ranges::max_element(contacts, {}, &Contact::overlap);
+    touch = middle_of({&*nearest, 1}, kWaiting);
+  }
+  if (!(touch.weight > 0.0)) return false;
+  // The normal of what is fixed: the mean of the nodes' leans where few of them carry what rolls.
+  const Vec3 fixed = slope_of(&moving == &a ? b : a, touch.x, h);
+  const auto [x, directions] = smooth_place(a, b, touch.x, fixed.norm() > kFacing ? fixed.normalized() : touch.n, h);
+  double share = 0.0;
+  Vec3 least_gap = x;
+  std::array<Bend, 2> bends;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const Vec3& v = directions[k];
+    const Parabola p = along(a, b, x, v, h);
+    if (!p.fits || !p.round || !(p.curvature > 0.0) || !is_narrow(contacts, x, v, h)) continue;
+    const double least = least_along(a, b, x, v, h);
+    if (std::abs(least - v.dot(touch.x)) > kFarthest * h) continue;
+    // What is left to a ball of four voxels is a lever of 4e-4 of a voxel.
+    const double times = h * p.curvature / kFlat;
+    bends[k] = {v, least, times * times / (1.0 + times * times)};
+    least_gap += (least - v.dot(x)) * v;
+    share = std::max(share, bends[k].share);
+  }
+  for (const Bend& bend : bends) move_points(bend, contacts);
+  if (share > 0.0) carry_to_surface(moving, least_gap, h, share, contacts);
+  return share > 0.0;
+}
+
 }  // namespace
 
 double roundness(const CubeSide& a, const CubeSide& b, double h, std::span<const Contact> contacts) {
   const Touch touch = middle_of(contacts, kWaiting);
   if (!(touch.weight > 0.0)) return 1.0;
   const auto at = [&](const Vec3& x) {
-    const Principal v = principal_directions(a, b, x, touch.n, h);
+    const Principal v = principal_directions(a, b, x, touch.n, h, false);
     double most = 0.0;
     for (const Vec3& e : {v.major, v.minor}) {
       const Parabola p = along(a, b, x, e, h);
@@ -97,19 +229,17 @@ double roundness(const CubeSide& a, const CubeSide& b, double h, std::span<const
   return at(gap_between(a, b, touch.x) + deepest->depth < kBeside * h ? touch.x : deepest->point);
 }
 
-void center_on_least_gap(const CubeSide& a, const CubeSide& b, double h, std::span<Contact> contacts) {
-  const auto [weight, x, n] = middle_of(contacts, 0.0);
-  if (!(weight > 0.0)) return;
-  const auto [major, minor] = principal_directions(a, b, x, n, h);
+void center_on_least_gap(const CubeSide& a, const CubeSide& b, const CubeSide& moving, double h,
+                         std::span<Contact> contacts) {
+  const Touch touch = middle_of(contacts, 0.0);
+  if (roll(a, b, moving, touch, h, contacts) || !(touch.weight > 0.0)) return;
+  // What does not roll leans on an edge.
+  const auto [major, minor] = principal_directions(a, b, touch.x, touch.n, h, false);
   for (const Vec3& v : {major, minor}) {
-    const Parabola p = along(a, b, x, v, h);
-    if (!p.fits || !(p.curvature > 0.0) || std::abs(p.slope) > kFarthest * h * p.curvature) continue;
-    bool narrow = true;
-    for (const Contact& c : contacts)
-      narrow = narrow && (!(c.overlap > 0.0f) || std::abs(v.dot(c.point - x)) < kNarrow * h);
-    if (!narrow) continue;
-    const double share = bent(p, h), least = v.dot(x) - p.slope / p.curvature;
-    for (Contact& c : contacts) c.point += share * (least - v.dot(c.point)) * v;
+    const Parabola p = along(a, b, touch.x, v, h);
+    if (!p.fits || !(p.curvature > 0.0) || !is_narrow(contacts, touch.x, v, h)) continue;
+    if (std::abs(p.slope) > kFarthest * h * p.curvature) continue;
+    move_points({v, v.dot(touch.x) - p.slope / p.curvature, bent(p, h)}, contacts);
   }
 }
 

@@ -370,7 +370,7 @@ void ContactStage::search(Work& work) const {
     // Only what rolls on something fixed: between two free bodies single points leave a residue of momentum.
     if (access_[c.pair.part_a].immobile || access_[c.pair.part_b].immobile) {
       work.roundness = roundness(a, b, h, work.finds.contacts);
-      center_on_least_gap(a, b, h, work.finds.contacts);
+      center_on_least_gap(a, b, access_[c.pair.part_a].immobile ? b : a, h, work.finds.contacts);
     }
     return;
   }
