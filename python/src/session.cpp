@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <sstream>
 
 #include "array_body.h"
 #include "arrays.h"
@@ -28,30 +29,39 @@ namespace {
 /// Stands for the file of an entry that was added; messages lose it again.
 constexpr const char* kAdded = "<added>";
 
-/// Takes the made-up file's place out of a message: "FILE:1: /bodies/0/shape/radius: ..." -> "shape/radius: ...".
+/// Takes the place in the made-up file and the number of the entry out of a line of a message:
+/// "FILE:1: /bodies/0/shape/radius: ..." -> "shape/radius: ...". A line of another kind stays as it is.
+std::string without_place(std::string line, const std::string& file) {
+  if (!line.starts_with(file + ":")) return line;
+  line = line.substr(line.find(": ") + 2);
+  for (const char* prefix :
+       {"/bodies/0/", "/bodies/0: ", "/attachments/0/", "/attachments/0: ", "/joints/0/", "/joints/0: ", "/forces/0/",
+        "/forces/0: ", "/filters/0/", "/filters/0: ", "/sensors/0/", "/sensors/0: ", "/world/", "/"})
+    if (line.starts_with(prefix)) return line.substr(std::strlen(prefix));
+  return line;
+}
+
+/// The world names an attachment, force or sensor as well, in its own quotes: once is enough.
+std::string named_once(std::string line, const std::string& what) {
+  const std::size_t from = what.find('"'), end = line.find("': ");
+  if (from == std::string::npos || end == std::string::npos) return line;
+  const std::string name = what.substr(from + 1, what.size() - from - 2);
+  for (const char* noun : {"attachment", "force", "sensor"})
+    if (line.starts_with(fmt::format("{} '{}': ", noun, name))) return line.substr(end + 3);
+  return line;
+}
+
+/// Errors of a scene, one a line, in the words of who called: each begins with `what`, none names the made-up file.
 template <class F>
 auto in_words(const std::string& file, const std::string& what, const F& f) {
   try {
     return f();
   } catch (const InputError& e) {
-    std::string text = e.what();
-    if (!text.starts_with(file + ":")) throw InputError(what + ": " + text);
-    text = text.substr(text.find(": ") + 2);
-    for (const char* prefix :
-         {"/bodies/0/", "/bodies/0: ", "/attachments/0/", "/attachments/0: ", "/joints/0/", "/joints/0: ", "/forces/0/",
-          "/forces/0: ", "/filters/0/", "/filters/0: ", "/sensors/0/", "/sensors/0: ", "/world/", "/"})
-      if (text.starts_with(prefix)) {
-        text = text.substr(std::strlen(prefix));
-        break;
-      }
-    // The world names an attachment, force or sensor as well, in its own quotes.
-    if (const std::size_t from = what.find('"'), end = text.find("': ");
-        from != std::string::npos && end != std::string::npos) {
-      const std::string name = what.substr(from + 1, what.size() - from - 2);
-      for (const char* noun : {"attachment", "force", "sensor"})
-        if (text.starts_with(fmt::format("{} '{}': ", noun, name))) text = text.substr(end + 3);
-    }
-    throw InputError(what + ": " + text);
+    std::istringstream lines(e.what());
+    std::string text;
+    for (std::string line; std::getline(lines, line);)
+      text += (text.empty() ? "" : "\n") + what + ": " + named_once(without_place(line, file), what);
+    throw InputError(text);
   }
 }
 

@@ -240,6 +240,15 @@ class Refusals(unittest.TestCase):
         with self.assertRaisesRegex(brim.InputError, 'did you mean "rigid"'):
             world.add("rigit", shape=brim.sphere(1))
 
+    def test_every_line_of_several_mistakes_names_the_body(self):
+        world = brim.World()
+        with self.assertRaises(brim.InputError) as caught:
+            world.add("particle_fluid", name="water", region=1, spacing=-1)
+        lines = str(caught.exception).splitlines()
+        self.assertGreaterEqual(len(lines), 3, lines)  # two keys that are wrong, one that is missing
+        for line in lines:
+            self.assertTrue(line.startswith('particle_fluid "water": ') and "/bodies" not in line, line)
+
     def test_keys_of_the_world_are_checked(self):
         with self.assertRaisesRegex(brim.InputError, "World: time_step: -1 is not allowed"):
             brim.World(time_step=-1)

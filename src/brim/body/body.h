@@ -139,7 +139,7 @@ class Body {
   virtual Aabb bounds(int p) const = 0;
   /// Velocity with which the part as a whole travels (its mean), [m/s].
   virtual Vec3 mean_velocity(int p, std::span<const double> v) const = 0;
-  /// Largest speed of any matter of the part relative to the carrier velocity, [m/s]; an upper bound.
+  /// Largest speed of any matter of the part relative to mean_velocity(p, v), [m/s]; an upper bound.
   virtual double relative_speed_bound(int p, std::span<const double> v) const = 0;
   /// Tiles of step h whose block (halo included) may hold density of the part, within the region: never too few.
   /// @param w    [m] ramp width

@@ -90,6 +90,7 @@ class File {
   enum class Mode { Create, Write, Read, Seen };
   /// @throws InputError  when it cannot be opened, is no HDF5 file, or one that ends the library
   File(const std::string& path, Mode mode);
+  const std::string& path() const { return path_; }
 
   /// Makes a group and those above it; one that is there already is left as it is.
   void group(const std::string& path);

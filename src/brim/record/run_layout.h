@@ -57,10 +57,11 @@ inline const char* display_word(Display::Kind kind) {
   return "points";
 }
 
-inline Display::Kind display_kind(const std::string& word) {
+inline Display::Kind display_kind(const std::string& word, const std::string& file) {
   for (const Display::Kind kind : {Display::Kind::Triangles, Display::Kind::Lines, Display::Kind::Points})
     if (word == display_word(kind)) return kind;
-  throw InputError(fmt::format("display_kind: is \"{}\"; it must be \"triangles\", \"lines\" or \"points\"", word));
+  throw InputError(
+      fmt::format("{}: display_kind is \"{}\"; it must be \"triangles\", \"lines\" or \"points\"", file, word));
 }
 
 }  // namespace brim::run_layout

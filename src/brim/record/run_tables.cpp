@@ -201,24 +201,25 @@ std::vector<std::int64_t> read_whole(const h5::File& file, const std::string& pa
                                      std::int64_t least, std::int64_t most) {
   std::vector<std::int64_t> values = read_column<std::int64_t>(file, path, Type::Int64);
   if (values.size() != rows)
-    throw InputError(fmt::format("{}: has {} rows; it must have {}", path, values.size(), rows));
+    throw InputError(fmt::format("{}:{}: has {} rows; it must have {}", file.path(), path, values.size(), rows));
   for (std::size_t i = 0; i < rows; ++i)
     if (values[i] < least || values[i] > most)
-      throw InputError(fmt::format("{}[{}]: is {}; it must be from {} to {}", path, i, values[i], least, most));
+      throw InputError(
+          fmt::format("{}:{}[{}]: is {}; it must be from {} to {}", file.path(), path, i, values[i], least, most));
   return values;
 }
 
 std::vector<double> read_real(const h5::File& file, const std::string& path, std::size_t rows) {
   std::vector<double> values = read_column<double>(file, path, Type::Float64);
   if (values.size() != rows)
-    throw InputError(fmt::format("{}: has {} rows; it must have {}", path, values.size(), rows));
+    throw InputError(fmt::format("{}:{}: has {} rows; it must have {}", file.path(), path, values.size(), rows));
   return values;
 }
 
 std::vector<std::string> read_names(const h5::File& file, const std::string& path, std::size_t rows) {
   std::vector<std::string> values = file.read_texts(path);
   if (values.size() != rows)
-    throw InputError(fmt::format("{}: has {} rows; it must have {}", path, values.size(), rows));
+    throw InputError(fmt::format("{}:{}: has {} rows; it must have {}", file.path(), path, values.size(), rows));
   return values;
 }
 
@@ -229,16 +230,18 @@ Packed<T> read_packed(const h5::File& file, const std::string& items, Type type,
   Packed<T> p{read_column<T>(file, items, type, width), read_column<std::int64_t>(file, starts, Type::Int64)};
   if (p.first.empty() || p.first.front() != 0 || !std::is_sorted(p.first.begin(), p.first.end()) ||
       p.first.back() != static_cast<std::int64_t>(p.items.size()))
-    throw InputError(fmt::format("{}: must rise from 0 to the {} rows of {}", starts, p.items.size(), items));
+    throw InputError(
+        fmt::format("{}:{}: must rise from 0 to the {} rows of {}", file.path(), starts, p.items.size(), items));
   return p;
 }
 
 template <std::size_t N>
-void check_indices(std::span<const std::array<std::int32_t, N>> cells, std::size_t vertices, const std::string& what) {
+void check_indices(const h5::File& file, std::span<const std::array<std::int32_t, N>> cells, std::size_t vertices,
+                   const std::string& what) {
   for (const auto& cell : cells)
     for (const std::int32_t i : cell)
       if (i < 0 || static_cast<std::size_t>(i) >= vertices)
-        throw InputError(fmt::format("{}: names vertex {}; it must be from 0 to {}", what, i,
+        throw InputError(fmt::format("{}:{}: names vertex {}; it must be from 0 to {}", file.path(), what, i,
                                      static_cast<std::int64_t>(vertices) - 1));
 }
 
@@ -279,27 +282,28 @@ RunTables read_tables(const h5::File& file) {
   const auto mesh_triangles =
       read_packed<Triangle>(file, "/meshes/triangles", Type::Int32, 3, "/meshes/first_triangle");
   if (mesh_triangles.first.size() != meshes.first.size())
-    throw InputError("/meshes: the lists of vertices and of triangles must be of equally many meshes");
+    throw InputError(file.path() + ":/meshes: the lists of vertices and of triangles must be of equally many meshes");
   const auto mesh_count = static_cast<std::int32_t>(meshes.first.size()) - 1;
   for (std::int32_t m = 0; m < mesh_count; ++m)
-    check_indices(mesh_triangles.at(static_cast<std::size_t>(m)), meshes.at(static_cast<std::size_t>(m)).size(),
+    check_indices(file, mesh_triangles.at(static_cast<std::size_t>(m)), meshes.at(static_cast<std::size_t>(m)).size(),
                   "/meshes/triangles");
   t.piece_mesh = read_column<std::int32_t>(file, "/poses/mesh", Type::Int32);
   for (const std::int32_t m : t.piece_mesh)
     if (m < 0 || m >= mesh_count)
-      throw InputError(fmt::format("/poses/mesh: names mesh {}; it must be from 0 to {}", m, mesh_count - 1));
+      throw InputError(
+          fmt::format("{}:/poses/mesh: names mesh {}; it must be from 0 to {}", file.path(), m, mesh_count - 1));
   t.rest = std::move(meshes.items);
   t.mesh_first_vertex = std::move(meshes.first);
   for (const auto& [list, what] :
        {std::pair(&triangles.first, "/display/first_triangle"), std::pair(&lines.first, "/display/first_line")})
-    if (list->size() != n + 1) throw InputError(fmt::format("{}: must have {} rows", what, n + 1));
+    if (list->size() != n + 1) throw InputError(fmt::format("{}:{}: must have {} rows", file.path(), what, n + 1));
 
   std::size_t first_piece = 0;
   for (std::size_t b = 0; b < n; ++b) {
     RecordedBody body;
     body.name = name[b];
     body.kind = kind[b];
-    body.display.kind = run_layout::display_kind(display_kind[b]);
+    body.display.kind = run_layout::display_kind(display_kind[b], file.path());
     body.display.two_sided = two_sided[b] != 0;
     body.display.radius = radius[b];
     body.display.vertices = static_cast<std::size_t>(vertices[b]);
@@ -311,12 +315,13 @@ RunTables read_tables(const h5::File& file) {
     body.parts = static_cast<int>(parts[b]);
     RunTables::Place place{first_position[b], first_piece, static_cast<std::size_t>(pieces[b])};
     if (place.pieces > t.piece_mesh.size() - first_piece)
-      throw InputError(fmt::format("/bodies/pieces: names more than the {} of /poses", t.piece_mesh.size()));
+      throw InputError(
+          fmt::format("{}:/bodies/pieces: names more than the {} of /poses", file.path(), t.piece_mesh.size()));
     const bool deforms = place.pieces == 0 && !body.changing;
     if (deforms != (place.first_position >= 0) ||
         (deforms && place.first_position != static_cast<std::int64_t>(t.positions)))
-      throw InputError(fmt::format("/bodies/first_position[{}]: is {}; it must follow from the bodies before it", b,
-                                   place.first_position));
+      throw InputError(fmt::format("{}:/bodies/first_position[{}]: is {}; it must follow from the bodies before it",
+                                   file.path(), b, place.first_position));
     if (deforms) {
       t.positions += body.display.vertices;
       body.display.triangles.assign(triangles.at(b).begin(), triangles.at(b).end());
@@ -329,16 +334,18 @@ RunTables read_tables(const h5::File& file) {
       placed += t.mesh(first_piece + i).size();
     }
     if (place.pieces > 0 && placed != body.display.vertices)
-      throw InputError(fmt::format("/bodies/vertices[{}]: is {}, but its pieces have {}", b, vertices[b], placed));
+      throw InputError(
+          fmt::format("{}:/bodies/vertices[{}]: is {}, but its pieces have {}", file.path(), b, vertices[b], placed));
     first_piece += place.pieces;
     body.display.lines.assign(lines.at(b).begin(), lines.at(b).end());
-    check_indices<3>(body.display.triangles, body.display.vertices, "/display/triangles");
-    check_indices<2>(body.display.lines, body.display.vertices, "/display/lines");
+    check_indices<3>(file, body.display.triangles, body.display.vertices, "/display/triangles");
+    check_indices<2>(file, body.display.lines, body.display.vertices, "/display/lines");
     t.bodies.push_back(std::move(body));
     t.places.push_back(place);
   }
   if (first_piece != t.piece_mesh.size())
-    throw InputError(fmt::format("/bodies/pieces: names {} of the {} of /poses", first_piece, t.piece_mesh.size()));
+    throw InputError(
+        fmt::format("{}:/bodies/pieces: names {} of the {} of /poses", file.path(), first_piece, t.piece_mesh.size()));
   t.parts = read_parts(file, n);
   return t;
 }
@@ -354,7 +361,7 @@ RunTables read_tables_v1(const h5::File& file) {
     RecordedBody body;
     body.name = file.text(at, "name");
     body.kind = file.text(at, "kind");
-    body.display.kind = run_layout::display_kind(file.text(at, "display_kind"));
+    body.display.kind = run_layout::display_kind(file.text(at, "display_kind"), file.path());
     body.display.two_sided = whole("two_sided", 1) != 0;
     body.display.radius = file.number(at, "radius");
     body.display.vertices = whole("vertices", kMost);
@@ -370,8 +377,8 @@ RunTables read_tables_v1(const h5::File& file) {
       body.display.triangles = read_column<Triangle>(file, at + "/triangles", Type::Int32, 3);
     else if (body.display.kind == Display::Kind::Lines)
       body.display.lines = read_column<std::array<std::int32_t, 2>>(file, at + "/lines", Type::Int32, 2);
-    check_indices<3>(body.display.triangles, body.display.vertices, at + "/triangles");
-    check_indices<2>(body.display.lines, body.display.vertices, at + "/lines");
+    check_indices<3>(file, body.display.triangles, body.display.vertices, at + "/triangles");
+    check_indices<2>(file, body.display.lines, body.display.vertices, at + "/lines");
     t.bodies.push_back(std::move(body));
   }
   for (int p = 0;; ++p) {

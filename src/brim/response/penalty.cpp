@@ -171,12 +171,12 @@ void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState
     Vec3 n = Vec3::Zero();
     for (std::size_t c = pair.begin; c < pair.end; ++c) n += weight_of(contacts, c) * normal_[c];
     n.normalize();
-    const Vec3 carrier = pairs[p].mean_velocity_b;
-    Vec3 travel = pairs[p].mean_velocity_a - carrier;
+    const Vec3 mean_b = pairs[p].mean_velocity_b;
+    Vec3 travel = pairs[p].mean_velocity_a - mean_b;
     travel -= n * n.dot(travel);
 
     // Rate = ĝ_n·(v_a − v_b) + e_a·(v_a − c) + e_b·(v_b − c): e is what the bent part's own slope has beyond the
-    // common direction, c = carrier + share * travel the velocity of the patch, by least squares of the whole rate.
+    // common direction, c = mean_b + share * travel the velocity of the patch, by least squares of the whole rate.
     const auto bend = bend_[p];
     const auto split = [&](std::size_t c, Vec3& g, Vec3& ea, Vec3& eb) {
       g = std::max(0.0, direction_[c].dot(normal_[c])) * normal_[c];
@@ -187,8 +187,7 @@ void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState
     double explained = 0.0, possible = 0.0;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       split(c, g, ea, eb);
-      rate_[c] =
-          g.dot(velocity_a[c] - velocity_b[c]) + ea.dot(velocity_a[c] - carrier) + eb.dot(velocity_b[c] - carrier);
+      rate_[c] = g.dot(velocity_a[c] - velocity_b[c]) + ea.dot(velocity_a[c] - mean_b) + eb.dot(velocity_b[c] - mean_b);
       const double moved = (ea + eb).dot(travel);
       explained += rate_[c] * moved;
       possible += moved * moved;

@@ -281,10 +281,9 @@ Aabb ParticleFluidBody::bounds(int) const {
 Vec3 ParticleFluidBody::mean_velocity(int, std::span<const double> v) const { return linear_momentum(v) / mass(); }
 
 double ParticleFluidBody::relative_speed_bound(int, std::span<const double> v) const {
-  const Vec3 carrier = mean_velocity(0, v);
+  const Vec3 mean = mean_velocity(0, v);
   double largest = 0.0;
-  for (std::size_t i = 0; i < start_.size(); ++i)
-    largest = std::max(largest, (particle_at(v, i) - carrier).squaredNorm());
+  for (std::size_t i = 0; i < start_.size(); ++i) largest = std::max(largest, (particle_at(v, i) - mean).squaredNorm());
   return std::sqrt(largest);
 }
 

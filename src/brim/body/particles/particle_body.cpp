@@ -227,9 +227,9 @@ void ParticleBody::display_positions(std::span<Vec3f> x) const {
 Vec3 ParticleBody::mean_velocity(int, std::span<const double> v) const { return linear_momentum(v) / total_mass_; }
 
 double ParticleBody::relative_speed_bound(int, std::span<const double> v) const {
-  const Vec3 carrier = mean_velocity(0, v);
+  const Vec3 mean = mean_velocity(0, v);
   double largest = 0.0;
-  for (std::size_t i = 0; i < rest_.size(); ++i) largest = std::max(largest, (at(v, i) - carrier).squaredNorm());
+  for (std::size_t i = 0; i < rest_.size(); ++i) largest = std::max(largest, (at(v, i) - mean).squaredNorm());
   return std::sqrt(largest);
 }
 
