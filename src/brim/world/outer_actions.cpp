@@ -100,6 +100,12 @@ int OuterActions::add(const AppliedForce& given, std::span<const std::unique_ptr
   return static_cast<int>(entries_.size()) - 1;
 }
 
+void OuterActions::flag_acted_on(std::span<std::uint8_t> flags) const {
+  for (const Entry& e : entries_)
+    for (const Action& a : e.actions)
+      if (e.given.attractor || a.wind) flags[static_cast<std::size_t>(a.body)] = 1;
+}
+
 void OuterActions::choose_points(const AppliedForce& given, std::span<const WorldPart> parts, std::span<const double> q,
                                  double ramp_voxels, Action& action) {
   const Body& body = *parts[0].body;

@@ -208,11 +208,14 @@ double World::Impl::substep(double left, StepReport& report) {
   advance_v = state.v;
   for (std::size_t i = 0; i < constraints.position_correction().size(); ++i)
     advance_v[i] += constraints.position_correction()[i];
+  flight.find(bodies, parts, stage, filter, laws, actions, options);
   parallel_for(bodies.size(), [&](std::size_t b) {
     if (sleep.asleep(b) || is_frozen(b)) return;
     const ProfileScope scope("advance", *bodies[b]);
-    bodies[b]->advance(dt, q(b), std::span<const double>(advance_v).subspan(first_v[b], first_v[b + 1] - first_v[b]));
+    const auto own = [&](const std::vector<double>& x) { return std::span(x).subspan(first_v[b], v(b).size()); };
+    bodies[b]->advance(dt, q(b), own(advance_v));
     bodies[b]->finish_step(state.time, dt, q(b), v(b));
+    if (flight.flies(b)) FreeFlight::set_back(*bodies[b], dt, own(delta), own(advance_v), q(b), v(b));
   });
   stir();
   levels.shift().pass(dt);
