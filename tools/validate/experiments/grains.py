@@ -37,7 +37,7 @@ def repose(run):
 
 
 @experiment(law="h = h₀ − g t²/2", source="free fall", unit="m", tolerance=0.02, theory=lambda c: 0.5 * G * 0.3**2, fast=True,
-            cases=cases(dt=(1 / 60, 1 / 240)), study="dt",
+            cases=cases(dt=(1 / 60, 1 / 240)),
             measure=lambda c, r: float(r.center("grains")[0, 2] - r.center("grains")[r.at(0.3), 2]) * 1.0)
 def grains_fall(case):
     """Grains fall freely for 0.3 s."""
