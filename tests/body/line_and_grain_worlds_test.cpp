@@ -55,7 +55,7 @@ double lowest(const World& w, int body) {
 
 double fastest(const World& w, int body) {
   double most = 0.0;
-  for (std::size_t i = 0; i + 2 < w.v(body).size(); i += 3)
+  for (std::size_t i = 0; i + 2 < w.v(body).size(); i += velocities_per_node(w.body(body)))
     most = std::max(most, Vec3(w.v(body)[i], w.v(body)[i + 1], w.v(body)[i + 2]).norm());
   return most;
 }

@@ -42,3 +42,16 @@ def repose(run):
 def grains_fall(case):
     """Grains fall freely for 0.3 s."""
     return scene([{"kind": "points", "name": "grains", "grid": {"count": [2, 2, 2]}, "radius": 0.02}], 0.4, dt=case.dt)
+
+
+@experiment(law="a = 5/7 g sin θ", source="rigid rolling of a ball", unit="m/s²", tolerance=0.02, fast=True,
+            cases=cases(response=BOTH, angle=(10, 25)), theory=lambda c: 5 / 7 * G * math.sin(math.radians(c.angle)),
+            measure=lambda c, r: fits.acceleration(r.time, r.nodes("grains")[1][:, :, 0].mean(1), 0.1, 0.8),
+            curve=lambda c, r: (r.time, r.nodes("grains")[1][:, :, 0].mean(1)), axes=("t [s]", "speed [m/s]"))
+def grains_roll(case):
+    """Four grains, of 0.02 m in radius, roll down a plane beside each other, friction 0.5: their mean acceleration."""
+    theta = math.radians(case.angle)
+    centers = [[0.017 * i, 0.1 * i, 0.02 + 1e-4] for i in range(4)]
+    return scene([floor(0.02), {"kind": "points", "name": "grains", "positions": centers, "radius": 0.02,
+                                "rolling_friction": 0}], 0.9, response=case.response,
+                 gravity=[G * math.sin(theta), 0, -G * math.cos(theta)])
