@@ -11,6 +11,9 @@ namespace brim {
 
 namespace {
 
+/// Inertia of a grain that does not turn, over its own, as preconditioners see it.
+constexpr double kHeld = 1e12;
+
 std::vector<double> radii_of(std::size_t grains, const PointsOptions& o) {
   if (grains == 0) throw InputError("points: there is no grain");
   if (o.radius.size() != 1 && o.radius.size() != grains)
@@ -91,11 +94,15 @@ double PointsBody::gap_for(double dt) const {
 }
 
 void PointsBody::initial_state(std::span<double> q, std::span<double> v) const {
-  std::fill(v.begin(), v.end(), 0.0);
-  std::vector<double> centers(q.size());
-  ParticleBody::initial_state(q, centers);
-  for (std::size_t i = 0; i < mass_.size(); ++i)
-    three(v, 2 * i) = three(std::span<const double>(centers), i), three(v, 2 * i + 1) = options_.initial_spin;
+  Vec3 center = Vec3::Zero();
+  double total = 0.0;
+  for (std::size_t i = 0; i < mass_.size(); ++i) center += mass_[i] * rest_[i], total += mass_[i];
+  center /= total;
+  for (std::size_t i = 0; i < mass_.size(); ++i) {
+    three(q, i) = rest_[i];
+    three(v, 2 * i) = options_.initial_velocity + options_.initial_spin.cross(rest_[i] - center);
+    three(v, 2 * i + 1) = options_.initial_spin;
+  }
   filter(v);
 }
 
@@ -187,9 +194,11 @@ void PointsBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) const 
   const double b = 1.0 + dt_ * options_.mass_damping;
   parallel_blocks(mass_.size(), 512, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
+      // What does not turn is infinitely heavy to the preconditioner, which does not filter.
+      const double spin = turn_ ? b * inertia_[i] + dt_ * roll_[i] : kHeld * inertia_[i];
       GrainPairs::Mat6 block = pairs_.diagonal(i, dt_ * dt_, dt_);
       block.topLeftCorner<3, 3>() += b * mass_[i] * Mat3::Identity();
-      block.bottomRightCorner<3, 3>() += (b * inertia_[i] + dt_ * roll_[i]) * Mat3::Identity();
+      block.bottomRightCorner<3, 3>() += spin * Mat3::Identity();
       D.block(first + i) += block;
     }
   });
