@@ -12,7 +12,7 @@ namespace brim {
 namespace {
 
 /// Inertia of a grain that does not turn, over its own, as preconditioners see it.
-constexpr double kHeld = 1e12;
+constexpr double kNoTurn = 1e12;
 
 std::vector<double> radii_of(std::size_t grains, const PointsOptions& o) {
   if (grains == 0) throw InputError("points: there is no grain");
@@ -195,7 +195,7 @@ void PointsBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) const 
   parallel_blocks(mass_.size(), 512, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       // What does not turn is infinitely heavy to the preconditioner, which does not filter.
-      const double spin = turn_ ? b * inertia_[i] + dt_ * roll_[i] : kHeld * inertia_[i];
+      const double spin = turn_ ? b * inertia_[i] + dt_ * roll_[i] : kNoTurn * inertia_[i];
       GrainPairs::Mat6 block = pairs_.diagonal(i, dt_ * dt_, dt_);
       block.topLeftCorner<3, 3>() += b * mass_[i] * Mat3::Identity();
       block.bottomRightCorner<3, 3>() += spin * Mat3::Identity();
