@@ -102,7 +102,7 @@ class Body:
         """[m/s], shape (n, 3), of the nodes of bodies of nodes: a view of v. @raises TypeError for others"""
         if not self.nodal:
             raise TypeError(f"{self!r} has no nodes; its velocities are v")
-        return self.v.reshape(-1, 3)
+        return self.v.reshape(len(self.positions), -1)[:, :3]
 
     @property
     def surface(self) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
@@ -264,7 +264,9 @@ class Body:
 
     def _nodal_force(self, t: float, function: Force) -> Array:
         x, v = self.positions.copy(), self.velocities.copy()
-        return self._given(function, function(t, x, v), x.shape).ravel()
+        force = np.zeros((len(x), self.v.size // len(x)))
+        force[:, :3] = self._given(function, function(t, x, v), x.shape)
+        return force.ravel()
 
     def _frame_force(self, t: float, function: Force) -> Array:
         v = self.v.copy()

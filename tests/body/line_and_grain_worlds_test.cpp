@@ -55,7 +55,7 @@ double lowest(const World& w, int body) {
 
 double fastest(const World& w, int body) {
   double most = 0.0;
-  for (std::size_t i = 0; i + 2 < w.v(body).size(); i += 3)
+  for (std::size_t i = 0; i + 2 < w.v(body).size(); i += velocities_per_node(w.body(body)))
     most = std::max(most, Vec3(w.v(body)[i], w.v(body)[i + 1], w.v(body)[i + 2]).norm());
   return most;
 }
@@ -246,6 +246,7 @@ TEST(PointsWorld, AHeapStandsOnTheGround) {
   World w(options_at(0.05 / 1.5));
   w.add(ground(0.6));
   PointsOptions o = grains();
+  o.turn = false;  // those that roll lie a little flatter
   o.friction = 0.6, o.material.friction = 0.6;
   const auto x = lattice(3, 3, 6, Vec3(-0.11, -0.11, 0.07), 0.112);
   const int heap = w.add(named<PointsBody>("heap", x, o));

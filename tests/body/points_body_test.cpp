@@ -71,7 +71,7 @@ TEST(PointsBody, TwoGrainsByHand) {
   o.radius = {0.1, 0.3};
   PointsBody body({Vec3(0, 0, 0), Vec3(0.3, 0, 0)}, o);
   EXPECT_NEAR(body.masses()[0], 1000 * 4.0 / 3 * std::numbers::pi * 0.001, 1e-12);
-  testing::set(body, flat(body.rest_positions()));
+  body.update(0.0, flat(body.rest_positions()), std::vector<double>(body.v_size(), 0.0));
   EXPECT_NEAR((body.inner_forces()[0] - Vec3(-150, 0, 0)).norm(), 0.0, 1e-9);
   EXPECT_NEAR((body.inner_forces()[1] - Vec3(150, 0, 0)).norm(), 0.0, 1e-9);
   EXPECT_NEAR(body.elastic_energy(), 0.5 * 1500 * 0.01, 1e-9);
@@ -86,12 +86,12 @@ TEST(PointsBody, ForcesAreMinusTheDerivativeOfEnergy) {
 
 TEST(PointsBody, StiffnessIsTheDerivativeOfTheForceAlongTheLineOfCentres) {
   PointsBody body({Vec3(0, 0, 0), Vec3(0.19, 0, 0)}, options());
-  testing::set(body, flat(body.rest_positions()));
-  std::vector<double> y(6, 0.0);
-  body.apply_stiffness(std::vector<double>{1, 0, 0, 0, 0, 0}, y);
+  body.update(0.0, flat(body.rest_positions()), std::vector<double>(body.v_size(), 0.0));
+  std::vector<double> y(12, 0.0);
+  body.apply_stiffness(std::vector<double>{1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}, y);
   const double k = 2 * 1e4 * 0.01 / 0.2;
   EXPECT_NEAR(y[0], -k, 1e-9);
-  EXPECT_NEAR(y[3], k, 1e-9);
+  EXPECT_NEAR(y[6], k, 1e-9);
 }
 
 TEST(PointsBody, StiffnessAndDampingAreSymmetricAndDefinite) {
@@ -118,9 +118,8 @@ TEST(PointsBody, StiffnessAndDampingAreSymmetricAndDefinite) {
   }
 }
 
-TEST(PointsBody, ForcesHaveNoResultantAndNormalForcesNoTorque) {
+TEST(PointsBody, ForcesHaveNeitherResultantNorTorque) {
   PointsOptions o = options();
-  o.friction = 0.0;
   o.stiffness_damping = 0.03;
   PointsBody body = cloud(60, 0.3, o);
   testing::expect_inner_forces_balance(body, flat(body.rest_positions()));
@@ -136,8 +135,8 @@ TEST(PointsBody, ForcesHaveNoResultantAndNormalForcesNoTorque) {
   Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
   double size = 0.0;
   for (std::size_t i = 0; i < body.particle_count(); ++i) {
-    const Vec3 f(Q[3 * i], Q[3 * i + 1], Q[3 * i + 2]);
-    force += f, torque += body.positions()[i].cross(f), size += f.norm();
+    const Eigen::Map<const Vec3> f(Q.data() + 6 * i), spin(Q.data() + 6 * i + 3);
+    force += f, torque += body.positions()[i].cross(f) + spin, size += f.norm();
   }
   EXPECT_GT(size, 1.0);
   EXPECT_LT(force.norm(), 1e-13 * size);
@@ -161,11 +160,11 @@ TEST(PointsBody, SystemIsMassDampingAndStiffnessComposedAndHasItsDiagonal) {
   D.reset(body.block_sizes());
   body.add_system_diagonal(0, D);
   for (const std::size_t i : {0u, 7u, 20u})
-    for (int c = 0; c < 3; ++c) {
+    for (int c = 0; c < 6; ++c) {
       std::vector<double> e(v.size(), 0.0), y(v.size(), 0.0);
-      e[3 * i + c] = 1.0;
+      e[6 * i + c] = 1.0;
       body.apply_system(e, y);
-      for (int k = 0; k < 3; ++k) EXPECT_NEAR(D.block(i)(k, c), y[3 * i + k], 1e-10);
+      for (int k = 0; k < 6; ++k) EXPECT_NEAR(D.block(i)(k, c), y[6 * i + k], 1e-10);
     }
 }
 
@@ -177,7 +176,7 @@ TEST(PointsBody, HeadOnGrainsStopAtTheTouchAndDoNotStick) {
   testing::Stepper stepper(body);
   Environment env;
   env.gravity.setZero();
-  stepper.v = {1, 0, 0, -1, 0, 0};
+  stepper.v = {1, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0};
   const double before = body.kinetic_energy(stepper.v);
   double worst = 0.0;
   for (int s = 0; s < 60; ++s) {
@@ -186,12 +185,12 @@ TEST(PointsBody, HeadOnGrainsStopAtTheTouchAndDoNotStick) {
     EXPECT_LE(body.kinetic_energy(stepper.v) + body.elastic_energy(), before * (1 + 1e-9));
   }
   EXPECT_LT(worst, 0.01);
-  EXPECT_NEAR(stepper.v[0] + stepper.v[3], 0.0, 1e-12);
+  EXPECT_NEAR(stepper.v[0] + stepper.v[6], 0.0, 1e-12);
   // Drawn apart they part at once.
-  stepper.v = {-1, 0, 0, 1, 0, 0};
+  stepper.v = {-1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0};
   body.update(stepper.time, stepper.q, stepper.v);
   stepper.step(1.0 / 60.0, env);
-  EXPECT_NEAR(stepper.v[3], 1.0, 1e-9);
+  EXPECT_NEAR(stepper.v[6], 1.0, 1e-9);
 }
 
 TEST(PointsBody, FrictionIsCoulombs) {
@@ -200,17 +199,17 @@ TEST(PointsBody, FrictionIsCoulombs) {
   o.friction = 0.3;
   o.fixed = {0};
   PointsBody body({Vec3(0, 0, 0), Vec3(0, 0, 0.19)}, o);
-  const std::vector<double> q = flat(body.rest_positions()), v = {0, 0, 0, 0.4, 0.3, 0};
+  const std::vector<double> q = flat(body.rest_positions()), v = {0, 0, 0, 0, 0, 0, 0.4, 0.3, 0, 0, 0, 0};
   body.update(0.0, q, v);
   body.begin_solve(0.01);
-  std::vector<double> Q(6, 0.0);
+  std::vector<double> Q(12, 0.0);
   Environment env;
   env.gravity.setZero();
   body.add_forces(env, Q);
   const double N = 0.01 * 2 * 1e4 * 0.01 / 0.2;
-  EXPECT_NEAR(Q[5], N, 1e-9);
-  EXPECT_NEAR(Q[3], -0.3 * N * 0.8, 1e-9);
-  EXPECT_NEAR(Q[4], -0.3 * N * 0.6, 1e-9);
+  EXPECT_NEAR(Q[8], N, 1e-9);
+  EXPECT_NEAR(Q[6], -0.3 * N * 0.8, 1e-9);
+  EXPECT_NEAR(Q[7], -0.3 * N * 0.6, 1e-9);
 }
 
 TEST(PointsBody, ThreadsDoNotChangeABit) {

@@ -18,7 +18,7 @@ inline std::vector<double> flat(std::span<const Vec3> x) {
 }
 
 inline void set(ParticleBody& body, const std::vector<double>& q) {
-  body.update(0.0, q, std::vector<double>(q.size(), 0.0));
+  body.update(0.0, q, std::vector<double>(body.v_size(), 0.0));
 }
 
 /// f = −∂E/∂x along random directions, by central differences.
@@ -80,13 +80,13 @@ inline void expect_stiffness_is_symmetric_and_definite(ParticleBody& body, const
   Noise noise(seed);
   set(body, q);
   for (int trial = 0; trial < 20; ++trial) {
-    std::vector<double> a(q.size()), b(q.size()), Ka(q.size(), 0.0), Kb(q.size(), 0.0);
+    std::vector<double> a(body.v_size()), b(body.v_size()), Ka(body.v_size(), 0.0), Kb(body.v_size(), 0.0);
     for (double& e : a) e = noise();
     for (double& e : b) e = noise();
     body.apply_stiffness(a, Ka);
     body.apply_stiffness(b, Kb);
     double ab = 0, ba = 0, aa = 0, size = 0;
-    for (std::size_t i = 0; i < q.size(); ++i) {
+    for (std::size_t i = 0; i < body.v_size(); ++i) {
       ab += b[i] * Ka[i], ba += a[i] * Kb[i], aa += a[i] * Ka[i];
       size += std::abs(b[i] * Ka[i]);
     }

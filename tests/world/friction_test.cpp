@@ -65,6 +65,7 @@ TEST(Friction, GrainsInsideTheConeStickAsSoonAsTheyAreDown) {
       centers.push_back(0.06 * i * slope.down() + Vec3(0.0, 0.06 * j, 0.0) + 0.02 * slope.normal());
   PointsOptions o;
   o.radius = {0.02};
+  o.turn = false;  // round ones would roll
   o.material.friction = 0.55;
   auto grains = std::make_unique<PointsBody>(centers, o);
   grains->set_name("grains");

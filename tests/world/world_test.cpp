@@ -51,7 +51,7 @@ TEST(World, ASingleFallByHand) {
   const StepReport r = w.step();
   const double dt = 1.0 / 60.0;
   EXPECT_NEAR(velocity(w, 0).z(), -9.81 * dt, 1e-13);
-  EXPECT_NEAR(position(w, 0).z(), 10 - 9.81 * dt * dt, 1e-13);
+  EXPECT_NEAR(position(w, 0).z(), 10 - 0.5 * 9.81 * dt * dt, 1e-13);
   EXPECT_NEAR(r.time, dt, 1e-15);
   EXPECT_EQ(r.substeps, 1);
   EXPECT_TRUE(r.ok);

@@ -81,7 +81,8 @@ class Run:
 
     def nodes(self, name):
         """[m], [m/s] nodes of a body whose coordinates are places, (frames, n, 3) each"""
-        return self.q(name).reshape(self.frames, -1, 3), self.v(name).reshape(self.frames, -1, 3)
+        x = self.q(name).reshape(self.frames, -1, 3)
+        return x, self.v(name).reshape(*x.shape[:2], -1)[:, :, :3]
 
     def at(self, time):
         """The frame nearest to a time."""

@@ -87,6 +87,6 @@ def block(kind, name, at, *, degrees=0.0, size=(0.3, 0.3, 0.15), cells=3, young=
                 "voxel_size": 0.015, "areal_density": 1.0, "transform": raised(0.015), "stiffness_damping": damping}
     if kind == "points":
         common.pop("angular_velocity")
-        return {"kind": kind, **common, "grid": {"count": [5, 5, 1], "spacing": 0.06}, "radius": 0.02,
+        return {"kind": kind, **common, "grid": {"count": [5, 5, 1], "spacing": 0.06}, "radius": 0.02, "turn": False,
                 "transform": raised(0.02)}
     raise ValueError(kind)

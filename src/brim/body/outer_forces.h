@@ -14,6 +14,7 @@ class OuterForces {
   virtual ~OuterForces() = default;
   /// @param Q  [N, N·m] shape (nv), or empty: none
   void set_outer_forces(std::vector<double> Q) { outer_ = std::move(Q); }
+  bool has_outer_forces() const { return !outer_.empty(); }
 
  protected:
   /// For add_forces.

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "brim/body/spinning_balls.h"
 #include "brim/world/report_fields.h"
 
 namespace brim {
@@ -118,8 +119,9 @@ std::string summary_text(const World& world, const RunTotals& t, const RunFacts&
   for (int b = 0; b < world.body_count(); ++b) {
     const Body& body = world.body(b);
     ++kinds[std::string(body.kind())];
-    // Six velocities are a rigid body; more come in threes, one per node.
-    if (std::isfinite(body.mass()) && body.v_size() > 6) particles += static_cast<double>(body.v_size()) / 3.0;
+    // Six velocities are a rigid body; more come in threes, one per node, or sixes.
+    if (std::isfinite(body.mass()) && body.v_size() > 6)
+      particles += static_cast<double>(body.v_size() / velocities_per_node(body));
   }
   const auto part_name = [&](int p) {
     const PartRef ref = world.part(p);

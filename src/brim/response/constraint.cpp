@@ -308,14 +308,15 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
       position_target_[c] = closing + push;
       const bool touches = open + dt * u1 < 0.0;
       if (touches && restitution_[c] > 0.0 && gap <= least + kTogether * pair.h) {
-        // In free flight by v ← v + a dt, x ← x + dt v, the parabola's own velocity is half a step ahead of v.
-        const double before = open / -u1, left = dt - before;
-        const double hit = u0 + a * (0.5 * dt + before);
+        // The parabola of free flight (FreeFlight): open + u0 t + a t²/2 = 0.
+        const double speed = std::sqrt(std::max(0.0, u0 * u0 - 2.0 * a * open));
+        const double before = open > 0.0 && speed > u0 ? std::min(dt, 2.0 * open / (speed - u0)) : 0.0;
+        const double hit = u0 + a * before, left = dt - before;
         touch_time_[c] = before;
         if (-hit > options.bounce_speed) {
           bounces_ = true;
           const double after = -restitution_[c] * hit;
-          velocity_target_[c] = std::max(0.0, after + a * (0.5 * dt - before));
+          velocity_target_[c] = std::max(0.0, after + a * left);
           position_target_[c] = std::max(push, (after * left + 0.5 * a * left * left) / dt) - open / dt;
         }
       }

@@ -53,6 +53,8 @@ class Constraint {
               const ConstraintOptions& options, const GatheredRows& gathered = {});
   /// The points as contacts, depth = −φ; pairs without points have empty ranges.
   const ContactSet& points() const { return points_; }
+  /// The same, to be placed where both sides' maps are to be made: the gaps along the normals stay.
+  ContactSet& points() { return points_; }
   std::span<const Vec3> normals() const { return normal_; }
   std::span<const double> friction() const { return friction_; }
   /// Where friction acts, [m]: at the points, or within the patch whose corners they are (rows between rigid frames).

@@ -43,19 +43,26 @@ struct Penalty::Workspaces : WorkspacePool<PatchNormals> {};
 Penalty::Penalty() : workspaces_(std::make_unique<Workspaces>()) {}
 Penalty::~Penalty() = default;
 
+void Penalty::find_normals(const ContactSet& contacts, std::span<const PairState> pairs) {
+  direction_.resize(contacts.size()), normal_.resize(contacts.size()), bend_.resize(contacts.pairs.size());
+  choose_normals(contacts, pairs);
+  normals_found_ = true;
+}
+
 void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs, const PenaltyOptions& options,
                     std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b) {
   options_ = options;
   const std::size_t n = contacts.size();
-  direction_.resize(n), normal_.resize(n), force_.resize(n), relative_.resize(n);
+  force_.resize(n), relative_.resize(n);
   implicit_time_.resize(n), load_.resize(n), active_.resize(n), rate_.resize(n), stiffness_.resize(n), scale_.resize(n),
       friction_viscosity_.resize(n), mu_.resize(n);
   pressed_.assign(n, 0.0);
   bonds_.clear();
-  bend_.resize(contacts.pairs.size()), slip_.resize(contacts.pairs.size()), inverse_mass_.resize(contacts.pairs.size()),
+  slip_.resize(contacts.pairs.size()), inverse_mass_.resize(contacts.pairs.size()),
       rigid_.resize(contacts.pairs.size()), fixed_.resize(contacts.pairs.size()), filled_.resize(contacts.pairs.size());
 
-  choose_normals(contacts, pairs);
+  if (!normals_found_) find_normals(contacts, pairs);
+  normals_found_ = false;
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
     const double kv = pairs[p].stiffness * pair.h * pair.h * pair.h;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -57,6 +58,8 @@ class Penalty {
  public:
   Penalty();
   ~Penalty();
+  /// Finds the normals alone, for points that are placed by them before the maps are made; begin then keeps them.
+  void find_normals(const ContactSet& contacts, std::span<const PairState> pairs);
   /// @param velocity_a, velocity_b  [m/s] matter of each part at every contact point, at the start of the step
   void begin(const ContactSet& contacts, std::span<const PairState> pairs, const PenaltyOptions& options,
              std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b);
@@ -78,6 +81,8 @@ class Penalty {
   /// another answers, and the normal force that friction works with, [N].
   void set_pressed(std::size_t c, double stiffness) { pressed_[c] = stiffness; }
   void set_load(std::size_t c, double load);
+  /// [N] normal force that is expected at contact c, after begin; 0 where it does not act.
+  double expected_load(std::size_t c) const { return active_[c] ? std::max(0.0, load_[c]) : 0.0; }
   /// After begin: what the last contacts do, which are links. @param bonds  shape (links)
   void set_bonds(std::vector<Bond> bonds);
 
@@ -162,6 +167,7 @@ class Penalty {
   std::unique_ptr<Workspaces> workspaces_;
   PenaltyOptions options_;
   double energy_ = 0.0;
+  bool normals_found_ = false;  ///< by find_normals, for the next begin
   bool idle_ = true, settled_ = false;
   // Per contact:
   std::vector<Vec3> direction_;        ///< ĝ, [1/m]

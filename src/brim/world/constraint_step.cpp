@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "brim/core/parallel.h"
+#include "brim/world/ball_points.h"
 #include "brim/world/momentum_check.h"
 
 namespace brim {
@@ -54,6 +55,7 @@ void ConstraintStep::begin(std::span<const std::unique_ptr<Body>> bodies, std::s
   bodies_ = bodies, first_v_ = first_v, parts_ = parts, settings_ = settings;
   position_correction_.clear();
   rows_.gather(contacts, normals, pairs, settings.rows, gathered);
+  place_under_balls(parts, rows_.normals(), rows_.points());
   const ContactSet& points = rows_.points();
   const std::size_t n = points.size();
   impulse_.assign(v.size(), 0.0);

@@ -45,6 +45,9 @@ class ConstraintStep {
              std::span<const ConstraintPair> pairs, const GatheredRows& gathered, std::span<const double> v,
              const Settings& settings, std::span<const double> memory);
   bool empty() const { return rows_.points().size() == 0; }
+  /// The points of the rows, and [N s] along their normals with which they start: what the last step had.
+  const ContactSet& points() const { return rows_.points(); }
+  double first_impulse(std::size_t c) const { return lambda_[c].x(); }
   /// Jᵀ λ of the first guess, [N s], shape (nv).
   std::span<const double> impulse() const { return impulse_; }
 

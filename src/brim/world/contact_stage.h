@@ -35,6 +35,16 @@ class ContactStage {
   /// Pairs of rigid solids that rows hold; none until it is started.
   RigidContacts& rigid() { return rigid_; }
   const RigidContacts& rigid() const { return rigid_; }
+  /// Calls f(part_a, part_b) for the pairs of which both parts were sampled in some place, contacts or not: they lie
+  /// within a few voxels of each other. A pair may come more than once.
+  template <class F>
+  void for_near(const F& f) const {
+    for (std::size_t i = 0; i < work_count_; ++i) {
+      const Candidate& c = candidates_[work_[i].candidate];
+      if (work_[i].begin < work_[i].end || work_[i].finds.nodes > 0) f(c.pair.part_a, c.pair.part_b);
+    }
+    rigid_.for_near(f);
+  }
   /// Tiles in which both parts of some pair were sampled, and their steps.
   std::span<const std::pair<TileKey, double>> active_tiles() const;
 

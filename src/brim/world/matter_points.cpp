@@ -9,6 +9,7 @@
 #include "brim/body/distance_bound.h"
 #include "brim/body/material_points.h"
 #include "brim/body/posed_shape.h"
+#include "brim/body/spinning_balls.h"
 #include "brim/core/error.h"
 
 namespace brim {
@@ -63,6 +64,14 @@ std::vector<std::int32_t> nearest_sources(const WorldPart& part, double w, std::
     source.push_back(best);
   }
   return source;
+}
+
+/// Places of nodes in the room of their velocities, so that a body's map gives those of points.
+std::vector<double> as_velocities(const Body& body, std::span<const double> q) {
+  const std::size_t per_node = velocities_per_node(body);
+  std::vector<double> out(per_node * (q.size() / 3), 0.0);
+  for (std::size_t i = 0; i < q.size(); ++i) out[per_node * (i / 3) + i % 3] = q[i];
+  return out;
 }
 
 Vec3 nearest_vertex(const Body& body, const Vec3& x) {
@@ -121,7 +130,8 @@ MatterPoints MatterPoints::of_part(const WorldPart& part, double w, std::span<co
     return InputError(
         fmt::format("'{}' ({}) has no points that a link can hold", part.body->name(), part.body->kind()));
   };
-  if (part.info.conforming || q.size() != part.body->v_size()) throw refuse();
+  const bool nodes = q.size() % 3 == 0 && part.body->v_size() == velocities_per_node(*part.body) * (q.size() / 3);
+  if (part.info.conforming || !nodes) throw refuse();
   m.source_ = nearest_sources(part, w, m.x_);
   if (std::count(m.source_.begin(), m.source_.end(), -1) > 0) {
     for (std::size_t i = 0; i < m.x_.size(); ++i)
@@ -140,7 +150,7 @@ MatterPoints MatterPoints::of_part(const WorldPart& part, double w, std::span<co
     std::vector<std::int32_t> source(loose.size());
     for (std::size_t k = 0; k < loose.size(); ++k) at[k] = m.x_[loose[k]], source[k] = m.source_[loose[k]];
     part.body->make_map(part.index, at, source, map);
-    map->apply(q, next);
+    map->apply(as_velocities(*part.body, q), next);
     std::vector<std::size_t> still;
     for (std::size_t k = 0; k < loose.size(); ++k) {
       if (!next[k].allFinite()) throw refuse();
@@ -166,7 +176,7 @@ MatterPoints MatterPoints::of_part(const WorldPart& part, double w, std::span<co
     m.x_[i] = m.x_[j], m.source_[i] = m.source_[j];
   }
   part.body->make_map(part.index, m.x_, m.source_, map);
-  map->apply(q, there);
+  map->apply(as_velocities(*part.body, q), there);
   m.x_ = there;
   m.map_ = std::move(map);
   return m;
@@ -180,7 +190,7 @@ void MatterPoints::follow(const WorldPart& part, std::span<const double> q) {
     const auto* matter = dynamic_cast<const MaterialPoints*>(part.body);
     for (std::size_t i = 0; i < x_.size(); ++i) x_[i] = matter->position_of(part.index, local_[i]);
   } else if (means_ == Means::Nodes) {
-    map_->apply(q, x_);
+    map_->apply(as_velocities(*part.body, q), x_);
   }
 }
 

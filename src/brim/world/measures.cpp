@@ -7,6 +7,7 @@
 
 #include "brim/body/changing_surface.h"
 #include "brim/body/posed_display.h"
+#include "brim/body/spinning_balls.h"
 #include "brim/math/svd3.h"
 
 namespace brim {
@@ -63,7 +64,7 @@ Measures::Measures(const World& world, std::vector<Expectation> expectations, do
     if (const PosedDisplay* pieces = posed_display(body); pieces != nullptr && pieces->piece_count() == 1)
       posed_[b] = {ranges.of(pieces->piece(0).surface().vertices), pieces->piece(0).pose().rotation};
     if (movable) {
-      if (body.v_size() > 6) particles_ += static_cast<double>(body.v_size()) / 3.0;
+      if (body.v_size() > 6) particles_ += static_cast<double>(body.v_size() / velocities_per_node(body));
       // A surface that changes keeps no vertices by which a turn could be told.
       if (posed_[b].vertices == nullptr && !changing_surface(body)) display_now(body, start_[b]);
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brim/body/spinning_balls.h"
 #include "brim/core/error.h"
 #include "brim/math/small_symmetric.h"
 
@@ -100,6 +101,12 @@ int OuterActions::add(const AppliedForce& given, std::span<const std::unique_ptr
   return static_cast<int>(entries_.size()) - 1;
 }
 
+void OuterActions::flag_acted_on(std::span<std::uint8_t> flags) const {
+  for (const Entry& e : entries_)
+    for (const Action& a : e.actions)
+      if (e.given.attractor || a.wind) flags[static_cast<std::size_t>(a.body)] = 1;
+}
+
 void OuterActions::choose_points(const AppliedForce& given, std::span<const WorldPart> parts, std::span<const double> q,
                                  double ramp_voxels, Action& action) {
   const Body& body = *parts[0].body;
@@ -191,8 +198,10 @@ std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Bo
       if (!action.at_points()) uniform += given.force / body.mass();
       if (given.attractor && has_nodes(body)) {
         motion.assign(n, 0.0);
-        for (std::size_t i = 0; i < n; i += 3)
-          Eigen::Map<Vec3>(motion.data() + i) = pull_at(*given.attractor, Eigen::Map<const Vec3>(qb.data() + i));
+        const std::size_t per_node = velocities_per_node(body);
+        for (std::size_t i = 0; per_node * i < n; ++i)
+          Eigen::Map<Vec3>(motion.data() + per_node * i) =
+              pull_at(*given.attractor, Eigen::Map<const Vec3>(qb.data() + 3 * i));
         image.assign(n, 0.0);
         body.apply_mass(motion, image);
         add(scale * dt);

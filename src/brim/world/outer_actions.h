@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -29,6 +30,8 @@ class OuterActions {
   Environment environment(std::size_t body, const Environment& env) const {
     return body < gravity_scale_.size() ? Environment{gravity_scale_[body] * env.gravity} : env;
   }
+  /// Sets the flags of bodies on which a force depends on the place, or air blows. @param flags  shape (bodies)
+  void flag_acted_on(std::span<std::uint8_t> flags) const;
   /// [N s] over a sub-step, added to `base`; shape (nv). Bodies are at their last update.
   /// @param base  shape (nv) or empty
   std::span<const double> impulse(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts,

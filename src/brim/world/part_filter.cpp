@@ -50,6 +50,21 @@ bool PartFilter::touch(const WorldPart& a, const WorldPart& b, const Vec3& x) {
   });
 }
 
+bool PartFilter::leaves_some(const WorldPart& a, const WorldPart& b) {
+  if (size() == 0 || !concerns(a, b)) return true;
+  const Aabb box_a = a.body->bounds(a.index), box_b = b.body->bounds(b.index);
+  const Aabb& box = box_a.extent().maxCoeff() < box_b.extent().maxCoeff() ? box_a : box_b;
+  if (!box.lo.allFinite() || !box.hi.allFinite()) return true;
+  follow(a), follow(b);
+  if (touch(a, b, box.center())) return true;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3 x;
+    for (int axis = 0; axis < 3; ++axis) x[axis] = (corner >> axis & 1) != 0 ? box.hi[axis] : box.lo[axis];
+    if (touch(a, b, x)) return true;
+  }
+  return false;
+}
+
 void PartFilter::apply(std::span<const WorldPart> parts, ContactSet& set) {
   const auto of = [&](std::int32_t p) -> const WorldPart& { return parts[static_cast<std::size_t>(p)]; };
   counts_.assign(set.size(), 1);

@@ -35,6 +35,9 @@ class PartFilter {
   /// Whether the contact of two parts at x counts; call follow before where many threads ask.
   bool touch(const WorldPart& a, const WorldPart& b, const Vec3& x);
   void follow(const WorldPart& part);
+  /// False where rules keep all matter of two parts from touching, as far as the corners and the middle of the smaller
+  /// one's box tell.
+  bool leaves_some(const WorldPart& a, const WorldPart& b);
   /// Takes what does not count out of a set without links.
   void apply(std::span<const WorldPart> parts, ContactSet& set);
 

@@ -66,6 +66,12 @@ class RigidContacts {
     for (const Pair& p : pairs_)
       if (p.contacts > 0) f(p.touch.part_a, p.touch.part_b);
   }
+  /// The same for pairs of which nodes were sampled, contacts or not.
+  template <class F>
+  void for_near(const F& f) const {
+    for (const Pair& p : pairs_)
+      if (p.contacts > 0 || p.nodes > 0) f(p.touch.part_a, p.touch.part_b);
+  }
   std::int64_t engulfed() const { return engulfed_; }
   /// Adds the reports of pairs, in order, and the work of the last find.
   void report(std::span<const WorldPart> parts, double time, StepReport& report) const;

@@ -7,6 +7,7 @@
 #include "brim/body/distance_bound.h"
 #include "brim/body/material_points.h"
 #include "brim/body/posed_display.h"
+#include "brim/body/spinning_balls.h"
 #include "brim/core/error.h"
 
 namespace brim {
@@ -50,17 +51,19 @@ std::vector<std::size_t> parts_of_vertices(const Body& body) {
 bool has_nodes(const Body& body) {
   const auto* bound = dynamic_cast<const DistanceBound*>(&body);
   const bool solid = bound != nullptr && body.part_count() > 0 && bound->solid(0) != nullptr;
-  return !solid && dynamic_cast<const MaterialPoints*>(&body) == nullptr && body.q_size() == body.v_size() &&
-         body.v_size() % 3 == 0;
+  const std::size_t nodes = body.q_size() / 3;
+  return !solid && dynamic_cast<const MaterialPoints*>(&body) == nullptr && body.q_size() == 3 * nodes &&
+         body.v_size() == velocities_per_node(body) * nodes;
 }
 
-bool shows_nodes(const Body& body) { return has_nodes(body) && 3 * body.display().vertices == body.v_size(); }
+bool shows_nodes(const Body& body) { return has_nodes(body) && 3 * body.display().vertices == body.q_size(); }
 
 std::vector<double> node_masses(const Body& body) {
-  std::vector<double> along(body.v_size(), 0.0), image(body.v_size(), 0.0), mass(body.v_size() / 3);
-  for (std::size_t i = 0; i < along.size(); i += 3) along[i] = 1.0;
+  const std::size_t per_node = velocities_per_node(body);
+  std::vector<double> along(body.v_size(), 0.0), image(body.v_size(), 0.0), mass(body.v_size() / per_node);
+  for (std::size_t i = 0; i < along.size(); i += per_node) along[i] = 1.0;
   body.apply_mass(along, image);
-  for (std::size_t i = 0; i < mass.size(); ++i) mass[i] = image[3 * i];
+  for (std::size_t i = 0; i < mass.size(); ++i) mass[i] = image[per_node * i];
   return mass;
 }
 
@@ -68,7 +71,7 @@ WindOnBody::WindOnBody(std::span<const WorldPart> parts, std::span<const double>
   const Body& body = *parts[0].body;
   const Display& display = body.display();
   if (display.kind != Display::Kind::Triangles) {
-    if (shows_nodes(body) && display.radius > 0.0) nodes_ = node_masses(body);
+    if (shows_nodes(body) && display.radius > 0.0) nodes_ = node_masses(body), per_node_ = velocities_per_node(body);
     return;
   }
   if (display.triangles.empty()) return;
@@ -137,7 +140,8 @@ void WindOnBody::add_on_nodes(const AppliedForce::Wind& wind, double scale, cons
                               std::span<const double> q, std::span<const double> v, double time, double dt,
                               std::span<double> Q) const {
   const auto at = [](std::span<const double> x, std::size_t i) { return Eigen::Map<const Vec3>(x.data() + 3 * i); };
-  const auto add = [&](std::size_t i, const Vec3& f) { Eigen::Map<Vec3>(Q.data() + 3 * i) += f; };
+  const auto velocity = [&](std::size_t i) { return Eigen::Map<const Vec3>(v.data() + per_node_ * i); };
+  const auto add = [&](std::size_t i, const Vec3& f) { Eigen::Map<Vec3>(Q.data() + per_node_ * i) += f; };
   const double r = display.radius;
   const bool lines = display.kind == Display::Kind::Lines;
   const std::size_t n = lines ? display.lines.size() : nodes_.size();
@@ -148,7 +152,7 @@ void WindOnBody::add_on_nodes(const AppliedForce::Wind& wind, double scale, cons
   if (wind.field) wind.field(time, x, flow);
   if (!lines) {
     for (std::size_t i = 0; i < n; ++i)
-      add(i, drag(wind, scale * flow[i] - at(v, i), std::numbers::pi * r * r, nodes_[i], dt));
+      add(i, drag(wind, scale * flow[i] - velocity(i), std::numbers::pi * r * r, nodes_[i], dt));
     return;
   }
   // A node shares its mass among the lines that end in it.
@@ -159,7 +163,7 @@ void WindOnBody::add_on_nodes(const AppliedForce::Wind& wind, double scale, cons
     const Vec3 along = at(q, b) - at(q, a);
     const double length = along.norm();
     if (!(length > 0.0)) continue;
-    const Vec3 e = along / length, air = scale * flow[k] - 0.5 * (at(v, a) + at(v, b));
+    const Vec3 e = along / length, air = scale * flow[k] - 0.5 * (velocity(a) + velocity(b));
     const Vec3 f =
         0.5 * drag(wind, air - e * e.dot(air), 2.0 * r * length, nodes_[a] / ends[a] + nodes_[b] / ends[b], dt);
     add(a, f), add(b, f);

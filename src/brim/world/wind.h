@@ -10,11 +10,11 @@
 
 namespace brim {
 
-/// True when q are positions of nodes and v their velocities.
+/// True when q are positions of nodes and v their velocities, with spins where nodes are balls that turn.
 bool has_nodes(const Body& body);
 /// True when the nodes are what the display shows: vertex i lies at q[3i ...].
 bool shows_nodes(const Body& body);
-/// [kg] of each node, its share of the mass matrix: row sums; shape (v / 3).
+/// [kg] of each node, its share of the mass matrix: row sums; shape (q / 3).
 std::vector<double> node_masses(const Body& body);
 
 /// Air that flows past what a body shows (AppliedForce::Wind), with c the air's velocity against the matter:
@@ -48,6 +48,7 @@ class WindOnBody {
 
   std::vector<Faces> faces_;
   std::vector<double> nodes_;  ///< [kg] of lines and points
+  std::size_t per_node_ = 3;   ///< velocities
 };
 
 }  // namespace brim

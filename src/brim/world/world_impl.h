@@ -14,6 +14,7 @@
 #include "brim/world/contact_stage.h"
 #include "brim/world/edits.h"
 #include "brim/world/fill_stage.h"
+#include "brim/world/free_flight.h"
 #include "brim/world/implicit_step.h"
 #include "brim/world/levels.h"
 #include "brim/world/links.h"
@@ -68,6 +69,7 @@ struct World::Impl {
 
   ContactStage stage;
   FillStage fill;
+  FreeFlight flight;
   ContactMaps maps;
   Penalty response;
   ImplicitStep implicit;

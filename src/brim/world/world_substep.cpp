@@ -2,10 +2,12 @@
 #include <cmath>
 #include <optional>
 
+#include "brim/body/spinning_balls.h"
 #include "brim/body/walled.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/core/stopwatch.h"
+#include "brim/world/ball_points.h"
 #include "brim/world/momentum_check.h"
 #include "brim/world/pair_reports.h"
 #include "brim/world/substeps.h"
@@ -65,14 +67,16 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
   find_contacts(dt, report);
   if (!links.empty())
     links.append(parts, state.q, first_q, static_cast<int>(parts.size()) - 1, state.time, dt, stage.contacts());
-  const ContactSet& contacts = stage.contacts();
+  ContactSet& contacts = stage.contacts();
   velocity_a.resize(contacts.size()), velocity_b.resize(contacts.size());
   {
     const ScopedSeconds timer(seconds(Phase::Respond));
-    maps.build(parts, contacts, first_v);
-    maps.velocities(state.v, velocity_a, velocity_b);
     laws.choose(parts, state.v, first_v, options, contacts.pairs);
     laws.leave_to_links(contacts.first_link_pair());
+    response.find_normals(contacts, laws.penalties());
+    place_under_balls(parts, response.normals(), contacts);
+    maps.build(parts, contacts, first_v);
+    maps.velocities(state.v, velocity_a, velocity_b);
     const double g = options.environment.gravity.norm();
     PenaltyOptions p;
     p.dt = dt;
@@ -96,6 +100,18 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
     s.scale = std::max(g * dt, 1e-6);
     constraints.begin(bodies, first_v, parts, contacts, response.normals(), laws.constraints(), stage.rigid().gather(),
                       state.v, s, ReferencePoses::rows_of(state.warm_start));
+  }
+
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    auto* balls = dynamic_cast<SpinningBalls*>(bodies[b].get());
+    if (balls == nullptr) continue;
+    std::vector<double> load(v(b).size() / 6, 0.0);
+    const auto body = static_cast<std::int32_t>(b);
+    add_fixed_loads(
+        parts, contacts, body, [&](std::size_t c) { return response.expected_load(c); }, load);
+    add_fixed_loads(
+        parts, constraints.points(), body, [&](std::size_t c) { return constraints.first_impulse(c) / dt; }, load);
+    balls->set_loads(load);
   }
 
   ImplicitStep::Settings settings;
@@ -208,11 +224,14 @@ double World::Impl::substep(double left, StepReport& report) {
   advance_v = state.v;
   for (std::size_t i = 0; i < constraints.position_correction().size(); ++i)
     advance_v[i] += constraints.position_correction()[i];
+  flight.find(bodies, parts, stage, filter, laws, actions, options);
   parallel_for(bodies.size(), [&](std::size_t b) {
     if (sleep.asleep(b) || is_frozen(b)) return;
     const ProfileScope scope("advance", *bodies[b]);
-    bodies[b]->advance(dt, q(b), std::span<const double>(advance_v).subspan(first_v[b], first_v[b + 1] - first_v[b]));
+    const auto own = [&](const std::vector<double>& x) { return std::span(x).subspan(first_v[b], v(b).size()); };
+    bodies[b]->advance(dt, q(b), own(advance_v));
     bodies[b]->finish_step(state.time, dt, q(b), v(b));
+    if (flight.flies(b)) FreeFlight::set_back(*bodies[b], dt, own(delta), own(advance_v), q(b), v(b));
   });
   stir();
   levels.shift().pass(dt);

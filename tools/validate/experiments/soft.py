@@ -34,7 +34,7 @@ def free_spin(case):
             cases=cases(response=BOTH, kind=SOFT, angle=(20,), friction=(0.0, 0.2)),
             measure=lambda c, r: fits.acceleration(*along_slope(c, r, "body"), start=0.3))
 def soft_slide(case):
-    """A block, sheet or layer of grains of each kind slides down a plane."""
+    """A block, sheet or layer of grains (that do not turn) of each kind slides down a plane."""
     return scene([slope(case.angle, 0.025), block(case.kind, "body", (0, 0, 0), degrees=case.angle)], 0.9, friction=case.friction,
                  response=case.response)
 

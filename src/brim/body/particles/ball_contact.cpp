@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include "brim/core/error.h"
-#include "brim/map/point_weights.h"
+#include "brim/map/balls_map.h"
 
 namespace brim {
 
@@ -30,15 +29,7 @@ void BallContact::rasterize(std::span<const Vec3> x, double h, double w, std::sp
 
 void BallContact::make_map(std::span<const Vec3> x, std::span<const Vec3> points, std::span<const std::int32_t> sources,
                            std::unique_ptr<Map>& map) const {
-  BRIM_CHECK(points.size(), ==, sources.size());
-  auto& weights = reuse_map<PointWeightsMap>(map);
-  weights.reset(x.size(), points.size(), 1);
-  for (std::size_t p = 0; p < points.size(); ++p) {
-    const auto row = weights.row(p);
-    row.particle[0] = sources[p];
-    row.weight[0] = 1.0;
-  }
-  weights.finish();
+  reuse_map<BallsMap>(map).reset(x, points, sources);
 }
 
 }  // namespace brim

@@ -6,9 +6,9 @@
 
 namespace brim {
 
-/// Balls: everything within a radius of the particles (raster_points). A ball moves with its particle and does not
-/// turn: J = I. Linear momentum of contact is exact; of angular momentum the spin r × f that friction would give the
-/// ball is lost, while pressure points at the centre and has none. It wants a radius of 1.5 voxels.
+/// Balls: everything within a radius of the particles (raster_points). A ball moves with its particle and turns about
+/// it, six velocities each (BallsMap): momentum and angular momentum of contact are exact. It wants a radius of 1.5
+/// voxels.
 class BallContact final : public ParticleContact {
  public:
   /// @param radius  [m] one per particle, or a single one for all

@@ -84,7 +84,7 @@ void ParticleBody::prescribe(double time, double dt, std::span<const double> q, 
 
 void ParticleBody::update(double, std::span<const double> q, std::span<const double> v) {
   BRIM_CHECK(q.size(), ==, q_size());
-  BRIM_CHECK(v.size(), ==, v_size());
+  BRIM_CHECK(v.size(), ==, 3 * rest_.size());
   box_ = Aabb{};
   for (std::size_t i = 0; i < rest_.size(); ++i) {
     x_[i] = at(q, i), v_[i] = at(v, i);

@@ -37,13 +37,16 @@ void GrainPairs::find(std::span<const Vec3> x, std::span<const double> radius, d
 }
 
 GrainPairs::Contact GrainPairs::contact(const NeighbourSearch::Pair& p, std::span<const Vec3> x,
-                                        std::span<const Vec3> v, std::span<const double> radius,
-                                        std::span<const double> mass, const GrainMaterial& m, double dt) const {
+                                        std::span<const Vec3> v, std::span<const Vec3> spin,
+                                        std::span<const double> radius, std::span<const double> mass,
+                                        const GrainMaterial& m, double dt) const {
   Contact c;
   const double ra = radius[p.a], rb = radius[p.b];
-  const Vec3 d = x[p.a] - x[p.b], u = v[p.a] - v[p.b];
+  const Vec3 d = x[p.a] - x[p.b];
   const double distance = d.norm(), overlap = ra + rb - distance;
   c.normal = distance > 0.0 ? Vec3(d / distance) : Vec3::UnitZ();
+  c.arm_a = distance * ra / (ra + rb), c.arm_b = distance * rb / (ra + rb);
+  const Vec3 u = v[p.a] - v[p.b] - (c.arm_a * spin[p.a] + c.arm_b * spin[p.b]).cross(c.normal);
   const double k = 2.0 * m.young * ra * rb / (ra + rb);
   const double closing = -c.normal.dot(u);
   const double inverse_mass = 1.0 / mass[p.a] + 1.0 / mass[p.b];
@@ -66,15 +69,20 @@ GrainPairs::Contact GrainPairs::contact(const NeighbourSearch::Pair& p, std::spa
     const Vec3 slip = u + closing * c.normal;
     c.drag = m.friction * push / std::max(slip.norm(), m.slip_speed);
     c.force -= c.drag * slip;
+    const double R = ra * rb / (ra + rb);
+    const Vec3 turn = spin[p.a] - spin[p.b];
+    c.roll = m.rolling * R * push / std::max(turn.norm(), m.slip_speed / R);
+    c.roll_torque = -c.roll * turn;
   }
   return c;
 }
 
-void GrainPairs::evaluate(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const double> radius,
-                          std::span<const double> mass, const GrainMaterial& material, double dt) {
+void GrainPairs::evaluate(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const Vec3> spin,
+                          std::span<const double> radius, std::span<const double> mass, const GrainMaterial& material,
+                          double dt) {
   contact_.resize(pair_.size());
   parallel_blocks(pair_.size(), kPairBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) contact_[p] = contact(pair_[p], x, v, radius, mass, material, dt);
+    for (std::size_t p = begin; p < end; ++p) contact_[p] = contact(pair_[p], x, v, spin, radius, mass, material, dt);
   });
   worst_overlap_ = 0.0;
   for (const auto& p : pair_) {
@@ -83,31 +91,56 @@ void GrainPairs::evaluate(std::span<const Vec3> x, std::span<const Vec3> v, std:
   }
 }
 
-void GrainPairs::add_forces(std::span<Vec3> f) const {
+void GrainPairs::add_forces(std::span<Vec3> f, std::span<Vec3> torque) const {
   parallel_blocks(f.size(), kPairBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       for (const Side& s : sides_of(i)) {
-        const Vec3& force = contact_[s.pair].force;
-        f[i] += pair_[s.pair].a == static_cast<std::int32_t>(i) ? force : Vec3(-force);
+        const Contact& c = contact_[s.pair];
+        const bool is_a = pair_[s.pair].a == static_cast<std::int32_t>(i);
+        f[i] += is_a ? c.force : Vec3(-c.force);
+        torque[i] -= (is_a ? c.arm_a : c.arm_b) * c.normal.cross(c.force);
+        torque[i] += is_a ? c.roll_torque : Vec3(-c.roll_torque);
       }
   });
 }
 
 void GrainPairs::multiply_add(double a, double b, std::span<const double> x, std::span<double> y) const {
-  parallel_blocks(x.size() / 3, kPairBlock, [&](std::size_t begin, std::size_t end) {
+  const auto at = [&](std::size_t i) { return Eigen::Map<const Vec3>(x.data() + 3 * i); };
+  parallel_blocks(x.size() / 6, kPairBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const Eigen::Map<const Vec3> xi(x.data() + 3 * i);
-      Vec3 sum = Vec3::Zero();
-      for (const Side& s : sides_of(i))
-        sum += contact_[s.pair].times(a, b, xi - Eigen::Map<const Vec3>(x.data() + 3 * s.other));
-      Eigen::Map<Vec3>(y.data() + 3 * i) += sum;
+      const Vec3 v = at(2 * i), w = at(2 * i + 1);
+      Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+      for (const Side& s : sides_of(i)) {
+        const Contact& c = contact_[s.pair];
+        if (c.k == 0.0) continue;
+        // Seen from grain i: n towards it, what it has at the contact against what the other has.
+        const bool is_a = pair_[s.pair].a == static_cast<std::int32_t>(i);
+        const double own = is_a ? c.arm_a : c.arm_b, others = is_a ? c.arm_b : c.arm_a;
+        const auto other = static_cast<std::size_t>(s.other);
+        const Vec3 n = is_a ? c.normal : Vec3(-c.normal);
+        const Vec3 turn = own * w + others * at(2 * other + 1);
+        const Vec3 push = c.times(a, b, v - at(2 * other) - turn.cross(n));
+        force += push, torque += b * c.roll * (w - at(2 * other + 1)) - own * n.cross(push);
+      }
+      Eigen::Map<Vec3>(y.data() + 6 * i) += force;
+      Eigen::Map<Vec3>(y.data() + 6 * i + 3) += torque;
     }
   });
 }
 
-Mat3 GrainPairs::diagonal(std::size_t grain, double a, double b) const {
-  Mat3 sum = Mat3::Zero();
-  for (const Side& s : sides_of(grain)) sum += contact_[s.pair].matrix(a, b);
+GrainPairs::Mat6 GrainPairs::diagonal(std::size_t grain, double a, double b) const {
+  Mat6 sum = Mat6::Zero();
+  for (const Side& s : sides_of(grain)) {
+    const Contact& c = contact_[s.pair];
+    if (c.k == 0.0) continue;
+    const bool is_a = pair_[s.pair].a == static_cast<std::int32_t>(grain);
+    // u = v − X ω, X = [−l n]×: the arm from the centre to the contact.
+    const Mat3 X = skew((is_a ? -c.arm_a : c.arm_b) * c.normal), M = c.matrix(a, b), MX = M * X;
+    sum.topLeftCorner<3, 3>() += M;
+    sum.topRightCorner<3, 3>() -= MX;
+    sum.bottomLeftCorner<3, 3>() -= MX.transpose();
+    sum.bottomRightCorner<3, 3>() += X.transpose() * MX + b * c.roll * Mat3::Identity();
+  }
   return sum;
 }
 

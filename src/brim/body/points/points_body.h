@@ -2,6 +2,7 @@
 
 #include "brim/body/particles/particle_body.h"
 #include "brim/body/points/grain_pairs.h"
+#include "brim/body/spinning_balls.h"
 
 namespace brim {
 
@@ -12,16 +13,17 @@ struct PointsOptions : ParticleOptions {
   double density = 2500.0;              ///< [kg/m³] of the matter of a grain
   double young = 1e6;                   ///< E [Pa] of grain on grain (GrainMaterial)
   double friction = 0.5;                ///< of grain on grain, [-], >= 0
+  bool turn = true;                     ///< false: no spin, like what interlocks; friction then has no torque
+  double rolling_friction = 0.1;        ///< μ_r of grains that roll on each other and on what is fixed, [-], >= 0
   double gravity = 9.81;                ///< [m/s²] of the world, for the release of pairs (GrainMaterial)
   double slip_speed = 1e-3;             ///< [m/s] width of regularised friction, > 0
 };
 
-/// Grains: balls that move but do not turn (docs/bodies/points.md). They push and rub each other as the body's own
-/// inner forces (GrainPairs); to everything else they are one part.
-/// Contact (paper, section 5.2): raster_points, J = I; linear momentum is exact, angular momentum but for the spin that
-/// friction would give a grain.
+/// Grains: balls that move and turn (docs/bodies/points.md). q has a centre a grain, v its velocity and spin ω, with
+/// the inertia 2/5 m r². They push and rub each other as the body's own inner forces (GrainPairs); to everything else
+/// they are one part. Contact (paper, section 5.2): raster_points, BallsMap; momentum and angular momentum are exact.
 /// Tests: tests/body/points_body_test.cpp
-class PointsBody final : public ParticleBody {
+class PointsBody final : public ParticleBody, public SpinningBalls {
  public:
   /// @param centers  [m], world frame, at least one
   /// @throws InputError  when a number is out of range
@@ -29,6 +31,29 @@ class PointsBody final : public ParticleBody {
 
   std::string_view kind() const override { return "points"; }
   double elastic_energy() const override { return pairs_.energy(); }
+  const Vec3& ball_center(std::int32_t source) const override { return x_[static_cast<std::size_t>(source)]; }
+  double ball_radius(std::int32_t source) const override { return radius_[static_cast<std::size_t>(source)]; }
+
+  void set_loads(std::span<const double> load) override { load_.assign(load.begin(), load.end()); }
+
+  std::size_t v_size() const override { return 6 * rest_.size(); }
+  void initial_state(std::span<double> q, std::span<double> v) const override;
+  void prescribe(double time, double dt, std::span<const double> q, std::span<double> v) const override;
+  void update(double time, std::span<const double> q, std::span<const double> v) override;
+  void advance(double dt, std::span<double> q, std::span<const double> v) const override;
+  void move(const Pose& by, std::span<double> q, std::span<double> v) const override;
+  void apply_mass(std::span<const double> x, std::span<double> y) const override;
+  std::vector<int> block_sizes() const override { return std::vector<int>(rest_.size(), 6); }
+  void filter(std::span<double> x) const override;
+  /// Of the centres: a ball that turns moves no matter elsewhere.
+  double relative_speed_bound(int p, std::span<const double> v) const override;
+  void motion_clusters(int p, std::span<const double> v, std::vector<MotionCluster>& out) const override;
+  void finer_clusters(int p, std::size_t cluster, std::span<const double> v,
+                      std::vector<MotionCluster>& out) const override;
+  double kinetic_energy(std::span<const double> v) const override;
+  Vec3 linear_momentum(std::span<const double> v) const override;
+  Vec3 angular_momentum(std::span<const double> v) const override;
+  bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
 
   void add_forces(const Environment& env, std::span<double> Q) const override;
   void apply_stiffness(std::span<const double> x, std::span<double> y) const override;
@@ -46,13 +71,22 @@ class PointsBody final : public ParticleBody {
 
  private:
   PointsBody(std::vector<Vec3> centers, std::vector<double> radius, const PointsOptions& options);
+  /// y += factor times the resistance of spin to what is fixed.
+  void add_rolling(double factor, std::span<const double> x, std::span<double> y) const;
+  void filter_spin(std::span<double> x) const;
+  /// y += factor M x.
+  void add_mass(double factor, std::span<const double> x, std::span<double> y) const;
   /// How far apart grains may be that can meet within a step, [m].
   double gap_for(double dt) const;
 
   std::vector<double> radius_;  // [m], per grain
   GrainMaterial material_;
   GrainPairs pairs_;
-  std::vector<Vec3> pair_force_;  // [N], with damping and friction
+  bool turn_ = true;
+  std::vector<double> load_, roll_;             // [N] of what is fixed; [N m s] its resistance to spin
+  std::vector<double> inertia_;                 // [kg m²], per grain
+  std::vector<Vec3> spin_;                      // [rad/s], of the last update
+  std::vector<Vec3> pair_force_, pair_torque_;  // [N], [N m], with damping and friction
 };
 
 }  // namespace brim

@@ -54,6 +54,8 @@ class PointsMaker final : public BodyMaker {
     options.density = node_.number("density");
     options.young = node_.number("young_modulus");
     options.friction = node_.number_if("inner_friction").value_or(material_.friction);
+    options.turn = node_.boolean("turn");
+    options.rolling_friction = node_.number("rolling_friction");
     options.gravity = gravity_;
     options.slip_speed = std::max(1e-3 * gravity_ * time_step_, 1e-9);
     options.stiffness_damping = node_.number_if("contact_damping").value_or(2.0 * time_step_);
