@@ -25,7 +25,7 @@ constexpr double kInside = 1.25;
 /// [voxels] by how much the gap may be larger there; by how much less the higher differences must be.
 constexpr double kAlikeGap = 0.25, kClearly = 0.03;
 /// Newton's steps to the least gap.
-constexpr int kNewton = 3;
+constexpr int kNewton = 5;
 /// Least slope of a distance at which its surface is looked for.
 constexpr double kFacing = 0.9;
 /// Weight of a node that waits, for solids that do not overlap yet.
