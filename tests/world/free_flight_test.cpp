@@ -1,5 +1,6 @@
 #include "brim/world/free_flight.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <functional>
