@@ -17,6 +17,8 @@ namespace {
 constexpr std::size_t kGrain = 512;
 /// Step of central differences of a distance, over the reach.
 constexpr double kDifference = 1e-3;
+/// Step of second differences, over the gap of the layer at a surface.
+constexpr double kBendWidth = 0.6;
 
 const Filling* filling(const WorldPart& p) {
   return p.info.conforming ? dynamic_cast<const Filling*>(p.body) : nullptr;
@@ -49,12 +51,12 @@ void FillStage::find(std::span<const std::unique_ptr<Body>> bodies, std::span<co
                      const WorldOptions& options, PartFilter& filter, ContactSet& set) {
   filler_.assign(bodies.size(), {});
   first_ = set.size();
-  contact_.clear(), seen_.clear();
+  normal_.clear(), seen_.clear();
   for (std::size_t f = 0; f < parts.size(); ++f) {
     if (filling(parts[f]) == nullptr) continue;
     Filler& filler = filler_[parts[f].body_index];
     filler.body = dynamic_cast<Filling*>(bodies[parts[f].body_index].get());
-    filler.begin = contact_.size();
+    filler.begin = normal_.size();
     const ProfileScope scope("fill", *parts[f].body);
     const auto places = filler.body->fill_places();
     const double reach = filler.body->fill_reach();
@@ -87,21 +89,21 @@ void FillStage::find(std::span<const std::unique_ptr<Body>> bodies, std::span<co
       std::size_t c = set.size();
       set.resize(pair.end);
       for (const Found& s : found_) {
-        const Vec3 slope = -s.slope * s.n;
         Contact contact{};
         contact.point = places[s.element] - s.distance * s.n;
         contact.node = (contact.point / h).array().round().cast<int>();
         contact.depth = static_cast<float>(filler.body->fill_gap() - s.distance);
+        const Vec3 slope = -s.n / filler.body->fill_gap();
         (fluid_first ? contact.gradient_b : contact.gradient_a) = slope.cast<float>();
         (fluid_first ? contact.source_a : contact.source_b) = Filling::source_of(s.element);
         (fluid_first ? contact.source_b : contact.source_a) = s.source;
         set.set(c++, contact);
-        contact_.push_back({fluid_first ? s.n : Vec3(-s.n), s.slope});
-        seen_.push_back({s.element, s.fill, slope});
+        normal_.push_back(fluid_first ? s.n : Vec3(-s.n));
+        seen_.push_back({s.element, static_cast<std::int32_t>(o), s.distance, s.n, s.bend});
       }
       set.pairs.push_back(pair);
     }
-    filler.end = contact_.size();
+    filler.end = normal_.size();
     filler.body->see(std::span(seen_).subspan(filler.begin, filler.end - filler.begin));
   }
 }
@@ -129,11 +131,14 @@ void FillStage::find_in_solid(const PosedShape& solid, const Aabb& bounds, const
       }
       const double length = n.norm();
       if (!(length > 0.0)) continue;
-      Found s{static_cast<std::int32_t>(i), d, 0.0, 0.0, pose.rotation * (n / length), 0};
-      double slope = 0.0;
-      s.fill = filler.fill_of(d, slope);
-      s.slope = -slope;
-      out.push_back(s);
+      // Second differences over a width that edges are seen with.
+      const double wide = kBendWidth * filler.fill_gap();
+      double bend = -6.0 * d;
+      for (int a = 0; a < 3; ++a) {
+        const Vec3 e = wide * Vec3::Unit(a);
+        bend += shape.distance(p + e) + shape.distance(p - e);
+      }
+      out.push_back({static_cast<std::int32_t>(i), d, bend / (wide * wide), pose.rotation * (n / length), 0});
     }
   });
   for (const auto& out : piece_) found_.insert(found_.end(), out.begin(), out.end());
@@ -192,11 +197,7 @@ void FillStage::find_on_grid(const WorldPart& part, double h, const Aabb& region
       }
       const double length = n.norm();
       if (!(d < reach) || !(best > 0.0) || !(length > 1e-6)) continue;
-      Found s{i, d, 0.0, 0.0, n / length, source};
-      double slope = 0.0;
-      s.fill = filler.fill_of(d, slope);
-      s.slope = -slope;
-      out.push_back(s);
+      out.push_back({i, d, 0.0, n / length, source});
     }
   });
   for (const auto& out : piece_) found_.insert(found_.end(), out.begin(), out.end());
@@ -206,7 +207,7 @@ void FillStage::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<c
                       std::span<const double> v, std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b,
                       double dt, Penalty& response) {
   dt_ = dt;
-  const std::size_t n = contact_.size();
+  const std::size_t n = normal_.size();
   start_push_.resize(n), start_change_.resize(n), load_.resize(n), rate_.resize(n), push_.resize(n);
   start_stiffness_.assign(first_v.back(), 0.0);
   first_v_.assign(first_v.begin(), first_v.end());
@@ -221,9 +222,8 @@ void FillStage::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<c
                                    std::span(start_stiffness_).subspan(first_v[b], first_v[b + 1] - first_v[b]),
                                    mine(start_change_));
     for (std::size_t k = f.begin; k < f.end; ++k) {
-      const double s = contact_[k].slope;
-      load_[k] = s * (start_push_[k] + dt * start_change_[k]);
-      response.set_pressed(first_ + k, s * s * f.body->fill_stiffness(k - f.begin, dt));
+      load_[k] = start_push_[k] + dt * start_change_[k];
+      response.set_pressed(first_ + k, f.body->fill_stiffness(k - f.begin, dt));
     }
   }
   give_loads(response);
@@ -234,8 +234,8 @@ void FillStage::add_start_stiffness(std::size_t body, std::span<double> y) const
 }
 
 void FillStage::add_right_hand_side(std::span<Vec3> force) const {
-  for (std::size_t k = 0; k < contact_.size(); ++k)
-    force[first_ + k] += (contact_[k].slope * (start_push_[k] + dt_ * start_change_[k])) * contact_[k].n;
+  for (std::size_t k = 0; k < normal_.size(); ++k)
+    force[first_ + k] += (start_push_[k] + dt_ * start_change_[k]) * normal_[k];
 }
 
 void FillStage::apply_system(std::size_t body, std::span<const double> x, std::span<double> y) const {
@@ -246,23 +246,22 @@ void FillStage::apply_system(std::size_t body, std::span<const double> x, std::s
 
 void FillStage::finish(std::span<const std::size_t> first_v, std::span<const double> delta,
                        std::span<const Vec3> contact_delta) {
-  for (std::size_t k = 0; k < contact_.size(); ++k) see(first_ + k, contact_delta[first_ + k]);
+  for (std::size_t k = 0; k < normal_.size(); ++k) see(first_ + k, contact_delta[first_ + k]);
   for (std::size_t b = 0; b < filler_.size(); ++b) {
     if (filler_[b].body == nullptr) continue;
     const std::size_t n = first_v[b + 1] - first_v[b];
     scratch_.assign(n, 0.0);
     apply_system(b, delta.subspan(first_v[b], n), scratch_);
   }
-  for (std::size_t k = 0; k < contact_.size(); ++k)
-    load_[k] = contact_[k].slope * (start_push_[k] + dt_ * start_change_[k] + push_[k] / dt_);
+  for (std::size_t k = 0; k < normal_.size(); ++k) load_[k] = start_push_[k] + dt_ * start_change_[k] + push_[k] / dt_;
 }
 
 void FillStage::add_forces(std::span<Vec3> force) const {
-  for (std::size_t k = 0; k < contact_.size(); ++k) force[first_ + k] += load_[k] * contact_[k].n;
+  for (std::size_t k = 0; k < normal_.size(); ++k) force[first_ + k] += load_[k] * normal_[k];
 }
 
 void FillStage::give_loads(Penalty& response) const {
-  for (std::size_t k = 0; k < contact_.size(); ++k) response.set_load(first_ + k, load_[k]);
+  for (std::size_t k = 0; k < normal_.size(); ++k) response.set_load(first_ + k, load_[k]);
 }
 
 }  // namespace brim

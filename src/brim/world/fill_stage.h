@@ -19,7 +19,7 @@ class PartFilter;
 /// by the body's pressure in the common solve. A surface is known by its distance, of solids from themselves, of all
 /// else from the density that they write on the grid.
 ///
-/// Their force on part a is f n, n the contact's normal, f = p |∇λ|, and the rate of fill −|∇λ| n·Δ.
+/// Their force on part a is push n, n the contact's normal, and the rate of the distance n·Δ.
 /// Same bits for any number of threads.  Tests: tests/world/fill_stage_test.cpp
 class FillStage {
  public:
@@ -33,8 +33,8 @@ class FillStage {
              std::span<const double> v, std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b, double dt,
              Penalty& response);
 
-  bool empty() const { return contact_.empty(); }
-  bool holds(std::size_t c) const { return c - first_ < contact_.size(); }
+  bool empty() const { return normal_.empty(); }
+  bool holds(std::size_t c) const { return c - first_ < normal_.size(); }
   std::size_t first() const { return first_; }  ///< the first of these contacts in the set; links follow them
   bool handles(std::size_t body) const { return body < filler_.size() && filler_[body].body != nullptr; }
 
@@ -43,16 +43,11 @@ class FillStage {
   /// force_c += force on part a that the start state gives, pressure and its change by the motion at the start, [N].
   void add_right_hand_side(std::span<Vec3> force) const;
   /// Takes the relative velocity of contact c for the products that follow.
-  void see(std::size_t c, const Vec3& delta) const {
-    const Pressed& p = contact_[c - first_];
-    rate_[c - first_] = -p.slope * p.n.dot(delta);
-  }
+  void see(std::size_t c, const Vec3& delta) const { rate_[c - first_] = normal_[c - first_].dot(delta); }
   /// y += A x of a body, after see.
   void apply_system(std::size_t body, std::span<const double> x, std::span<double> y) const;
   /// Force times dt of contact c on part a, of the last product, [N s].
-  Vec3 impulse(std::size_t c) const {
-    return (push_[c - first_] * contact_[c - first_].slope) * contact_[c - first_].n;
-  }
+  Vec3 impulse(std::size_t c) const { return push_[c - first_] * normal_[c - first_]; }
 
   /// Takes the solution in: forces follow. @param delta  velocity changes @param contact_delta  at all contacts
   void finish(std::span<const std::size_t> first_v, std::span<const double> delta, std::span<const Vec3> contact_delta);
@@ -66,13 +61,9 @@ class FillStage {
     Filling* body = nullptr;
     std::size_t begin = 0, end = 0;  ///< its contacts, from first_
   };
-  struct Pressed {
-    Vec3 n;        ///< towards part a
-    double slope;  ///< |∇λ|, [1/m]
-  };
   struct Found {
     std::int32_t element;
-    double distance, fill, slope;
+    double distance, bend;
     Vec3 n;  ///< from the surface to the element
     std::int32_t source;
   };
@@ -81,7 +72,7 @@ class FillStage {
 
   std::vector<Filler> filler_;  ///< per body
   std::size_t first_ = 0;
-  std::vector<Pressed> contact_;
+  std::vector<Vec3> normal_;  ///< of each contact, towards part a
   std::vector<Seen> seen_;
   std::vector<Found> found_;
   std::vector<std::vector<Found>> piece_;

@@ -10,6 +10,7 @@ namespace brim {
 
 void FluidPairs::build(const ParticleCells& cells, const FluidKernel& kernel, double volume, double viscosity) {
   size_ = cells.size();
+  stretched_.clear();
   fill_.resize(size_);
   const std::size_t count = (size_ + kBlock - 1) / kBlock;
   if (blocks_.size() < count) blocks_.resize(count);
@@ -40,6 +41,19 @@ void FluidPairs::build(const ParticleCells& cells, const FluidKernel& kernel, do
       b.first.push_back(static_cast<std::int32_t>(b.neighbour.size()));
     });
   });
+}
+
+void FluidPairs::stretch(std::size_t i, std::int32_t pair, float factor) {
+  Block& b = blocks_[i / kBlock];
+  const std::int32_t e = b.first[i % kBlock] + pair;
+  stretched_.push_back({i / kBlock, e, b.gradient[e]});
+  b.gradient[e].head<3>() *= factor;
+  b.gradient[e][3] /= factor * factor;
+}
+
+void FluidPairs::release() {
+  for (const Stretched& s : stretched_) blocks_[s.block].gradient[s.entry] = s.gradient;
+  stretched_.clear();
 }
 
 namespace {

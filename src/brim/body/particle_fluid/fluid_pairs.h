@@ -33,6 +33,12 @@ class FluidPairs {
     for (std::int32_t e = b.first[i % kBlock]; e < b.first[i % kBlock + 1]; ++e) f(b.neighbour[e], b.gradient[e]);
   }
 
+  /// Lets g of a particle's pair (counted as for_neighbours does) be longer by a factor, and its drag the same as
+  /// before: what an image does along x_ij. Both ways of a pair need it. Counts until the next build or release.
+  void stretch(std::size_t i, std::int32_t pair, float factor);
+  /// Takes all stretching back.
+  void release();
+
   /// rate_i = Σ_j g_ij · (v_i − v_j), for the particles with weight_i > 0; 0 for others.
   void rates(std::span<const Vec4> v, std::span<const float> weight, std::span<float> rate) const;
   /// y_i += Σ_j (p_i + p_j) g_ij.
@@ -55,7 +61,13 @@ class FluidPairs {
     std::vector<Vec4> gradient;  ///< g, and a_ij in the fourth lane
   };
   std::size_t size_ = 0;
+  struct Stretched {
+    std::size_t block;
+    std::int32_t entry;
+    Vec4 gradient;  ///< as it was
+  };
   std::vector<Block> blocks_;
+  std::vector<Stretched> stretched_;
   std::vector<double> fill_;
 };
 

@@ -13,6 +13,7 @@ namespace {
 constexpr double kSupport = 2.0;  ///< H over the spacing
 constexpr double kSurfaceFill = 0.90, kInsideFill = 0.98;
 constexpr double kFullAtSurface = 0.98;
+constexpr double kTouching = 0.8;  ///< spacings from a surface up to which a particle is of the layer at it
 constexpr std::size_t kParticleGrain = 1024;
 
 void require(const char* name, double value, bool good, const char* allowed) {
@@ -53,7 +54,7 @@ ParticleFluidBody::ParticleFluidBody(std::vector<Vec3> x, ParticleFluidOptions o
       cohesion_(kernel_.support(), options_.spacing, options_.surface_tension),
       volume_(1.0 / lattice_sum(kernel_, options_.spacing)),
       contact_(kernel_, volume_),
-      wall_(kernel_, options_.spacing, volume_) {
+      images_(kernel_, options_.spacing, volume_) {
   const ParticleFluidOptions& o = options_;
   require("spacing [m]", o.spacing, o.spacing > 0.0, "positive");
   require("density [kg/m³]", o.density, o.density > 0.0, "positive");
@@ -126,7 +127,7 @@ void ParticleFluidBody::see(std::span<const Seen> seen) {
 
 void ParticleFluidBody::judge_fill() {
   fill_.assign(pairs_.fill().begin(), pairs_.fill().end());
-  for (const Seen& s : seen_) fill_[slot_[s.element]] += s.fill;
+  images_.build(seen_, slot_, cells_, pairs_, fill_);
   inside_.resize(x_.size()), excess_.resize(x_.size());
   for (std::size_t i = 0; i < inside_.size(); ++i) {
     const double t = std::clamp((fill_[i] - kSurfaceFill) / (kInsideFill - kSurfaceFill), 0.0, 1.0);
@@ -136,13 +137,13 @@ void ParticleFluidBody::judge_fill() {
 }
 
 void ParticleFluidBody::foresee(double dt, std::span<const double> v, std::span<const double> rate) {
-  approach_.assign(x_.size(), 0.0);
-  for (std::size_t k = 0; k < seen_.size(); ++k) approach_[slot_[seen_[k].element]] += rate[k];
-  for (const Seen& s : seen_) {
-    const std::int32_t i = slot_[s.element];
-    double closing = approach_[i];
-    const Vec3 own = particle_at(v, s.element);
-    pairs_.for_neighbours(static_cast<std::size_t>(i), [&](std::int32_t j, const Vec4& g) {
+  images_.for_seeing([&](std::size_t i) {
+    double nearest = fill_reach();
+    for (const std::int32_t k : images_.contacts_of(i)) nearest = std::min(nearest, seen_[k].distance);
+    if (nearest > kTouching * options_.spacing) return;
+    double closing = images_.rate_of(i, rate);
+    const Vec3 own = particle_at(v, cells_.order()[i]);
+    pairs_.for_neighbours(i, [&](std::int32_t j, const Vec4& g) {
       closing += (own - particle_at(v, cells_.order()[j])).dot(g.head<3>().matrix().cast<double>());
     });
     // A surface pushes and does not pull: only what is full or will be by the end of the step is kept from changing.
@@ -151,27 +152,30 @@ void ParticleFluidBody::foresee(double dt, std::span<const double> v, std::span<
     inside_[i] = static_cast<float>(t * t * (3.0 - 2.0 * t));
     // What is not full yet may close up to there.
     if (after > 1.0) excess_[i] = fill_[i] - 1.0;
-  }
+  });
 }
 
 void ParticleFluidBody::press(std::span<double> push) const {
-  for (std::size_t k = 0; k < seen_.size(); ++k) push[k] = fill_energy() * excess_[slot_[seen_[k].element]];
+  auto p = products_.borrow();
+  p->pressure.resize(excess_.size());
+  for (std::size_t i = 0; i < excess_.size(); ++i) p->pressure[i] = static_cast<float>(fill_energy() * excess_[i]);
+  images_.press(p->pressure, push);
 }
 
 double ParticleFluidBody::fill_stiffness(std::size_t k, double dt) const {
-  return dt * dt * fill_energy() * double{inside_[slot_[seen_[k].element]]};
+  return dt * dt * fill_energy() * images_.stiffness(k, inside_);
 }
 
 void ParticleFluidBody::apply_stiffness_seeing(std::span<const double> x, std::span<const double> rate,
-                                               std::span<double> y, std::span<double> push) const {
-  multiply(-1.0, 0.0, x, y, rate, push);
-  for (double& p : push) p = -p;
+                                               std::span<double> y, std::span<double> change) const {
+  multiply(-1.0, 0.0, x, y, rate, change);
+  for (double& c : change) c = -c;
 }
 
 void ParticleFluidBody::apply_system_seeing(std::span<const double> x, std::span<const double> rate,
-                                            std::span<double> y, std::span<double> push) const {
+                                            std::span<double> y, std::span<double> change) const {
   apply_mass(x, y);
-  multiply(dt_ * dt_, dt_, x, y, rate, push);
+  multiply(dt_ * dt_, dt_, x, y, rate, change);
 }
 
 void ParticleFluidBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
@@ -200,17 +204,17 @@ void ParticleFluidBody::scatter(const Product& p, double scale, std::span<double
 }
 
 void ParticleFluidBody::multiply(double pressure_factor, double viscous_factor, std::span<const double> x,
-                                 std::span<double> y, std::span<const double> rate, std::span<double> push) const {
+                                 std::span<double> y, std::span<const double> rate, std::span<double> change) const {
   auto p = products_.borrow();
   gather(x, *p);
   const bool viscous = viscous_factor != 0.0 && options_.viscosity > 0.0;
   if (viscous) pairs_.add_viscosity(viscous_factor, p->v, p->rate, p->y);
   if (pressure_factor != 0.0) {
     if (!viscous) pairs_.rates(p->v, inside_, p->rate);
-    for (std::size_t k = 0; k < rate.size(); ++k) p->rate[slot_[seen_[k].element]] += static_cast<float>(rate[k]);
+    if (!rate.empty()) images_.add_rates(rate, p->rate);
     for (std::size_t i = 0; i < p->rate.size(); ++i)
       p->pressure[i] = static_cast<float>(pressure_factor * fill_energy() * inside_[i]) * p->rate[i];
-    for (std::size_t k = 0; k < push.size(); ++k) push[k] = p->pressure[slot_[seen_[k].element]];
+    if (!change.empty()) images_.press(p->pressure, change);
     pairs_.add_pressure(p->pressure, p->y);
   }
   scatter(*p, 1.0, y);
@@ -248,25 +252,37 @@ void ParticleFluidBody::apply_system(std::span<const double> x, std::span<double
 void ParticleFluidBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) const {
   const auto order = cells_.order();
   const float kappa = static_cast<float>(dt_ * dt_ * fill_energy());
-  std::vector<Eigen::Vector3f> slope(order.size(), Eigen::Vector3f::Zero());
-  std::vector<Eigen::Matrix3f> apart(order.size(), Eigen::Matrix3f::Zero());
-  for (const Seen& s : seen_) {
-    const Eigen::Vector3f g = s.slope.cast<float>();
-    slope[slot_[s.element]] += g;
-    apart[slot_[s.element]] += g * g.transpose();
-  }
   parallel_blocks(order.size(), kParticleGrain, [&](std::size_t begin, std::size_t end) {
+    std::vector<Eigen::Vector3f> by_images;
     for (std::size_t i = begin; i < end; ++i) {
       Eigen::Vector3f own = Eigen::Vector3f::Zero();
       Eigen::Matrix3f others = Eigen::Matrix3f::Zero();
+      by_images.clear();
+      for (const std::int32_t k : images_.contacts_of(i)) {
+        const Eigen::Vector3f n = seen_[k].n.cast<float>();
+        images_.for_slopes(static_cast<std::size_t>(k), [&](std::int32_t pair, double slope) {
+          const Eigen::Vector3f g = static_cast<float>(slope) * n;
+          if (pair < 0) {
+            own += g;
+          } else {
+            if (by_images.size() <= static_cast<std::size_t>(pair)) by_images.resize(pair + 1, Eigen::Vector3f::Zero());
+            by_images[pair] += g;
+          }
+        });
+        // What contact adds itself of each thing seen is left out.
+        others -=
+            (kappa * static_cast<float>(images_.stiffness(static_cast<std::size_t>(k), inside_))) * n * n.transpose();
+      }
+      std::size_t pair = 0;
       pairs_.for_neighbours(i, [&](std::int32_t j, const Vec4& e) {
         const Eigen::Vector3f g = e.head<3>().matrix();
         own += g;
-        others += (kappa * inside_[j] + static_cast<float>(dt_) * e[3]) * g * g.transpose();
+        others += (static_cast<float>(dt_) * e[3]) * g * g.transpose();
+        const Eigen::Vector3f there = pair < by_images.size() ? Eigen::Vector3f(g + by_images[pair]) : g;
+        others += (kappa * inside_[j]) * there * there.transpose();
+        ++pair;
       });
-      // What contact adds itself of each thing seen is left out.
-      own += slope[i];
-      others += (kappa * inside_[i]) * (own * own.transpose() - apart[i]);
+      others += (kappa * inside_[i]) * own * own.transpose();
       D.block(first + order[i]) += particle_mass_ * Mat3::Identity() + others.cast<double>();
     }
   });

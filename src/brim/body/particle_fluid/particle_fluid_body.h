@@ -9,8 +9,8 @@
 #include "brim/body/outer_forces.h"
 #include "brim/body/particle_fluid/cohesion.h"
 #include "brim/body/particle_fluid/fluid_contact.h"
+#include "brim/body/particle_fluid/fluid_images.h"
 #include "brim/body/particle_fluid/fluid_pairs.h"
-#include "brim/body/particle_fluid/wall_fill.h"
 #include "brim/body/restless.h"
 
 namespace brim {
@@ -73,16 +73,15 @@ class ParticleFluidBody final : public Body, public Filling, public OuterForces,
                 std::unique_ptr<Map>& map) const override;
 
   std::span<const Vec3> fill_places() const override { return x_; }
-  double fill_reach() const override { return wall_.reach(); }
-  double fill_of(double d, double& slope) const override { return wall_(d, slope); }
+  double fill_reach() const override { return images_.reach(); }
   double fill_gap() const override { return 0.5 * options_.spacing; }
   void see(std::span<const Seen> seen) override;
   void foresee(double dt, std::span<const double> v, std::span<const double> rate) override;
   void press(std::span<double> push) const override;
   void apply_stiffness_seeing(std::span<const double> x, std::span<const double> rate, std::span<double> y,
-                              std::span<double> push) const override;
+                              std::span<double> change) const override;
   void apply_system_seeing(std::span<const double> x, std::span<const double> rate, std::span<double> y,
-                           std::span<double> push) const override;
+                           std::span<double> change) const override;
   double fill_stiffness(std::size_t k, double dt) const override;
 
   double mass() const override { return particle_mass_ * static_cast<double>(start_.size()); }
@@ -112,9 +111,10 @@ class ParticleFluidBody final : public Body, public Filling, public OuterForces,
   void gather(std::span<const double> x, Product& p) const;
   void scatter(const Product& p, double scale, std::span<double> y) const;
   /// y += scale (pressure_factor κ-part + viscous_factor viscous part) x
-  /// @param rate  of what is seen, and push = pressure_factor κ V s dφ there; both of shape (seen) or empty
+  /// @param rate  of the distances of what is seen, and change = pressure_factor times what it does to the push there;
+  ///              both of shape (seen) or empty
   void multiply(double pressure_factor, double viscous_factor, std::span<const double> x, std::span<double> y,
-                std::span<const double> rate = {}, std::span<double> push = {}) const;
+                std::span<const double> rate = {}, std::span<double> change = {}) const;
   void judge_fill();
   /// ∂²E/∂φ², [J].
   double fill_energy() const { return bulk_modulus_ * particle_mass_ / options_.density; }
@@ -132,13 +132,12 @@ class ParticleFluidBody final : public Body, public Filling, public OuterForces,
   ParticleCells cells_;
   FluidPairs pairs_;
   FluidContact contact_;
-  WallFill wall_;
+  FluidImages images_;
   std::vector<Seen> seen_;
   std::vector<std::int32_t> slot_;  ///< place in cell order of each particle
   std::vector<double> fill_;        ///< φ, cell order, what is seen included
-  std::vector<double> approach_;
-  std::vector<double> excess_;  ///< φ − 1 that has a pressure, cell order; below 0 where a surface will be met
-  std::vector<float> inside_;   ///< s_i, cell order
+  std::vector<double> excess_;      ///< φ − 1 that has a pressure, cell order; below 0 where a surface will be met
+  std::vector<float> inside_;       ///< s_i, cell order
   mutable WorkspacePool<Product> products_;
 };
 
