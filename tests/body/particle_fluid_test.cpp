@@ -104,10 +104,7 @@ std::vector<Seen> seen_of_floor(const ParticleFluidBody& b) {
   std::vector<Seen> seen;
   const auto x = b.fill_places();
   for (std::size_t i = 0; i < x.size(); ++i) {
-    double slope = 0.0;
-    if (x[i].z() >= b.fill_reach()) continue;
-    const double fill = b.fill_of(x[i].z(), slope);
-    seen.push_back({static_cast<std::int32_t>(i), fill, Vec3(0, 0, slope)});
+    if (x[i].z() < b.fill_reach()) seen.push_back({static_cast<std::int32_t>(i), 0, x[i].z(), Vec3::UnitZ(), 0.0});
   }
   return seen;
 }
@@ -126,7 +123,7 @@ TEST(ParticleFluid, WithAFloorInSightForcesAreMinusTheDerivativeOfEnergyToo) {
   ASSERT_GT(seen.size(), 30u);
   std::vector<double> Q = forces(f.body), push(seen.size());
   f.body.press(push);
-  for (std::size_t k = 0; k < seen.size(); ++k) Q[3 * seen[k].element + 2] -= push[k] * seen[k].slope.z();
+  for (std::size_t k = 0; k < seen.size(); ++k) Q[3 * seen[k].element + 2] += push[k];
   const std::vector<double> d = random_vector(Q.size(), kSeed);
   const double e = 1e-7;
   std::vector<double> plus = f.q, minus = f.q;
@@ -146,12 +143,11 @@ TEST(ParticleFluid, TheSystemIsSymmetricWithWhatMovesBesideIt) {
   std::vector<double> y[2], push[2], x[2], rate[2];
   for (int k = 0; k < 2; ++k) {
     x[k] = random_vector(f.v.size(), kSeed + k), rate[k] = random_vector(seen.size(), kSeed + 7 + k);
-    for (double& r : rate[k]) r *= 10.0;
     y[k].assign(x[k].size(), 0.0), push[k].resize(seen.size());
     f.body.apply_system_seeing(x[k], rate[k], y[k], push[k]);
   }
   // Work of each motion in the forces of the other; what the other side moves counts by its rate.
-  const double one = dot(x[0], y[1]) + dot(rate[0], push[1]), two = dot(x[1], y[0]) + dot(rate[1], push[0]);
+  const double one = dot(x[0], y[1]) - dot(rate[0], push[1]), two = dot(x[1], y[0]) - dot(rate[1], push[0]);
   EXPECT_NEAR(one, two, 1e-5 * std::sqrt(dot(y[0], y[0]) * dot(x[1], x[1])));
   EXPECT_GT(std::abs(dot(rate[0], push[1])), 1e-3 * std::abs(one));
 }

@@ -129,6 +129,41 @@ TEST(FillStage, AFloatingBoxDisplacesItsWeight) {
   EXPECT_NEAR(surface - bottom, 0.1, 0.1 * 0.1);
 }
 
+TEST(FillStage, AFilmBetweenPlatesIsShearedByItsViscosity) {
+  // Newton's law: F = μ A v / H on both plates, from a linear profile on.
+  const double side = 0.4, height = 0.15, speed = 0.1, viscosity = 5.0;
+  WorldOptions o;
+  o.environment.gravity.setZero();
+  o.time_step = 0.002;
+  o.voxel_size = 0.025;
+  World w(o);
+  w.add(testing::obstacle("floor", make_half_space(), 0.0));
+  testing::Start s;
+  s.x = Vec3(0, 0, height + 0.5 * side), s.v = Vec3(speed, 0, 0);
+  w.add(testing::box("lid", s, 0.0, side, 1e4));
+  ParticleFluidOptions f = options(viscosity);
+  f.material.friction = 0.0;
+  auto film =
+      std::make_unique<ParticleFluidBody>(block(Vec3(side, side, height), 0.0, Vec3(-0.5 * side, -0.5 * side, 0)), f);
+  film->set_name("film");
+  w.add(std::move(film));
+  State state = w.state();
+  for (std::size_t i = 0; i + 2 < w.q(2).size(); i += 3)
+    state.v[state.v.size() - w.v(2).size() + i] = speed * w.q(2)[i + 2] / height;
+  w.set_state(state);
+  const double expected = viscosity * side * side * speed / height;
+  const StepReport r = w.step();
+  ASSERT_TRUE(r.ok);
+  int plates = 0;
+  for (const PairReport& p : r.pairs) {
+    const double along = p.part_a == 2 || p.part_b == 2 ? std::abs(p.force_on_a.x()) : 0.0;
+    EXPECT_NEAR(along, expected, 0.05 * expected) << p.part_a << " " << p.part_b;
+    ++plates;
+  }
+  EXPECT_EQ(plates, 2);
+  EXPECT_LT(r.momentum_error, 1e-12);
+}
+
 TEST(FillStage, AWorldThatTakesAStateUpStepsLikeTheOneThatHadIt) {
   const auto make = [] {
     World w = tank(0.1);

@@ -53,6 +53,8 @@ class Filling {
   /// Stiffness of contact k in the system of a step dt along n_k, dt² ∂²E/∂d_k², [kg]; for preconditioners, and known
   /// before begin_solve.
   virtual double fill_stiffness(std::size_t k, double dt) const = 0;
+  /// [N s/m] force along the surface against the motion along it: what is viscous sticks to what it touches.
+  virtual double fill_drag(std::size_t k) const = 0;
 };
 
 }  // namespace brim

@@ -56,7 +56,7 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
   force_.resize(n), relative_.resize(n);
   implicit_time_.resize(n), load_.resize(n), active_.resize(n), rate_.resize(n), stiffness_.resize(n), scale_.resize(n),
       friction_viscosity_.resize(n), mu_.resize(n);
-  pressed_.assign(n, 0.0);
+  pressed_.assign(n, 0.0), drag_.assign(n, 0.0);
   bonds_.clear();
   slip_.resize(contacts.pairs.size()), inverse_mass_.resize(contacts.pairs.size()),
       rigid_.resize(contacts.pairs.size()), fixed_.resize(contacts.pairs.size()), filled_.resize(contacts.pairs.size());
@@ -214,7 +214,7 @@ void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState
 }
 
 void Penalty::set_friction(std::size_t c, double load, const Vec3& tangential, double stick) {
-  friction_viscosity_[c] = mu_[c] * std::max(0.0, load) / std::max(tangential.norm(), stick);
+  friction_viscosity_[c] = mu_[c] * std::max(0.0, load) / std::max(tangential.norm(), stick) + drag_[c];
 }
 
 void Penalty::right_hand_side(std::span<Vec3> force) const {

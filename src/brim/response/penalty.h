@@ -78,8 +78,9 @@ class Penalty {
   Mat3 block(std::size_t c) const;
 
   /// For contacts of filled pairs, after begin: stiffness along the normal in the step's system, [N·s²/m], which
-  /// another answers, and the normal force that friction works with, [N].
-  void set_pressed(std::size_t c, double stiffness) { pressed_[c] = stiffness; }
+  /// another answers, and the drag of a fluid that sticks to what it touches, [N s/m]; then the normal force that
+  /// friction works with, [N].
+  void set_pressed(std::size_t c, double stiffness, double drag) { pressed_[c] = stiffness, drag_[c] = drag; }
   void set_load(std::size_t c, double load);
   /// [N] normal force that is expected at contact c, after begin; 0 where it does not act.
   double expected_load(std::size_t c) const { return active_[c] ? std::max(0.0, load_[c]) : 0.0; }
@@ -184,7 +185,7 @@ class Penalty {
   std::vector<double> load_;                ///< predicted normal force, [N]
   std::vector<double> friction_viscosity_;  ///< C, friction per speed, [N·s/m]
   std::vector<double> mu_;
-  std::vector<double> pressed_;  ///< set_pressed
+  std::vector<double> pressed_, drag_;  ///< set_pressed
   std::vector<Action> action_;
   std::vector<Bond> bonds_;                  ///< of the last contacts
   std::vector<SlipHistory> slip_;            ///< per pair

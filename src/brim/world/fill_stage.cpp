@@ -90,7 +90,9 @@ void FillStage::find(std::span<const std::unique_ptr<Body>> bodies, std::span<co
       set.resize(pair.end);
       for (const Found& s : found_) {
         Contact contact{};
-        contact.point = places[s.element] - s.distance * s.n;
+        // Where the element is, not where the surface is: of what turns together nothing slips, and drag and friction have
+        // no torque of their own. Pressure acts along n, the same from either place.
+        contact.point = places[s.element];
         contact.node = (contact.point / h).array().round().cast<int>();
         contact.depth = static_cast<float>(filler.body->fill_gap() - s.distance);
         const Vec3 slope = -s.n / filler.body->fill_gap();
@@ -223,7 +225,7 @@ void FillStage::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<c
                                    mine(start_change_));
     for (std::size_t k = f.begin; k < f.end; ++k) {
       load_[k] = start_push_[k] + dt * start_change_[k];
-      response.set_pressed(first_ + k, f.body->fill_stiffness(k - f.begin, dt));
+      response.set_pressed(first_ + k, f.body->fill_stiffness(k - f.begin, dt), f.body->fill_drag(k - f.begin));
     }
   }
   give_loads(response);

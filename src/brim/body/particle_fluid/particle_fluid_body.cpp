@@ -166,6 +166,12 @@ double ParticleFluidBody::fill_stiffness(std::size_t k, double dt) const {
   return dt * dt * fill_energy() * images_.stiffness(k, inside_);
 }
 
+double ParticleFluidBody::fill_drag(std::size_t k) const {
+  // The layer at the surface, spacing² of it, over half a spacing of fluid that is sheared.
+  const double s = options_.spacing, away = seen_[k].distance / s - 0.5;
+  return 2.0 * options_.viscosity * s * std::clamp(1.0 - away / (kTouching - 0.5), 0.0, 1.0);
+}
+
 void ParticleFluidBody::apply_stiffness_seeing(std::span<const double> x, std::span<const double> rate,
                                                std::span<double> y, std::span<double> change) const {
   multiply(-1.0, 0.0, x, y, rate, change);

@@ -83,6 +83,7 @@ class ParticleFluidBody final : public Body, public Filling, public OuterForces,
   void apply_system_seeing(std::span<const double> x, std::span<const double> rate, std::span<double> y,
                            std::span<double> change) const override;
   double fill_stiffness(std::size_t k, double dt) const override;
+  double fill_drag(std::size_t k) const override;
 
   double mass() const override { return particle_mass_ * static_cast<double>(start_.size()); }
   double potential_energy(const Environment& env) const override;
