@@ -112,18 +112,6 @@ void OuterActions::choose_points(const AppliedForce& given, std::span<const Worl
   const Body& body = *parts[0].body;
   std::vector<Vec3f> shown(body.display().vertices);
   body.display_positions(shown);
-  // Of fluids, whose particles move past each other, the particles themselves.
-  if (parts[0].info.conforming && shows_nodes(body)) {
-    std::size_t nearest = 0;
-    for (std::size_t i = 0; i < shown.size(); ++i) {
-      const Vec3 x = shown[i].cast<double>();
-      if (given.region && given.region(x)) action.nodes.push_back(i);
-      if (given.point && (x - *given.point).norm() < (shown[nearest].cast<double>() - *given.point).norm()) nearest = i;
-    }
-    if (given.point) action.nodes = {nearest};
-    if (action.nodes.empty()) throw InputError(fmt::format("no point of '{}' lies in the region", body.name()));
-    return;
-  }
   std::vector<Vec3> x;
   if (given.point) x = {*given.point};
   if (given.region)
@@ -139,10 +127,9 @@ void OuterActions::choose_points(const AppliedForce& given, std::span<const Worl
 
 void OuterActions::add_at_points(const Vec3& force, std::span<const WorldPart> parts, std::span<const double> q,
                                  Action& action, std::span<double> Q) {
-  std::size_t n = action.nodes.size();
+  std::size_t n = 0;
   for (const Spot& spot : action.spots) n += spot.points.size();
   const Vec3 share = force / static_cast<double>(n);
-  for (const std::size_t i : action.nodes) Eigen::Map<Vec3>(Q.data() + 3 * i) += share;
   for (Spot& spot : action.spots) {
     const WorldPart& part = parts[spot.part];
     spot.points.follow(part, q);

@@ -49,10 +49,9 @@ class OuterActions {
   struct Action {
     int body = 0;
     std::size_t first_part = 0;      ///< of the body, in the world's numbers
-    std::vector<Spot> spots;         ///< where the force acts, ...
-    std::vector<std::size_t> nodes;  ///< ... or the particles on which it does
+    std::vector<Spot> spots;  ///< where the force acts
     std::optional<WindOnBody> wind;
-    bool at_points() const { return !spots.empty() || !nodes.empty(); }
+    bool at_points() const { return !spots.empty(); }
   };
   struct Entry {
     AppliedForce given;

@@ -84,6 +84,7 @@ class GridFluidBody final : public Body, public Walled, public ChangingSurface, 
   const Display& display() const override { return display_; }
   void display_positions(std::span<Vec3f>) const override {}
   void display_surface(std::vector<Vec3f>& x, std::vector<Triangle>& triangles) const override;
+  bool meets_air(const Vec3& x) const override;
 
   // ---- of the last update, for tests and tools -------------------------------------------------------------------
   const MacGrid& grid() const { return model_.grid; }
