@@ -16,8 +16,8 @@ using testing::options_at;
 using testing::run;
 
 constexpr double kSpacing = 0.1;
-/// Share of the momentum at the start that solves may lose. A fluid's own products are in single precision, and it weighs
-/// up to 200 times what brings the momentum.
+/// Share of the momentum at the start that solves may lose. A fluid's own products are in single precision, and it
+/// weighs up to 200 times what brings the momentum.
 constexpr double kSolve = 1e-6;
 
 WorldOptions floating() {
@@ -90,7 +90,8 @@ TEST(LooseLinks, WhatHoldsParticlesKeepsMomentumToRounding) {
         World w(floating());
         w.add(drop("drop"));
         const std::string kind = other;
-        if (kind == "box") w.add(box("box", {Vec3(0.2, 0.2, 0.5), Quat::Identity(), Vec3(1, 0.3, 0), Vec3(0, 0, 2)}, 0.5, 0.2));
+        if (kind == "box")
+          w.add(box("box", {Vec3(0.2, 0.2, 0.5), Quat::Identity(), Vec3(1, 0.3, 0), Vec3(0, 0, 2)}, 0.5, 0.2));
         if (kind == "jelly") w.add(testing::jelly("jelly", 0.4, Vec3(0, 0, 0.42)));
         if (kind == "sheet") w.add(testing::sheet("sheet", 0.6, Vec3(0.2, 0.2, 0.42)));
         if (kind == "rope") w.add(testing::rope("rope", Vec3(0, 0.16, 0.42), Vec3(0.8, 0.16, 0.42)));

@@ -81,8 +81,8 @@ double least_arm(std::span<const Vec3> a, std::span<const Vec3> b) {
   return least;
 }
 
-/// [voxels] Least distance of the points of a joint from its place where a side has loose nodes: theirs is about two, and
-/// each point needs one of its own.
+/// [voxels] Least distance of the points of a joint from its place where a side has loose nodes: theirs is about two,
+/// and each point needs one of its own.
 constexpr double kLooseSpan = 2.0;
 
 /// A quarter of the smallest extent of either side, where it has one. @param b  none: space
@@ -267,8 +267,7 @@ void Links::choose_held(Link& link, double h) {
       const Vec3 gap = link.a.positions()[i] - link.b.positions()[i];
       const double apart = gap.norm(), length = link.given.length.value_or(apart);
       // A line needs two ends; what is at the same place is held there.
-      const bool along =
-          line ? link.given.pulls_only || std::max(length, apart) > same_place : apart > seam;
+      const bool along = line ? link.given.pulls_only || std::max(length, apart) > same_place : apart > seam;
       if (!line && n > 1 && apart > reach) continue;  // of a region: the other side has no matter there
       hold(i, along ? Hold::Along : Hold::Point, 1.0);
       link.held.back().length = length;
@@ -280,9 +279,10 @@ void Links::choose_held(Link& link, double h) {
   }
   const LinkJoint& j = *link.given.joint;
   if (both_loose)
-    throw InputError(fmt::format("'{}' and '{}' are both of particles that move past each other and have no place in "
-                                 "common; hold them by attachments, which are rods between two particles",
-                                 link.given.body, link.given.to));
+    throw InputError(
+        fmt::format("'{}' and '{}' are both of particles that move past each other and have no place in "
+                    "common; hold them by attachments, which are rods between two particles",
+                    link.given.body, link.given.to));
   const bool slides = j.kind == JointKind::Prismatic, turns = j.kind == JointKind::Revolute;
   if (const double apart = worst_gap(link.a, link.b); apart > kJointSeam * h)
     throw InputError(fmt::format(

@@ -85,8 +85,8 @@ Vec3 nearest_vertex(const Body& body, const Vec3& x) {
   return best;
 }
 
-/// For each point the one that stands in for it: itself where it was found within two voxels of where it was wanted, else
-/// the one of those that was wanted nearest; where there are none, itself.
+/// For each point the one that stands in for it: itself where it was found within two voxels of where it was wanted,
+/// else the one of those that was wanted nearest; where there are none, itself.
 /// @param lost  nonzero where none was found; or empty
 std::vector<std::size_t> stand_ins(std::span<const Vec3> wanted, std::span<const Vec3> found,
                                    std::span<const std::uint8_t> lost, double h) {
@@ -201,8 +201,7 @@ MatterPoints MatterPoints::of_part(const WorldPart& part, double w, std::span<co
   for (const std::size_t i : loose) is_loose[i] = 1;
   if (2 * loose.size() > m.x_.size()) throw refuse();
   const std::vector<std::size_t> stand_in = stand_ins(wanted, m.x_, is_loose, part.h);
-  for (std::size_t i = 0; i < stand_in.size(); ++i)
-    m.x_[i] = m.x_[stand_in[i]], m.source_[i] = m.source_[stand_in[i]];
+  for (std::size_t i = 0; i < stand_in.size(); ++i) m.x_[i] = m.x_[stand_in[i]], m.source_[i] = m.source_[stand_in[i]];
   part.body->make_map(part.index, m.x_, m.source_, map);
   map->apply(as_velocities(*part.body, q), there);
   m.x_ = there;

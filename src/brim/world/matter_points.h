@@ -27,8 +27,9 @@ class MatterPoints {
   static MatterPoints of_space(std::vector<Vec3> x);
   /// Takes the points of a part where it is now. Solids and bodies of one's own carry any point; other bodies must have
   /// matter within two voxels of it: else the nearest vertex of their display is taken, and a sheet's, a rod's or a
-  /// grain's point lies on its middle. Of loose nodes the nearest one is taken. Where several are asked for, those whose matter is more than two voxels off are
-  /// replaced by the nearest that is not. @param part  its h must be known  @param w  [m] ramp  @param q  of the body
+  /// grain's point lies on its middle. Of loose nodes the nearest one is taken. Where several are asked for, those
+  /// whose matter is more than two voxels off are replaced by the nearest that is not. @param part  its h must be known
+  /// @param w  [m] ramp  @param q  of the body
   /// @throws InputError for fluids on a grid and bodies that have no points to hold
   static MatterPoints of_part(const WorldPart& part, double w, std::span<const double> q, std::vector<Vec3> x);
 

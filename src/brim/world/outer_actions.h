@@ -48,8 +48,8 @@ class OuterActions {
   /// An entry on one body.
   struct Action {
     int body = 0;
-    std::size_t first_part = 0;      ///< of the body, in the world's numbers
-    std::vector<Spot> spots;  ///< where the force acts
+    std::size_t first_part = 0;  ///< of the body, in the world's numbers
+    std::vector<Spot> spots;     ///< where the force acts
     std::optional<WindOnBody> wind;
     bool at_points() const { return !spots.empty(); }
   };

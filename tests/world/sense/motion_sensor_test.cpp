@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "brim/core/error.h"
 #include "brim/body/grid_fluid/grid_fluid_body.h"
+#include "brim/core/error.h"
 #include "support/sensing.h"
 #include "support/soft_worlds.h"
 
@@ -61,7 +61,7 @@ TEST(MotionSensor, BodiesOfNodesFallAsAWholeAndAtTheirPoints) {
 TEST(MotionSensor, APointOfAParticleFluidIsItsNearestParticle) {
   World w(options_at(0.1));
   w.add(testing::blob("fluid", 3, 0.1, Vec3(0, 0, 1)));
-  SensorModel m = sensor_on(SensorKind::Motion, "fluid");
+  SensorModel m = sensor_on(SensorKind::Motion, "fluid", "fluid");
   m.point = Vec3(0.14, 0.15, 1.06);
   add_sensor(w, m);
   for (int i = 0; i < 6; ++i) w.step();
