@@ -94,6 +94,25 @@ TEST(Wind, BlowsOnWavesAndNotOnAFlatPoolOrItsWalls) {
   EXPECT_LT(w.body(0).linear_momentum(w.v(0)).norm(), 1e-3 * w.body(0).mass()) << "[kg m/s] at most 1 mm/s";
 }
 
+TEST(OuterActions, AForceInARegionOfAFluidOnAGridActsOnWhatIsThere) {
+  const double dt = 1e-4;
+  World w(floating(dt));
+  w.add(water_on_grid(false, 0.5));
+  AppliedForce f;
+  f.name = "fan", f.bodies = {"water"}, f.force = Vec3(1, -2, 3);
+  f.region = [](const Vec3& x) { return x.x() < 0.45; };
+  w.apply(f);
+  for (int s = 0; s < 5; ++s) ASSERT_TRUE(w.step().ok);
+  EXPECT_LT((w.body(0).linear_momentum(w.v(0)) - 5.0 * dt * f.force).norm(), 1e-3 * 5.0 * dt * f.force.norm());
+
+  World far(floating(dt));
+  far.add(water_on_grid(false, 0.5));
+  f.region = [](const Vec3& x) { return x.x() > 0.9; };  // dry
+  far.apply(f);
+  ASSERT_TRUE(far.step().ok);
+  EXPECT_EQ(far.body(0).linear_momentum(far.v(0)).norm(), 0.0);
+}
+
 TEST(Wind, NothingOutrunsTheAir) {
   for (const bool lines : {true, false}) {
     World w(floating(1.0 / 60.0));

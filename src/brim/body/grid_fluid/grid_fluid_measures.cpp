@@ -66,6 +66,12 @@ bool GridFluidBody::rigid_motion(const Vec3& t, const Vec3& w, std::span<double>
   return true;
 }
 
+void GridFluidBody::velocity_places(std::span<Vec3> x) const {
+  const MacGrid& g = model_.grid;
+  for (int a = 0; a < 3; ++a)
+    for_places(g.n + Vec3i::Ones(), [&](int i, int j, int k) { x[g.face(a, i, j, k)] = g.face_position(a, i, j, k); });
+}
+
 void GridFluidBody::display_surface(std::vector<Vec3f>& x, std::vector<Triangle>& triangles) const {
   fluid_surface(
       model_.grid, [&](const Vec3& p) { return distance(p); }, x, triangles);
