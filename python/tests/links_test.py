@@ -40,6 +40,26 @@ class Links(unittest.TestCase):
         self.assertLess(np.abs(sheet.positions[edge] - vertices[edge]).max(), 3e-3)
         self.assertLess(sheet.positions[:, 2].min(), vertices[:, 2].min() - 0.1)
 
+    def test_particles_of_a_fluid_are_glued_to_a_plate_that_turns(self):
+        world = brim.World(voxel_size=0.025, gravity=(0, 0, 0))
+        plate = world.add("rigid", shape=brim.box((0.4, 0.4, 0.05)), transform={"position": (0, 0, 0)})
+        water = world.add("particle_fluid", shape=brim.box((0.2, 0.2, 0.1)), spacing=0.05, viscosity=5,
+                          transform={"position": (0, 0, 0.075)})
+        start = water.positions.copy()
+        lowest = start[:, 2] < start[:, 2].min() + 1e-3
+        glue = world.attach(water, to=plate, region={"kind": "box", "lo": (-1, -1, 0), "hi": (1, 1, 0.06)}, touch=False)
+        plate.v[:] = 0, 0, 0, 0, 0, 0.5
+        world.run(frames=30).all()
+        angle = 2 * np.arctan2(plate.q[6], plate.q[3])
+        self.assertGreater(angle, 0.05)
+        turned = np.c_[start[:, 0] * np.cos(angle) - start[:, 1] * np.sin(angle),
+                       start[:, 0] * np.sin(angle) + start[:, 1] * np.cos(angle), start[:, 2]]
+        at = plate.q[:3]
+        self.assertLess(np.abs(water.positions[lowest] - turned[lowest] - at).max(), 2e-3)
+        glue.detach()
+        world.step()
+        self.assertTrue(glue.broken)
+
     def test_a_motor_turns_and_is_aimed_anew(self):
         world, ball = ball_world(height=5.0, gravity=(0, 0, 0))
         axle = world.joint(ball, kind="revolute", position=(0, 0, 5), drive={"damping": 100, "target_velocity": 2})

@@ -115,7 +115,13 @@ class Info(unittest.TestCase):
             self.brim(file="scans")
         self.assertIn("several series", refused.exception.stderr)
         self.assertIn("1.2.4", refused.exception.stderr)
+        self.assertNotIn("\\n", refused.exception.stderr)
         self.assertIn("series 1.2.4", self.brim("--series", "1.2.4", file="scans"))
+        (self.root / "scans/1.2.4/IM7").unlink()
+        with self.assertRaises(subprocess.CalledProcessError) as refused:
+            self.brim("--series", "1.2.4", file="scans")
+        self.assertIn("1 missing between", refused.exception.stderr)
+        self.assertNotIn("\\n", refused.exception.stderr)
 
 
 if __name__ == "__main__":

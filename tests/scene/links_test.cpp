@@ -11,7 +11,8 @@
 namespace brim {
 namespace {
 
-bool fluid(const PairKind& k) { return k.name.find("fluid") != std::string::npos; }
+/// Matter that moves through cells has no points.
+bool has_no_points(const PairKind& k) { return k.name == "grid_fluid"; }
 /// The table's contacts are softer than its bodies, which it says; nothing else may be wrong.
 void expect_no_warnings(const StepReport& r, const std::string& what) {
   for (const Warning& w : r.warnings)
@@ -34,7 +35,7 @@ TEST(LinkScenes, EveryKindHoldsToEveryOtherKindWithoutLosingMomentum) {
   table.drop.speed = 0.5;
   for (const PairKind& lower : table.kinds)
     for (const PairKind& upper : table.kinds) {
-      if (fluid(lower) || fluid(upper) || fixed(upper)) continue;
+      if (has_no_points(lower) || has_no_points(upper) || fixed(upper)) continue;
       Json scene = Json::parse(pair_scene_text(table, lower, upper));
       const double touch = lower.highest + 0.5 * table.drop.gap;
       const double at = upper.name == "rod" || upper.name == "points" ? 0.03 : 0.0;
@@ -66,7 +67,9 @@ TEST(LinkScenes, EveryKindHoldsToEveryOtherKindWithoutLosingMomentum) {
         EXPECT_GT(w.step().links[0].force.norm(), 0.0) << what;
         if (fixed(lower)) continue;
         const Vec3 after = w.body(0).linear_momentum(w.v(0)) + w.body(1).linear_momentum(w.v(1));
-        EXPECT_LT((after - before).norm(), 1e-9 * scale) << what;
+        // What the solve leaves; a fluid's own products are in single precision.
+        const bool of_particles = upper.name == "particle_fluid" || lower.name == "particle_fluid";
+        EXPECT_LT((after - before).norm(), (of_particles ? 1e-8 : 1e-9) * scale) << what;
       } catch (const InputError& e) {
         ADD_FAILURE() << what << ": " << e.what();
       }
@@ -76,7 +79,7 @@ TEST(LinkScenes, EveryKindHoldsToEveryOtherKindWithoutLosingMomentum) {
 TEST(LinkScenes, EveryKindHangsRigidlyFromSpace) {
   PairTable table = standard_pairs();
   for (const PairKind& upper : table.kinds) {
-    if (fluid(upper) || fixed(upper)) continue;
+    if (has_no_points(upper) || fixed(upper)) continue;
     Json scene = Json::parse(pair_scene_text(table, table.find("plane"), upper));
     scene["world"]["gravity"] = {0, 0, -9.81};
     scene["bodies"][1].erase("velocity");
@@ -136,13 +139,11 @@ TEST(LinkScenes, AListOfAWrongLengthIsSaidWithItsPlace) {
   }
 }
 
-TEST(LinkScenes, FluidsAreRefused) {
+TEST(LinkScenes, AFluidOnAGridIsRefused) {
   PairTable table = standard_pairs();
-  for (const char* kind : {"particle_fluid", "grid_fluid"}) {
-    Json scene = Json::parse(pair_scene_text(table, table.find("plane"), table.find(kind)));
-    scene["attachments"] = {{{"name", "pin"}, {"body", "upper"}, {"point", {0, 0, 0.1}}}};
-    EXPECT_NE(message(scene.dump()).find("no points that a link can hold"), std::string::npos) << message(scene.dump());
-  }
+  Json scene = Json::parse(pair_scene_text(table, table.find("plane"), table.find("grid_fluid")));
+  scene["attachments"] = {{{"name", "pin"}, {"body", "upper"}, {"point", {0, 0, 0.1}}}};
+  EXPECT_NE(message(scene.dump()).find("no points that a link can hold"), std::string::npos) << message(scene.dump());
 }
 
 TEST(LinkScenes, GravityScalesForEveryKind) {

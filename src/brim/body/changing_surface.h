@@ -15,6 +15,11 @@ class ChangingSurface {
   /// @param x          [m] vertices, world frame; overwritten
   /// @param triangles  counter-clockwise seen from outside; overwritten
   virtual void display_surface(std::vector<Vec3f>& x, std::vector<Triangle>& triangles) const = 0;
+  /// False where the surface at x lies against a wall of the body's own, so that no air reaches it. @param x  [m]
+  virtual bool meets_air(const Vec3& x) const {
+    (void)x;
+    return true;
+  }
 };
 
 /// The body's changing surface, or nothing where its display keeps its vertices.

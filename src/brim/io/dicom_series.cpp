@@ -217,8 +217,8 @@ DicomSeries DicomScan::take(const std::string& path, const std::string& wanted) 
   std::stable_sort(list.begin(), list.end(), [&](auto* a, auto* b) { return size(a) > size(b); });
   if (list.size() > 1 && size(list[0]) == size(list[1])) {
     std::string all;
-    for (const DicomSeries* s : list) all += "\n  " + text_of(*s);
-    throw InputError(fmt::format("{}: several series; choose one by its UID, \"series\": \"{}\"{}:{}", path,
+    for (const DicomSeries* s : list) all += "; " + text_of(*s);
+    throw InputError(fmt::format("{}: several series; choose one by its UID, \"series\": \"{}\"{}{}", path,
                                  list[0]->uid, largest ? "" : ", or \"largest\"", all));
   }
   if (!list[0]->fault.empty()) throw InputError(list[0]->fault);

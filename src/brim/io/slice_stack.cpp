@@ -62,17 +62,17 @@ void check_gaps(const std::string& whole, std::span<const StackSlice> slices, st
     if (++count > kMostPlaces) continue;
     const std::string &a = slices[order[k]].name, &b = slices[order[k + 1]].name;
     if (gap[k] <= kSamePlace * mean)
-      places += fmt::format("\n  {} and {} are at the same place, {:.6g} mm along the normal", a, b, at[k]);
+      places += fmt::format("; {} and {} are at the same place, {:.6g} mm along the normal", a, b, at[k]);
     else if (missing >= 1.0 && std::abs(steps - std::round(steps)) <= 2.0 * kEvenPlace)
-      places += fmt::format("\n  {:.0f} missing between {} at {:.6g} mm and {} at {:.6g} mm", missing, a, at[k], b,
+      places += fmt::format("; {:.0f} missing between {} at {:.6g} mm and {} at {:.6g} mm", missing, a, at[k], b,
                             at[k + 1]);
     else
       places +=
-          fmt::format("\n  {:.6g} mm between {} at {:.6g} mm and {} at {:.6g} mm", gap[k], a, at[k], b, at[k + 1]);
+          fmt::format("; {:.6g} mm between {} at {:.6g} mm and {} at {:.6g} mm", gap[k], a, at[k], b, at[k + 1]);
   }
   if (count == 0) return;
-  if (count > kMostPlaces) places += fmt::format("\n  and {} more", count - kMostPlaces);
-  throw InputError(fmt::format("{}: its {} slices are no even stack, with steps of {:.6g} mm as a rule:{}", whole,
+  if (count > kMostPlaces) places += fmt::format("; and {} more", count - kMostPlaces);
+  throw InputError(fmt::format("{}: its {} slices are no even stack, with steps of {:.6g} mm as a rule{}", whole,
                                slices.size(), usual, places));
 }
 

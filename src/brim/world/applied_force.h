@@ -35,8 +35,9 @@ struct AppliedForce {
   double damping = 0.0;  ///< [1/s] of all motion: velocities lose the share 1 − exp(−damping dt)
 
   // Where `force` acts, of bodies with points that can be held (Attachment) and of particles of fluids; at most one:
-  std::optional<Vec3> point{};                ///< [m] now
-  std::function<bool(const Vec3&)> region{};  ///< of the body's vertices now; each takes an equal share
+  std::optional<Vec3> point{};  ///< [m] now
+  /// Of the body's vertices now; each takes an equal share. Of a flow (FlowPlaces) what is in that place at the time.
+  std::function<bool(const Vec3&)> region{};
 
   /// Air that flows past what the display shows: triangles, lines as cylinders, points as balls (WindOnBody).
   struct Wind {

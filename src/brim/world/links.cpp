@@ -48,7 +48,7 @@ Links::Coordinate Links::coordinate(const Link& link) {
   if (kind == JointKind::Prismatic) {
     c.value = c.axis.dot(a[4] - b[4]) - link.zero;
     c.n = c.axis;
-    c.point = a[4];
+    c.point = link.b.loose() ? b[4] : a[4];
     return c;
   }
   const auto arm = [&](std::span<const Vec3> x) {
@@ -57,7 +57,7 @@ Links::Coordinate Links::coordinate(const Link& link) {
   };
   const Vec3 ra = arm(a), rb = arm(b);
   c.value = std::remainder(std::atan2(c.axis.dot(rb.cross(ra)), rb.dot(ra)) - link.zero, 2.0 * std::numbers::pi);
-  const bool at_b = link.b.on_nodes() && !link.a.on_nodes();
+  const bool at_b = link.b.bound() > link.a.bound();
   const Vec3& r = at_b ? rb : ra;
   c.lever = r.norm();
   c.n = c.lever > 0.0 ? Vec3(c.axis.cross(r) / c.lever) : c.axis;
@@ -136,10 +136,10 @@ void Links::append(std::span<const WorldPart> parts, std::span<const double> q, 
           tie.target += (next - now) / dt * held.gap;
         }
         if (held.hold == Hold::Across) tie.n = c.axis, tie.error -= c.axis * c.axis.dot(tie.error);
-        if (link.b.in_space() || held.hold == Hold::Across || (link.a.on_nodes() && !link.b.on_nodes()))
-          xb = xa;
-        else if (link.b.on_nodes() && !link.a.on_nodes())
+        if (link.b.loose() || (link.b.bound() > link.a.bound() && held.hold != Hold::Across))
           xa = xb;
+        else if (link.b.in_space() || held.hold == Hold::Across || link.a.bound() > link.b.bound())
+          xb = xa;
         else
           xa = xb = 0.5 * (xa + xb);
       }

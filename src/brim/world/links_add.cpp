@@ -4,8 +4,10 @@
 #include <cmath>
 
 #include "brim/body/distance_bound.h"
+#include "brim/body/loose_nodes.h"
 #include "brim/body/material_points.h"
 #include "brim/body/posed_shape.h"
+#include "brim/body/spinning_balls.h"
 #include "brim/core/error.h"
 #include "brim/world/links.h"
 
@@ -19,7 +21,8 @@ constexpr double kSamePlace = 1e-3;
 
 /// Gap between two sides, over the step, up to which they are taken to be at the same place: it closes.
 constexpr double kSeam = 0.5;
-/// The same of a joint, whose two sides have been placed where their matter is nearest to each other.
+/// The same of a joint, whose two sides have been placed where their matter is nearest to each other, and of loose
+/// nodes, which lie beside what they are held to.
 constexpr double kJointSeam = 3.0;
 /// Turns in which each side follows the other to a place that both have matter at.
 constexpr int kTogether = 12;
@@ -33,6 +36,14 @@ int choose_part(std::span<const WorldPart> parts, const std::vector<int>& mine, 
         fmt::format("part {} is not allowed; '{}' has {}", wanted, parts[mine[0]].body->name(), mine.size()));
   if (wanted >= 0) return mine[wanted];
   return mine[MatterPoints::nearest_part(parts.subspan(static_cast<std::size_t>(mine[0]), mine.size()), x)];
+}
+
+/// [kg] that a side has behind its points: of loose nodes their own.
+double mass_behind(const WorldPart& part, const MatterPoints& points) {
+  const double mass = part.body->mass();
+  if (!points.loose()) return mass;
+  const auto nodes = static_cast<double>(part.body->v_size() / velocities_per_node(*part.body));
+  return mass * std::min(1.0, static_cast<double>(points.size()) / nodes);
 }
 
 /// Some of the points, spread: each is the farthest from those before it.
@@ -70,6 +81,10 @@ double least_arm(std::span<const Vec3> a, std::span<const Vec3> b) {
   return least;
 }
 
+/// [voxels] Least distance of the points of a joint from its place where a side has loose nodes: theirs is about two,
+/// and each point needs one of its own.
+constexpr double kLooseSpan = 2.0;
+
 /// A quarter of the smallest extent of either side, where it has one. @param b  none: space
 double span_of(const LinkJoint& joint, const WorldPart& a, const WorldPart* b) {
   if (joint.span > 0.0) return joint.span;
@@ -78,6 +93,9 @@ double span_of(const LinkJoint& joint, const WorldPart& a, const WorldPart* b) {
     const double least = part != nullptr ? part->body->bounds(part->index).extent().minCoeff() : 0.0;
     if (std::isfinite(least) && least > 0.0) span = std::min(span, 0.25 * least);
   }
+  for (const WorldPart* part : {&a, b})
+    if (part != nullptr && dynamic_cast<const LooseNodes*>(part->body) != nullptr)
+      span = std::max(span, kLooseSpan * part->h);
   return std::isfinite(span) ? span : 4.0 * a.h;
 }
 
@@ -170,7 +188,6 @@ Links::Link Links::make(const Attachment& given, std::span<const WorldPart> part
       if (!given.joint) link.part_b = choose_part(parts, b.parts, given.to_part, y[0]);
       const WorldPart& pb = parts[link.part_b];
       link.body_b = pb.body_index;
-      mass_b = pb.body->mass();
       // What carries any point follows what does not.
       const bool b_first = !given.to_point && MatterPoints::takes_any(pa) && !MatterPoints::takes_any(pb);
       const auto bind_a = [&] { link.a = MatterPoints::of_part(pa, ramp_voxels * pa.h, a.q, x); };
@@ -205,9 +222,11 @@ Links::Link Links::make(const Attachment& given, std::span<const WorldPart> part
         }
       }
     }
+    if (link.part_b >= 0) mass_b = mass_behind(parts[link.part_b], link.b);
     for (const Vec3& p : link.b.positions()) link.middle += p / static_cast<double>(link.b.size());
     choose_held(link, pa.h);
-    const double least = std::min(pa.body->mass(), mass_b), most = std::max(pa.body->mass(), mass_b);
+    const double mass_a = mass_behind(pa, link.a);
+    const double least = std::min(mass_a, mass_b), most = std::max(mass_a, mass_b);
     link.mass = std::isinf(most) ? least : std::min(most, kUnequal * least);
     if (!std::isfinite(least)) throw InputError("neither side can move");
     return link;
@@ -238,15 +257,18 @@ void Links::choose_held(Link& link, double h) {
   const auto hold = [&](std::size_t point, Hold how, double share) {
     link.held.push_back({point, how, share, 0.0, Vec3::Zero()});
   };
+  const bool both_loose = link.a.loose() && link.b.loose();
   if (!link.given.joint) {
+    // Two nodes are not at one place: a line between them leaves no torque.
+    const double seam = both_loose ? same_place : kSeam * h;
+    const double reach = link.a.loose() || link.b.loose() ? kJointSeam * h : seam;
     const bool line = link.given.to_point || link.given.length || link.given.pulls_only;
     for (std::size_t i = 0; i < n; ++i) {
       const Vec3 gap = link.a.positions()[i] - link.b.positions()[i];
       const double apart = gap.norm(), length = link.given.length.value_or(apart);
       // A line needs two ends; what is at the same place is held there.
-      const bool along =
-          line ? link.given.pulls_only || std::max(length, apart) > same_place : n == 1 && apart > kSeam * h;
-      if (!line && !along && apart > kSeam * h) continue;  // of a region: the other side has no matter there
+      const bool along = line ? link.given.pulls_only || std::max(length, apart) > same_place : apart > seam;
+      if (!line && n > 1 && apart > reach) continue;  // of a region: the other side has no matter there
       hold(i, along ? Hold::Along : Hold::Point, 1.0);
       link.held.back().length = length;
       if (!along) link.held.back().gap = gap;
@@ -256,6 +278,11 @@ void Links::choose_held(Link& link, double h) {
     return;
   }
   const LinkJoint& j = *link.given.joint;
+  if (both_loose)
+    throw InputError(
+        fmt::format("'{}' and '{}' are both of particles that move past each other and have no place in "
+                    "common; hold them by attachments, which are rods between two particles",
+                    link.given.body, link.given.to));
   const bool slides = j.kind == JointKind::Prismatic, turns = j.kind == JointKind::Revolute;
   if (const double apart = worst_gap(link.a, link.b); apart > kJointSeam * h)
     throw InputError(fmt::format(

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "brim/body/distance_bound.h"
+#include "brim/body/loose_nodes.h"
 #include "brim/body/material_points.h"
 #include "brim/body/posed_shape.h"
 #include "brim/body/spinning_balls.h"
@@ -84,6 +85,26 @@ Vec3 nearest_vertex(const Body& body, const Vec3& x) {
   return best;
 }
 
+/// For each point the one that stands in for it: itself where it was found within two voxels of where it was wanted,
+/// else the one of those that was wanted nearest; where there are none, itself.
+/// @param lost  nonzero where none was found; or empty
+std::vector<std::size_t> stand_ins(std::span<const Vec3> wanted, std::span<const Vec3> found,
+                                   std::span<const std::uint8_t> lost, double h) {
+  const auto good = [&](std::size_t i) {
+    return (lost.empty() || lost[i] == 0) && (found[i] - wanted[i]).norm() <= kBeside * h;
+  };
+  std::vector<std::size_t> held, out(wanted.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    if (good(i)) held.push_back(i);
+  std::iota(out.begin(), out.end(), 0);
+  for (std::size_t i = 0; i < wanted.size() && !held.empty(); ++i)
+    if (!good(i))
+      out[i] = *std::min_element(held.begin(), held.end(), [&](std::size_t c, std::size_t d) {
+        return (wanted[c] - wanted[i]).squaredNorm() < (wanted[d] - wanted[i]).squaredNorm();
+      });
+  return out;
+}
+
 }  // namespace
 
 bool MatterPoints::takes_any(const WorldPart& part) {
@@ -125,6 +146,20 @@ MatterPoints MatterPoints::of_part(const WorldPart& part, double w, std::span<co
     for (const Vec3& p : m.x_) m.local_.push_back(matter->material_at(part.index, p));
     return m;
   }
+  if (const auto* loose = dynamic_cast<const LooseNodes*>(part.body)) {
+    m.means_ = Means::Loose;
+    const std::vector<Vec3> wanted = m.x_;
+    for (const Vec3& p : m.x_) m.node_.push_back(loose->nearest_node(p));
+    m.follow(part, q);
+    const std::vector<std::size_t> stand_in = stand_ins(wanted, m.x_, {}, part.h);
+    const std::vector<std::int32_t> nearest = m.node_;
+    for (std::size_t i = 0; i < nearest.size(); ++i) {
+      m.node_[i] = nearest[stand_in[i]];
+      m.source_[i] = loose->source_of_node(m.node_[i]);
+    }
+    m.follow(part, q);
+    return m;
+  }
   m.means_ = Means::Nodes;
   const auto refuse = [&] {
     return InputError(
@@ -164,17 +199,9 @@ MatterPoints MatterPoints::of_part(const WorldPart& part, double w, std::span<co
   // At the rim of a scan's matter a few have no such place, or one that is far: those beside them hold for these.
   std::vector<std::uint8_t> is_loose(m.x_.size(), 0);
   for (const std::size_t i : loose) is_loose[i] = 1;
-  std::vector<std::size_t> held;
-  for (std::size_t i = 0; i < m.x_.size(); ++i)
-    if (is_loose[i] == 0 && (m.x_[i] - wanted[i]).norm() <= kBeside * part.h) held.push_back(i);
   if (2 * loose.size() > m.x_.size()) throw refuse();
-  for (std::size_t i = 0; i < m.x_.size() && !held.empty(); ++i) {
-    if (is_loose[i] == 0 && (m.x_[i] - wanted[i]).norm() <= kBeside * part.h) continue;
-    const std::size_t j = *std::min_element(held.begin(), held.end(), [&](std::size_t c, std::size_t d) {
-      return (wanted[c] - wanted[i]).squaredNorm() < (wanted[d] - wanted[i]).squaredNorm();
-    });
-    m.x_[i] = m.x_[j], m.source_[i] = m.source_[j];
-  }
+  const std::vector<std::size_t> stand_in = stand_ins(wanted, m.x_, is_loose, part.h);
+  for (std::size_t i = 0; i < stand_in.size(); ++i) m.x_[i] = m.x_[stand_in[i]], m.source_[i] = m.source_[stand_in[i]];
   part.body->make_map(part.index, m.x_, m.source_, map);
   map->apply(as_velocities(*part.body, q), there);
   m.x_ = there;
@@ -189,6 +216,8 @@ void MatterPoints::follow(const WorldPart& part, std::span<const double> q) {
   } else if (means_ == Means::Material) {
     const auto* matter = dynamic_cast<const MaterialPoints*>(part.body);
     for (std::size_t i = 0; i < x_.size(); ++i) x_[i] = matter->position_of(part.index, local_[i]);
+  } else if (means_ == Means::Loose) {
+    for (std::size_t i = 0; i < x_.size(); ++i) x_[i] = Eigen::Map<const Vec3>(q.data() + 3 * std::size_t(node_[i]));
   } else if (means_ == Means::Nodes) {
     map_->apply(as_velocities(*part.body, q), x_);
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brim/body/flow_places.h"
 #include "brim/body/spinning_balls.h"
 #include "brim/core/error.h"
 #include "brim/math/small_symmetric.h"
@@ -110,20 +111,12 @@ void OuterActions::flag_acted_on(std::span<std::uint8_t> flags) const {
 void OuterActions::choose_points(const AppliedForce& given, std::span<const WorldPart> parts, std::span<const double> q,
                                  double ramp_voxels, Action& action) {
   const Body& body = *parts[0].body;
-  std::vector<Vec3f> shown(body.display().vertices);
-  body.display_positions(shown);
-  // Of fluids, whose particles move past each other, the particles themselves.
-  if (parts[0].info.conforming && shows_nodes(body)) {
-    std::size_t nearest = 0;
-    for (std::size_t i = 0; i < shown.size(); ++i) {
-      const Vec3 x = shown[i].cast<double>();
-      if (given.region && given.region(x)) action.nodes.push_back(i);
-      if (given.point && (x - *given.point).norm() < (shown[nearest].cast<double>() - *given.point).norm()) nearest = i;
-    }
-    if (given.point) action.nodes = {nearest};
-    if (action.nodes.empty()) throw InputError(fmt::format("no point of '{}' lies in the region", body.name()));
+  if (given.region && dynamic_cast<const FlowPlaces*>(&body) != nullptr) {
+    action.flow = true;
     return;
   }
+  std::vector<Vec3f> shown(body.display().vertices);
+  body.display_positions(shown);
   std::vector<Vec3> x;
   if (given.point) x = {*given.point};
   if (given.region)
@@ -137,12 +130,24 @@ void OuterActions::choose_points(const AppliedForce& given, std::span<const Worl
       action.spots.push_back({i, MatterPoints::of_part(parts[i], ramp_voxels * parts[i].h, q, std::move(of_part[i]))});
 }
 
+void OuterActions::add_in_flow(const AppliedForce& given, const Body& body, std::span<double> Q) {
+  std::vector<Vec3> place(Q.size());
+  dynamic_cast<const FlowPlaces&>(body).velocity_places(place);
+  std::vector<double> inside(Q.size()), image(Q.size(), 0.0);
+  for (std::size_t i = 0; i < Q.size(); ++i) inside[i] = given.region(place[i]) ? 1.0 : 0.0;
+  body.filter(inside);  // what walls hold and what is dry takes none
+  body.apply_mass(inside, image);
+  Vec3 mass = Vec3::Zero();
+  for (std::size_t i = 0; i < Q.size(); ++i) mass[static_cast<int>(i % 3)] += image[i];
+  for (std::size_t i = 0; i < Q.size(); ++i)
+    if (const auto a = static_cast<int>(i % 3); mass[a] > 0.0) Q[i] += given.force[a] * image[i] / mass[a];
+}
+
 void OuterActions::add_at_points(const Vec3& force, std::span<const WorldPart> parts, std::span<const double> q,
                                  Action& action, std::span<double> Q) {
-  std::size_t n = action.nodes.size();
+  std::size_t n = 0;
   for (const Spot& spot : action.spots) n += spot.points.size();
   const Vec3 share = force / static_cast<double>(n);
-  for (const std::size_t i : action.nodes) Eigen::Map<Vec3>(Q.data() + 3 * i) += share;
   for (Spot& spot : action.spots) {
     const WorldPart& part = parts[spot.part];
     spot.points.follow(part, q);
@@ -186,7 +191,10 @@ std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Bo
       const auto mine = parts.subspan(action.first_part, static_cast<std::size_t>(body.part_count()));
       if (action.at_points()) {
         image.assign(n, 0.0);
-        add_at_points(given.force, mine, qb, action, image);
+        if (action.flow)
+          add_in_flow(given, body, image);
+        else
+          add_at_points(given.force, mine, qb, action, image);
         add(scale * dt);
       }
       if (action.wind) {

@@ -17,6 +17,7 @@ namespace brim {
 /// What acts on bodies from outside (AppliedForce), as generalised impulses of a sub-step. For bodies of every kind:
 ///   force F, torque T on the whole   Q = M v,  v the rigid motion of acceleration F/m, or α with vᵀ M v α = T
 ///   at points                        Q = Jᵀ f, J the body's map there
+///   in a region of a flow            Q = M v, v = F χ along each axis, χ 1 in the region and 0 elsewhere, scaled to F
 ///   gravity scale                    the body's own weight in an environment of its own
 /// Same bits for any number of threads.  Tests: tests/world/outer_actions_test.cpp
 class OuterActions {
@@ -48,11 +49,11 @@ class OuterActions {
   /// An entry on one body.
   struct Action {
     int body = 0;
-    std::size_t first_part = 0;      ///< of the body, in the world's numbers
-    std::vector<Spot> spots;         ///< where the force acts, ...
-    std::vector<std::size_t> nodes;  ///< ... or the particles on which it does
+    std::size_t first_part = 0;  ///< of the body, in the world's numbers
+    std::vector<Spot> spots;     ///< where the force acts, ...
+    bool flow = false;           ///< ... or on what flows through the region
     std::optional<WindOnBody> wind;
-    bool at_points() const { return !spots.empty() || !nodes.empty(); }
+    bool at_points() const { return flow || !spots.empty(); }
   };
   struct Entry {
     AppliedForce given;
@@ -60,6 +61,7 @@ class OuterActions {
   };
   static void choose_points(const AppliedForce& given, std::span<const WorldPart> parts, std::span<const double> q,
                             double ramp_voxels, Action& action);
+  static void add_in_flow(const AppliedForce& given, const Body& body, std::span<double> Q);
   /// @param parts  of the body  @param q, Q  of the body
   static void add_at_points(const Vec3& force, std::span<const WorldPart> parts, std::span<const double> q,
                             Action& action, std::span<double> Q);

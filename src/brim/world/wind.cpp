@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "brim/body/changing_surface.h"
 #include "brim/body/distance_bound.h"
 #include "brim/body/material_points.h"
 #include "brim/body/posed_display.h"
@@ -29,6 +30,42 @@ Vec3 force_on_face(const AppliedForce::Wind& wind, const Vec3& air, const Vec3& 
 Vec3 drag(const AppliedForce::Wind& wind, const Vec3& air, double area, double mass, double dt) {
   const double slope = wind.density * wind.drag * area * air.norm();
   return 0.5 * slope / (mass > 0.0 ? 1.0 + dt * slope / mass : 1.0) * air;
+}
+
+/// A n of a triangle, [m²].
+Vec3 facing_of(std::span<const Vec3f> vertex, const Triangle& t) {
+  const Vec3 a = vertex[t[0]].cast<double>(), b = vertex[t[1]].cast<double>(), c = vertex[t[2]].cast<double>();
+  return 0.5 * (b - a).cross(c - a);
+}
+
+Vec3 middle_of(std::span<const Vec3f> vertex, const Triangle& t) {
+  return ((vertex[t[0]] + vertex[t[1]] + vertex[t[2]]) / 3.0f).cast<double>();
+}
+
+/// Adds the force of air on triangles through the map of their part. @param x, facing  middles [m] and A n [m²] of each
+/// @param source  of each middle, as make_map takes it
+void blow(const AppliedForce::Wind& wind, double scale, const WorldPart& part, std::span<const Vec3> x,
+          std::span<const Vec3> facing, std::span<const std::int32_t> source, std::span<const double> v, double time,
+          double dt, std::span<double> Q) {
+  std::unique_ptr<Map> map;
+  part.body->make_map(part.index, x, source, map);
+  std::vector<Vec3> u(x.size());
+  map->apply(v, u);
+  std::vector<Vec3> flow(x.size(), wind.velocity);
+  if (wind.field) wind.field(time, x, flow);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Vec3 air = scale * flow[i] - u[i];
+    // Air pushes what faces it: both sides of a sheet, of a closed surface its windward side.
+    const double into = facing[i].dot(air);
+    Vec3 windward = into < 0.0 ? Vec3(-facing[i]) : facing[i];
+    if (!part.body->display().two_sided && !(into < 0.0)) windward.setZero();
+    double slope = 0.0;
+    const Vec3 f = force_on_face(wind, air, windward, slope);
+    // No more than what brings light matter to the air's speed.
+    const double mass = part.info.areal_mass * windward.norm();
+    u[i] = mass > 0.0 ? Vec3(f / (1.0 + dt * slope / mass)) : f;
+  }
+  map->apply_transpose(u, Q);
 }
 
 /// The part of each vertex of the display, where each part has vertices of its own; else all 0.
@@ -74,6 +111,7 @@ WindOnBody::WindOnBody(std::span<const WorldPart> parts, std::span<const double>
     if (shows_nodes(body) && display.radius > 0.0) nodes_ = node_masses(body), per_node_ = velocities_per_node(body);
     return;
   }
+  changing_ = changing_surface(body) != nullptr;
   if (display.triangles.empty()) return;
   std::vector<Vec3f> shown(display.vertices);
   body.display_positions(shown);
@@ -83,7 +121,7 @@ WindOnBody::WindOnBody(std::span<const WorldPart> parts, std::span<const double>
   for (std::size_t t = 0; t < display.triangles.size(); ++t) {
     const Triangle& face = display.triangles[t];
     const std::size_t p = part[static_cast<std::size_t>(face[0])];
-    middles[p].push_back(((shown[face[0]] + shown[face[1]] + shown[face[2]]) / 3.0f).cast<double>());
+    middles[p].push_back(middle_of(shown, face));
     triangles[p].push_back(t);
   }
   for (std::size_t p = 0; p < parts.size(); ++p)
@@ -96,6 +134,7 @@ void WindOnBody::add_force(const AppliedForce::Wind& wind, double scale, std::sp
                            std::span<const double> q, std::span<const double> v, double time, double dt,
                            std::span<double> Q) {
   for (Faces& faces : faces_) add_on_faces(wind, scale, faces, parts[faces.part], q, v, time, dt, Q);
+  if (changing_) add_on_changing(wind, scale, parts[0], v, time, dt, Q);
   if (!nodes_.empty()) add_on_nodes(wind, scale, parts[0].body->display(), q, v, time, dt, Q);
 }
 
@@ -107,33 +146,25 @@ void WindOnBody::add_on_faces(const AppliedForce::Wind& wind, double scale, Face
   const auto x = faces.middles.positions();
   std::vector<std::int32_t> source(x.size());
   for (std::size_t i = 0; i < source.size(); ++i) source[i] = faces.middles.source(i);
-  std::unique_ptr<Map> map;
-  body.make_map(part.index, x, source, map);
-  std::vector<Vec3> u(x.size());
-  map->apply(v, u);
   const Display& display = body.display();
   std::vector<Vec3f> shown(display.vertices);
   body.display_positions(shown);
-  std::vector<Vec3> flow(x.size(), wind.velocity);
-  if (wind.field) wind.field(time, x, flow);
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const Triangle& t = display.triangles[faces.triangle[i]];
-    const Vec3 a = shown[t[0]].cast<double>(), b = shown[t[1]].cast<double>(), c = shown[t[2]].cast<double>();
-    Vec3 facing = 0.5 * (b - a).cross(c - a);
-    const Vec3 air = scale * flow[i] - u[i];
-    // Air pushes what faces it: both sides of a sheet, of a closed surface its windward side.
-    const double into = facing.dot(air);
-    if (display.two_sided)
-      facing = into < 0.0 ? Vec3(-facing) : facing;
-    else
-      facing = into < 0.0 ? Vec3(-facing) : Vec3(Vec3::Zero());
-    double slope = 0.0;
-    const Vec3 f = force_on_face(wind, air, facing, slope);
-    // No more than what brings light matter to the air's speed.
-    const double mass = part.info.areal_mass * facing.norm();
-    u[i] = mass > 0.0 ? Vec3(f / (1.0 + dt * slope / mass)) : f;
-  }
-  map->apply_transpose(u, Q);
+  std::vector<Vec3> facing(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) facing[i] = facing_of(shown, display.triangles[faces.triangle[i]]);
+  blow(wind, scale, part, x, facing, source, v, time, dt, Q);
+}
+
+void WindOnBody::add_on_changing(const AppliedForce::Wind& wind, double scale, const WorldPart& part,
+                                 std::span<const double> v, double time, double dt, std::span<double> Q) const {
+  const ChangingSurface& surface = *changing_surface(*part.body);
+  std::vector<Vec3f> shown;
+  std::vector<Triangle> triangles;
+  surface.display_surface(shown, triangles);
+  std::vector<Vec3> x, facing;
+  for (const Triangle& t : triangles)
+    if (const Vec3 middle = middle_of(shown, t); surface.meets_air(middle))
+      x.push_back(middle), facing.push_back(facing_of(shown, t));
+  blow(wind, scale, part, x, facing, std::vector<std::int32_t>(x.size(), 0), v, time, dt, Q);
 }
 
 void WindOnBody::add_on_nodes(const AppliedForce::Wind& wind, double scale, const Display& display,

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "brim/body/grid_fluid/grid_fluid_body.h"
 #include "brim/core/error.h"
 #include "support/sensing.h"
 #include "support/soft_worlds.h"
@@ -57,10 +58,26 @@ TEST(MotionSensor, BodiesOfNodesFallAsAWholeAndAtTheirPoints) {
   EXPECT_NEAR(reading(w, "corner", "position_z") - start.z(), -0.5 * 9.81 * t * t, 1e-3);
 }
 
+TEST(MotionSensor, APointOfAParticleFluidIsItsNearestParticle) {
+  World w(options_at(0.1));
+  w.add(testing::blob("fluid", 3, 0.1, Vec3(0, 0, 1)));
+  SensorModel m = sensor_on(SensorKind::Motion, "fluid", "fluid");
+  m.point = Vec3(0.14, 0.15, 1.06);
+  add_sensor(w, m);
+  for (int i = 0; i < 6; ++i) w.step();
+  const double t = w.state().time;
+  EXPECT_NEAR(reading(w, "fluid", "position_x"), 0.15, 1e-3);
+  EXPECT_NEAR(reading(w, "fluid", "position_z"), 1.05 - 0.5 * 9.81 * t * t, 1e-3);
+  EXPECT_NEAR(reading(w, "fluid", "velocity_z"), -9.81 * t, 1e-3);
+}
+
 TEST(MotionSensor, WhatHasNoPointsOrIsSeveralIsRefused) {
   World w(options_at(0.1));
   w.add(ground(0.5));
-  w.add(testing::blob("fluid", 3, 0.1, Vec3(0, 0, 1)));
+  GridFluidModel water;
+  water.grid.dx = 0.1, water.grid.n = Vec3i::Constant(4);
+  water.distance = [](const Vec3& x) { return x.z() - 0.2; };
+  w.add(testing::named<GridFluidBody>("fluid", water));
   for (const char* name : {"box.0", "box.1"}) w.add(box(name, {Vec3(0, 0, 9)}));
   SensorModel m = sensor_on(SensorKind::Motion, "fluid");
   m.point = Vec3(0, 0, 1);

@@ -4,6 +4,7 @@
 
 #include "brim/body/body.h"
 #include "brim/body/changing_surface.h"
+#include "brim/body/flow_places.h"
 #include "brim/body/grid_fluid/face_transport.h"
 #include "brim/body/grid_fluid/level_set.h"
 #include "brim/body/grid_fluid/mac_grid.h"
@@ -35,7 +36,12 @@ struct GridFluidModel {
 /// volume of every wet cell, so conjugate gradients never leave these, and pressure, contact and all solids are solved
 /// together. After it: the level set is moved, and shifted along its normal by what moving it has lost.
 /// The box's closed sides let fluid slip.
-class GridFluidBody final : public Body, public Walled, public ChangingSurface, public Restless, public MovableBase {
+class GridFluidBody final : public Body,
+                            public Walled,
+                            public ChangingSurface,
+                            public FlowPlaces,
+                            public Restless,
+                            public MovableBase {
  public:
   /// @throws InputError for a grid without cells, or numbers out of range
   explicit GridFluidBody(GridFluidModel model);
@@ -84,6 +90,8 @@ class GridFluidBody final : public Body, public Walled, public ChangingSurface, 
   const Display& display() const override { return display_; }
   void display_positions(std::span<Vec3f>) const override {}
   void display_surface(std::vector<Vec3f>& x, std::vector<Triangle>& triangles) const override;
+  bool meets_air(const Vec3& x) const override;
+  void velocity_places(std::span<Vec3> x) const override;
 
   // ---- of the last update, for tests and tools -------------------------------------------------------------------
   const MacGrid& grid() const { return model_.grid; }

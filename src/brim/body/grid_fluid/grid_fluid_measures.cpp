@@ -4,6 +4,11 @@
 /// What is measured and shown of a grid fluid.
 namespace brim {
 
+namespace {
+/// [cells] from a side of the box within which the surface lies on it.
+constexpr double kOnSide = 0.25;
+}  // namespace
+
 double GridFluidBody::volume() const {
   double area = 0.0;
   return level_.volume(phi_, 0.0, area);
@@ -61,9 +66,20 @@ bool GridFluidBody::rigid_motion(const Vec3& t, const Vec3& w, std::span<double>
   return true;
 }
 
+void GridFluidBody::velocity_places(std::span<Vec3> x) const {
+  const MacGrid& g = model_.grid;
+  for (int a = 0; a < 3; ++a)
+    for_places(g.n + Vec3i::Ones(), [&](int i, int j, int k) { x[g.face(a, i, j, k)] = g.face_position(a, i, j, k); });
+}
+
 void GridFluidBody::display_surface(std::vector<Vec3f>& x, std::vector<Triangle>& triangles) const {
   fluid_surface(
       model_.grid, [&](const Vec3& p) { return distance(p); }, x, triangles);
+}
+
+bool GridFluidBody::meets_air(const Vec3& x) const {
+  const Aabb box = model_.grid.box();
+  return (x - box.lo).cwiseMin(box.hi - x).minCoeff() > kOnSide * model_.grid.dx;
 }
 
 }  // namespace brim

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
@@ -328,6 +329,20 @@ void ParticleFluidBody::make_map(int, std::span<const Vec3> points, std::span<co
     map = std::move(made);
   }
   contact_.make_map(sources, *weights);
+}
+
+std::int32_t ParticleFluidBody::nearest_node(const Vec3& x) const {
+  const double reach = kernel_.support();
+  std::pair<double, std::int32_t> best = {std::numeric_limits<double>::infinity(), 0};
+  const auto take = [&](std::int32_t particle) {
+    best = std::min(best, {(x_[static_cast<std::size_t>(particle)] - x).squaredNorm(), particle});
+  };
+  cells_.near(x, reach, [&](std::int32_t first, std::int32_t last) {
+    for (std::int32_t k = first; k < last; ++k) take(cells_.order()[static_cast<std::size_t>(k)]);
+  });
+  if (best.first <= reach * reach) return best.second;
+  for (std::size_t i = 0; i < x_.size(); ++i) take(static_cast<std::int32_t>(i));
+  return best.second;
 }
 
 double ParticleFluidBody::potential_energy(const Environment& env) const {

@@ -5,6 +5,7 @@
 
 #include "brim/body/body.h"
 #include "brim/body/filling.h"
+#include "brim/body/loose_nodes.h"
 #include "brim/body/movable.h"
 #include "brim/body/outer_forces.h"
 #include "brim/body/particle_fluid/cohesion.h"
@@ -40,7 +41,12 @@ struct ParticleFluidOptions {
 /// step of divergence-free SPH does (Bender and Koschier 2017); E takes compression back. Both are linearly implicit
 /// (energy and its treatment: Weiler, Koschier and Bender 2016), so κ does not limit the time step.
 /// Tests: tests/body/particle_fluid_test.cpp
-class ParticleFluidBody final : public Body, public Filling, public OuterForces, public Restless, public Movable {
+class ParticleFluidBody final : public Body,
+                                public Filling,
+                                public LooseNodes,
+                                public OuterForces,
+                                public Restless,
+                                public Movable {
  public:
   /// @param x  particles at the start, world frame, [m]
   /// @throws InputError  when a number is out of range or there are no particles
@@ -71,6 +77,9 @@ class ParticleFluidBody final : public Body, public Filling, public OuterForces,
   void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
   void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
                 std::unique_ptr<Map>& map) const override;
+
+  std::int32_t nearest_node(const Vec3& x) const override;
+  std::int32_t source_of_node(std::int32_t node) const override { return Filling::source_of(node); }
 
   std::span<const Vec3> fill_places() const override { return x_; }
   double fill_reach() const override { return images_.reach(); }
