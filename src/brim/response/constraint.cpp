@@ -139,6 +139,8 @@ void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> n
                              const ConstraintPair& law) {
   // Cells that stay where they are: points then move smoothly, and keep their impulses from step to step.
   std::map<std::array<std::int64_t, 3>, std::vector<std::size_t>> cells;
+  place_.reset(pair.h);
+  for (std::size_t i = 0; i < order_.size(); ++i) place_.set(contacts.node_at(order_[i], pair.h), i);
   for (const std::size_t c : order_) {
     // Where the surfaces cancel each other nothing says which way to push.
     if (!(normals[c].squaredNorm() > 0.5)) continue;
@@ -206,6 +208,8 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
       if (-contacts.depth[around_.front()] < model.gap_at(deepest) - miss)
         model.least_point = deepest, model.least_gap = -contacts.depth[around_.front()];
     }
+    // The gap rises behind the edge of a face and does not fall before it, as a quadric of nodes at the edge alone says.
+    if (!law.rigid && !nodes_agree(contacts, model, pair.h)) model.least_point = model.x, model.least_gap = model.gap;
     const std::size_t center = points_.size();
     add_point(contacts, around_.front(), model.least_point, model.n, model.least_gap, law,
               {model.bend_a, model.bend_b});
@@ -216,6 +220,15 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
       return around(c) || -contacts.depth[c] >= model.gap_at(contacts.point[c]) - miss;
     });
   }
+}
+
+bool Constraint::nodes_agree(const ContactSet& contacts, const PatchModel& model, double h) const {
+  if (model.least_point == model.x) return true;
+  return !place_.any_around(model.least_point, 1, [&](std::size_t i) {
+    const std::size_t c = order_[i];
+    return -contacts.depth[c] < model.gap + kUnseen * h &&
+           std::abs(model.gap_at(contacts.point[c]) + contacts.depth[c]) > kUnseen * h;
+  });
 }
 
 void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair, const ConstraintPair& law,
