@@ -26,6 +26,9 @@ constexpr double kMisfit = 0.1, kAround = 3.0;
 constexpr double kFlat = 0.05;
 /// [voxels] overlap that nodes know of beyond that of the nearest point, above which the point takes it over.
 constexpr double kUnseen = 0.05;
+/// [1/h] bend of a patch's model from which it may be that of an edge, and of a node up to which that lies on a face;
+/// [voxels] gap beyond that of such a node which the model foretells there, if it is an edge's.
+constexpr double kEdgeBend = 0.1, kFace = 0.02, kForetold = 0.02;
 /// [voxels] corners nearer to another point than this say nothing new.
 constexpr double kApart = 1.0;
 
@@ -208,8 +211,9 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
       if (-contacts.depth[around_.front()] < model.gap_at(deepest) - miss)
         model.least_point = deepest, model.least_gap = -contacts.depth[around_.front()];
     }
-    // The gap rises behind the edge of a face and does not fall before it, as a quadric of nodes at the edge alone says.
-    if (!law.rigid && !nodes_agree(contacts, model, pair.h)) model.least_point = model.x, model.least_gap = model.gap;
+    // Behind the edge of a face the gap rises, and before it does not fall.
+    if (!law.rigid && at_edge_of_face(contacts, model, pair.h))
+      model.least_point = model.x, model.least_gap = model.gap;
     const std::size_t center = points_.size();
     add_point(contacts, around_.front(), model.least_point, model.n, model.least_gap, law,
               {model.bend_a, model.bend_b});
@@ -222,12 +226,13 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
   }
 }
 
-bool Constraint::nodes_agree(const ContactSet& contacts, const PatchModel& model, double h) const {
-  if (model.least_point == model.x) return true;
-  return !place_.any_around(model.least_point, 1, [&](std::size_t i) {
+bool Constraint::at_edge_of_face(const ContactSet& contacts, const PatchModel& model, double h) const {
+  if (model.least_point == model.x || h * (model.bend_a + model.bend_b).norm() < kEdgeBend) return false;
+  return place_.any_around(model.least_point, 1, [&](std::size_t i) {
     const std::size_t c = order_[i];
-    return -contacts.depth[c] < model.gap + kUnseen * h &&
-           std::abs(model.gap_at(contacts.point[c]) + contacts.depth[c]) > kUnseen * h;
+    const double a = contacts.gradient_a[c].norm(), b = contacts.gradient_b[c].norm();
+    return h * (contacts.curvature_a(c) / a + contacts.curvature_b(c) / b).norm() < kFace &&
+           model.gap_at(contacts.point[c]) + contacts.depth[c] > kForetold * h;
   });
 }
 
