@@ -120,7 +120,8 @@ def beam(kind, cells, young):
     return {"kind": "image_volume", "motion": "deformable", "image_spacing": 0.25 * step, "lattice_spacing": step, **common}
 
 
-LOCKS = "linear elements lock in bending, of second order"
+LOCKS = ("linear elements of edge a lock in bending: those across a beam of height H bend as if it were stiffer by 0.94 (a/H)², by 24 and 5.8 % with 2 and 4 of "
+         "them, so that 5 % want 4.3")
 
 
 @experiment(law="w = q L⁴ / (8 E I) + q L² / (2 κ G A)", source="Timoshenko's beam", unit="m", tolerance=0.05, study="cells",
