@@ -26,6 +26,9 @@ constexpr double kMisfit = 0.1, kAround = 3.0;
 constexpr double kFlat = 0.05;
 /// [voxels] overlap that nodes know of beyond that of the nearest point, above which the point takes it over.
 constexpr double kUnseen = 0.05;
+/// [1/h] bend of a patch's model from which it may be that of an edge, and of a node up to which that lies on a face;
+/// [voxels] gap beyond that of such a node which the model foretells there, if it is an edge's.
+constexpr double kEdgeBend = 0.1, kFace = 0.02, kForetold = 0.02;
 /// [voxels] corners nearer to another point than this say nothing new.
 constexpr double kApart = 1.0;
 
@@ -139,6 +142,8 @@ void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> n
                              const ConstraintPair& law) {
   // Cells that stay where they are: points then move smoothly, and keep their impulses from step to step.
   std::map<std::array<std::int64_t, 3>, std::vector<std::size_t>> cells;
+  place_.reset(pair.h);
+  for (std::size_t i = 0; i < order_.size(); ++i) place_.set(contacts.node_at(order_[i], pair.h), i);
   for (const std::size_t c : order_) {
     // Where the surfaces cancel each other nothing says which way to push.
     if (!(normals[c].squaredNorm() > 0.5)) continue;
@@ -206,6 +211,9 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
       if (-contacts.depth[around_.front()] < model.gap_at(deepest) - miss)
         model.least_point = deepest, model.least_gap = -contacts.depth[around_.front()];
     }
+    // Behind the edge of a face the gap rises, and before it does not fall.
+    if (!law.rigid && at_edge_of_face(contacts, model, pair.h))
+      model.least_point = model.x, model.least_gap = model.gap;
     const std::size_t center = points_.size();
     add_point(contacts, around_.front(), model.least_point, model.n, model.least_gap, law,
               {model.bend_a, model.bend_b});
@@ -216,6 +224,16 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
       return around(c) || -contacts.depth[c] >= model.gap_at(contacts.point[c]) - miss;
     });
   }
+}
+
+bool Constraint::at_edge_of_face(const ContactSet& contacts, const PatchModel& model, double h) const {
+  if (model.least_point == model.x || h * (model.bend_a + model.bend_b).norm() < kEdgeBend) return false;
+  return place_.any_around(model.least_point, 1, [&](std::size_t i) {
+    const std::size_t c = order_[i];
+    const double a = contacts.gradient_a[c].norm(), b = contacts.gradient_b[c].norm();
+    return h * (contacts.curvature_a(c) / a + contacts.curvature_b(c) / b).norm() < kFace &&
+           model.gap_at(contacts.point[c]) + contacts.depth[c] > kForetold * h;
+  });
 }
 
 void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair, const ConstraintPair& law,

@@ -82,7 +82,7 @@ double least_stiffness(double share, const Loads& loads, double w, double dt) {
 double choose_stiffness(const Loads& loads, double w, double dt) { return least_stiffness(2000.0, loads, w, dt); }
 
 double soften_stiffness(double k, double E, const Loads& loads, double w, double dt) {
-  return std::isinf(E) ? k : std::max(20.0 * E, least_stiffness(100.0, loads, w, dt));
+  return std::isinf(E) ? k : std::max(kContactModulus * E, least_stiffness(100.0, loads, w, dt));
 }
 
 double conforming_stiffness(double k, double E, const Loads& loads) {

@@ -42,9 +42,7 @@ def soft_slide(case):
 @experiment(law="no motion below the angle of friction", source="Coulomb", unit="m/s", tolerance=1.0, scale=1e-3, theory=0.0,
             cases=cases(response=BOTH, kind=SOFT, friction=(0.55,), angle=(25,)),
             measure=lambda c, r: fits.slope_of(r.time[r.at(0.75):], (r.center("body") @ np.array(
-                [math.cos(math.radians(c.angle)), 0, -math.sin(math.radians(c.angle))]))[r.at(0.75):]),
-            misses={f"response constraint, kind {kind}": "rows in cells fixed in space come and go as it settles"
-                    for kind in ("mass_spring", "finite_elements")})
+                [math.cos(math.radians(c.angle)), 0, -math.sin(math.radians(c.angle))]))[r.at(0.75):]))
 def soft_stick(case):
     """A body of each kind rests on a plane well inside the cone of friction: its creep, promised below 1 mm/s."""
     return scene([slope(case.angle, 0.025), block(case.kind, "body", (0, 0, 0), degrees=case.angle)], 1.5, friction=case.friction,
@@ -69,9 +67,6 @@ def plates(gap, speed, depth, h, size=1.0):
 RADIUS, PRESSED = 0.1, 0.01
 
 
-ROUGH = "the patch of contact is as wide as two or three voxels"
-
-
 def hertz(young, poisson, radius, approach):
     """Force of a ball pressed between two rigid plates that have come nearer by `approach`: half of it at each."""
     return 4 / 3 * young / (1 - poisson**2) * math.sqrt(radius) * (0.5 * approach) ** 1.5
@@ -80,8 +75,6 @@ def hertz(young, poisson, radius, approach):
 @experiment(law="F = 4/3 E/(1 − ν²) √R (δ/2)^(3/2)", source="Hertz 1882; Johnson, Contact Mechanics, § 4.2", unit="N", tolerance=0.10,
             cases=cases(response=BOTH, young=(2e4, 2e5, 2e6), cells=(6, 10)), theory=lambda c: hertz(c.young, 0.3, RADIUS, PRESSED),
             measure=lambda c, r: np.mean(r.force("above")[-10:, 2]), study="cells",
-            misses={"response penalty, young 2e+06, cells 6": ROUGH, "response penalty, young 200000, cells 6": ROUGH,
-                    "response penalty, young 20000, cells 6": ROUGH},
             curve=lambda c, r: (r.time, r.force("above")[:, 2]), axes=("t [s]", "force [N]"))
 def hertz_press(case):
     """A soft ball of 0.1 m is pressed by 5 % between two plates without friction or weight, so many voxels to its radius."""
@@ -127,7 +120,8 @@ def beam(kind, cells, young):
     return {"kind": "image_volume", "motion": "deformable", "image_spacing": 0.25 * step, "lattice_spacing": step, **common}
 
 
-LOCKS = "linear elements lock in bending, of second order"
+LOCKS = ("linear elements of edge a lock in bending: those across a beam of height H bend as if it were stiffer by 0.94 (a/H)², by 24 and 5.8 % with 2 and 4 of "
+         "them, so that 5 % want 4.3")
 
 
 @experiment(law="w = q L⁴ / (8 E I) + q L² / (2 κ G A)", source="Timoshenko's beam", unit="m", tolerance=0.05, study="cells",

@@ -31,11 +31,10 @@ def catenary(span, length):
 
 @experiment(law="w = q L⁴ / (8 E I)", source="Euler and Bernoulli", unit="m", tolerance=0.01, fast=True, study="segments",
             cases=cases(segments=(10, 20)), theory=lambda c: 0.1 * G / (8 * 10.0),
-            measure=lambda c, r: -r.positions("rod", r.frames - 1)[-1, 2],
-            misses={"segments 10": "of second order in the segments"})
+            measure=lambda c, r: -r.positions("rod", r.frames - 1)[-1, 2])
 def rod_cantilever(case):
     """A rod of 1 m, clamped in its first segment, sags under its weight."""
-    d = 1.0 / case.segments
+    d = 1.0 / (case.segments - 0.5)  # the middle of the first segment, about which it is clamped, lies at 0
     return scene([{"kind": "rod", "name": "rod", "points": [[-0.5 * d, 0, 0], [1.0, 0, 0]], "segments": case.segments, "radius": 0.01,
                    "stretch_stiffness": 1e5, "bend_stiffness": 10.0, "linear_density": 0.1, "stiffness_damping": 0.05,
                    "constraints": [{"select": {"kind": "plane", "point": [0.6 * d, 0, 0], "normal": [1, 0, 0]}}]}], 4.0)
