@@ -32,12 +32,16 @@ void multiply_rows(const BlockRows& K, std::size_t begin, std::size_t end, doubl
 
 namespace {
 
+/// [floats] by which values are asked for ahead, 40 blocks: the product waits for memory.
+constexpr std::size_t kAhead = 360;
+
 /// Adds slots [from, to) to the sums of one row; the fourth lane is not used.
 __attribute__((target("avx2"), always_inline)) inline void add_slots(const BlockRows& K, std::int32_t from,
                                                                      std::int32_t to, const double* x, __m256d s[3]) {
   const float* B = K.value + 9 * static_cast<std::size_t>(from);
   for (std::int32_t slot = from; slot < to; ++slot, B += 9) {
     const double* xs = x + 3 * static_cast<std::size_t>(K.column[slot]);
+    _mm_prefetch(reinterpret_cast<const char*>(B + kAhead), _MM_HINT_T0);
     for (int c = 0; c < 3; ++c)
       s[c] = _mm256_add_pd(s[c], _mm256_mul_pd(_mm256_cvtps_pd(_mm_loadu_ps(B + 3 * c)), _mm256_broadcast_sd(xs + c)));
   }
