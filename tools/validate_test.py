@@ -1,8 +1,11 @@
 """Tests the frame of the validation suite without running brim."""
+import pathlib
+import tempfile
 import unittest
 
 try:
-    from validate import fits, plot
+    from validate import fits, page, plot
+    from validate.__main__ import Outcome
     from validate.experiment import REGISTRY, Case, Experiment, cases
     from validate.experiments import every  # noqa: F401
 except ModuleNotFoundError as error:
@@ -26,6 +29,21 @@ class Frame(unittest.TestCase):
         self.assertEqual(e.miss(Case(gap=0)), "why")
         self.assertEqual(e.miss(Case(gap=0, h=1)), "why")
         self.assertIsNone(e.miss(Case(gap=0.02)))
+
+    def test_a_known_miss_that_grows_over_what_the_page_tells_is_not_expected(self):
+        e = self.an_experiment(misses={"": "why"})
+        for error, expected in ((0.05, False), (0.15, True), (0.17, True), (0.20, False)):
+            outcome = Outcome(e, Case(), told=-0.15)
+            outcome.value, outcome.error = 2.0 * (1.0 - error), -error
+            self.assertEqual(outcome.expected, expected, error)
+        self.assertIn("WORSE", outcome.verdict)
+
+    def test_errors_are_read_from_the_page(self):
+        with tempfile.TemporaryDirectory() as folder:
+            docs = pathlib.Path(folder)
+            (docs / "validation.md").write_text("# Validation\n\n## A\n\n### bounce\n\n| case | theory [m] | brim | error | |\n|---|---|---|---|---|\n"
+                                                "| e 0.3 | 0.09 | 0.0893 | -0.78 % | met |\n", encoding="utf-8")
+            self.assertAlmostEqual(page.errors_of(docs)["bounce", "e 0.3"], -0.0078)
 
     def test_orders_periods_and_spins_are_those_of_made_up_data(self):
         self.assertAlmostEqual(fits.order([1.0, 0.5, 0.25], [-0.4, -0.1, -0.025]), 2.0)

@@ -71,6 +71,18 @@ def sections_of(text):
     return {name: f"### {name}\n" + re.sub(r"\n## \w+\n*\Z", "\n", body).rstrip("\n") + "\n" for name, body in zip(pieces[1::2], pieces[2::2])}
 
 
+def errors_of(docs):
+    """{(experiment, case): error} of the page that stands."""
+    page = docs / "validation.md"
+    found = {}
+    for name, text in sections_of(page.read_text(encoding="utf-8") if page.exists() else "").items():
+        for line in text.splitlines():
+            cells = [c.strip() for c in line.split("|")]
+            if len(cells) == 7 and re.fullmatch(r"[-+][\d.]+ %", cells[4]):
+                found[name, cells[1]] = float(cells[4][:-2]) / 100
+    return found
+
+
 def assemble(docs, sections, seconds):
     """The page of the given sections, in the order of the experiments; its counts are those of its rows."""
     rows = [line for text in sections.values() for line in text.splitlines() if line.startswith("| ") and not line.startswith("| case |")]
