@@ -24,9 +24,6 @@ constexpr double kNegligible = 1e-11;
 constexpr double kDraft = 10.0;
 /// Change of the contact forces, over the one that ends the passes, below which the next solve may be the last.
 constexpr double kNear = 20.0;
-/// Change of the contact forces above which the next solve is not the last, and how many more there may be for it.
-constexpr double kFar = 0.5;
-constexpr int kMorePasses = 3;
 /// Velocities up to which a body's system is one block of its diagonal.
 constexpr std::size_t kSmall = 6;
 /// Tolerance where the preconditioner is the inverse.
@@ -220,10 +217,9 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   }
   contact_delta_.assign(contact_set.size(), Vec3::Zero()), contact_force_.resize(contacts);
   std::fill(delta.begin(), delta.end(), 0.0);
-  int passes = contacts > 0 ? (whole ? kExactPasses * settings.passes : settings.passes) : 1;
+  const int passes = contacts > 0 ? (whole ? kExactPasses * settings.passes : settings.passes) : 1;
   bool settled = contacts > 0 && response.settled(), near = false;
   std::vector<double> scale;  // of the first pass, for all
-  int more = contacts > 0 && !whole ? kMorePasses : 0;
   for (int pass = 0; pass < passes; ++pass) {
     rhs_ = internal_;
     if (contacts > 0) {
@@ -273,7 +269,6 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
       const double change = response.update_loads(contact_set, contact_delta_);
       settled = change < settings.load_tolerance;
       near = change < kNear * settings.load_tolerance;
-      if (pass + 2 == passes && change > kFar && more > 0) ++passes, --more;
     }
     if (kept || (settled && s.residual <= settings.tolerance)) {
       report.cg_residual = std::max(report.cg_residual, s.residual);

@@ -67,6 +67,10 @@ def plates(gap, speed, depth, h, size=1.0):
 RADIUS, PRESSED = 0.1, 0.01
 
 
+SINKS = ("contact at 20 E is a layer in series that takes 8 % of the force of a patch 1.3 voxels wide; stiffer contact gives -9.5 % (60 E) and -6.8 % (200 E), "
+         "but four solves then do not find the slip of what spreads (numerics, Stiffness)")
+
+
 def hertz(young, poisson, radius, approach):
     """Force of a ball pressed between two rigid plates that have come nearer by `approach`: half of it at each."""
     return 4 / 3 * young / (1 - poisson**2) * math.sqrt(radius) * (0.5 * approach) ** 1.5
@@ -75,6 +79,7 @@ def hertz(young, poisson, radius, approach):
 @experiment(law="F = 4/3 E/(1 − ν²) √R (δ/2)^(3/2)", source="Hertz 1882; Johnson, Contact Mechanics, § 4.2", unit="N", tolerance=0.10,
             cases=cases(response=BOTH, young=(2e4, 2e5, 2e6), cells=(6, 10)), theory=lambda c: hertz(c.young, 0.3, RADIUS, PRESSED),
             measure=lambda c, r: np.mean(r.force("above")[-10:, 2]), study="cells",
+            misses={f"response penalty, young {young}, cells 6": SINKS for young in ("2e+06", "200000", "20000")},
             curve=lambda c, r: (r.time, r.force("above")[:, 2]), axes=("t [s]", "force [N]"))
 def hertz_press(case):
     """A soft ball of 0.1 m is pressed by 5 % between two plates without friction or weight, so many voxels to its radius."""
