@@ -77,6 +77,8 @@ def judge(summary):
             surprises.append(f"holds, and is marked as a known miss: {text} ({e['known_miss']})")
         elif e["ok"]:
             met.append(text)
+        elif e.get("worse"):
+            surprises.append(f"worse than {e['known_worst']:g}: {text} ({e['known_miss']})")
         elif "known_miss" in e:
             known.append(f"{text} ({e['known_miss']})")
         else:

@@ -27,6 +27,9 @@ class Judge(unittest.TestCase):
         self.assertEqual(self.counts(summary({"ok": False, "known_miss": "2 for a reason"})), (0, 1, 0))
         self.assertEqual(self.counts(summary({"ok": True, "known_miss": "2 for a reason"})), (0, 0, 1))
 
+    def test_a_known_miss_that_is_worse_surprises(self):
+        self.assertEqual(self.counts(summary({"ok": False, "known_miss": "2 for a reason", "known_worst": 2.5, "worse": True})), (0, 0, 1))
+
     def test_a_run_without_its_end_surprises(self):
         self.assertEqual(self.counts(summary({"ok": True}, end="failed")), (1, 0, 1))
 

@@ -48,7 +48,11 @@ std::string findings_table(const std::vector<ExpectationResult>& findings) {
     const char* word = f.as_expected() ? (f.ok ? "ok" : "miss") : "FAIL";
     out += fmt::format("  {:4}  {:<52} {:>12}   {}\n", word, what, value, bounds_text(e));
     if (!e.known_miss.empty())
-      out += fmt::format("        {}: {}\n", f.ok ? "holds, and is marked as a known miss" : "known", e.known_miss);
+      out += fmt::format("        {}: {}\n",
+                         f.ok        ? "holds, and is marked as a known miss"
+                         : f.worse() ? fmt::format("worse than {:g}, and known", e.known_worst)
+                                     : "known",
+                         e.known_miss);
   }
   return out;
 }

@@ -197,6 +197,22 @@ TEST(Measures, AKnownMissIsAsExpectedOnlyWhileItMisses) {
   EXPECT_TRUE(f[2].ok && f[2].as_expected());
 }
 
+TEST(Measures, AKnownMissIsAsExpectedOnlyUpToItsWorst) {
+  World w = two_balls();
+  Expectation below = asked("speed", "flying"), above = below;
+  below.known_miss = above.known_miss = "a figure and its cause";
+  const double speed = measured(w, {asked("speed", "flying")}, 1)[0].value;
+  below.min = speed + 2.0, above.max = speed - 2.0;
+  for (const double off : {1.0, -1.0}) {
+    World again = two_balls();
+    below.known_worst = speed - off, above.known_worst = speed + off;
+    const auto f = measured(again, {below, above}, 1);
+    EXPECT_EQ(f[0].as_expected(), off > 0.0);
+    EXPECT_EQ(f[1].as_expected(), off > 0.0);
+    EXPECT_EQ(f[1].worse(), off < 0.0);
+  }
+}
+
 TEST(Measures, CopiesOfABodyAreConcernedAndNoOthers) {
   EXPECT_TRUE(concerns("box", "box") && concerns("box", "box.12"));
   for (const char* other : {"box.", "box.1a", "boxes", "bo", "a box"}) EXPECT_FALSE(concerns("box", other)) << other;

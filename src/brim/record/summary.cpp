@@ -45,6 +45,8 @@ Json finding_json(const ExpectationResult& f) {
   j["reached"] = f.reached;
   j["ok"] = f.ok;
   if (!e.known_miss.empty()) j["known_miss"] = e.known_miss;
+  if (std::isfinite(e.known_worst)) j["known_worst"] = e.known_worst;
+  if (f.worse()) j["worse"] = true;
   return j;
 }
 

@@ -240,6 +240,12 @@ Expectation read_expectation(const Node& n, const std::set<std::string>* bodies,
   if (e.min > e.max)
     throw n.at("min").error(fmt::format("{} is not allowed; must be at most \"max\", {}", e.min, e.max));
   if (n.has("known_miss")) e.known_miss = n.string("known_miss");
+  if (n.has("known_worst")) {
+    e.known_worst = n.number("known_worst");
+    if (e.known_miss.empty()) throw n.at("known_worst").error("it is of a bound with \"known_miss\" alone");
+    if (e.known_worst >= e.min && e.known_worst <= e.max)
+      throw n.at("known_worst").error(fmt::format("{} is within the bound; must be outside of it", e.known_worst));
+  }
   return e;
 }
 

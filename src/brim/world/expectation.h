@@ -22,6 +22,7 @@ struct Expectation {
   Reading reading{}, over{};  ///< over: none where it names no sensor
   std::string take{};         ///< "mean", "sum" (of the frames after the first), "last", "least" or "largest"
   std::string known_miss{};   ///< figure and cause of a bound that is not met as yet; empty: it must hold
+  double known_worst = std::numeric_limits<double>::quiet_NaN();  ///< how far a known miss may go; NaN: anywhere
 };
 
 }  // namespace brim

@@ -25,9 +25,14 @@ struct ExpectationResult {
   bool reached = true;  ///< false: the run ended before the window did
   bool ok = false;      ///< the bound holds
 
+  /// True where a known miss is worse than is known of it.
+  bool worse() const {
+    if (ok || !reached || expectation.known_miss.empty()) return false;
+    return value > expectation.max ? value > expectation.known_worst : value < expectation.known_worst;
+  }
   /// True where a bound holds, or misses as is known of it. A known miss that holds is a surprise as well: its mark
   /// must go, so that it cannot be lost again unseen.
-  bool as_expected() const { return ok == expectation.known_miss.empty(); }
+  bool as_expected() const { return ok == expectation.known_miss.empty() && !worse(); }
 };
 
 /// Watches a run frame by frame and finds the metrics that expectations are about:
