@@ -17,6 +17,8 @@ namespace {
 constexpr std::size_t kGrain = 512;
 /// Step of central differences of a distance, over the reach.
 constexpr double kDifference = 1e-3;
+/// Distance up to which a density tells its own, over that gap: further out a meshless body's does not.
+constexpr double kReadable = 1.6;
 /// Step of second differences, over the gap of the layer at a surface.
 constexpr double kBendWidth = 0.6;
 
@@ -90,8 +92,8 @@ void FillStage::find(std::span<const std::unique_ptr<Body>> bodies, std::span<co
       set.resize(pair.end);
       for (const Found& s : found_) {
         Contact contact{};
-        // Where the element is, not where the surface is: of what turns together nothing slips, and drag and friction have
-        // no torque of their own. Pressure acts along n, the same from either place.
+        // Where the element is, not where the surface is: of what turns together nothing slips, and drag and friction
+        // have no torque of their own. Pressure acts along n, the same from either place.
         contact.point = places[s.element];
         contact.node = (contact.point / h).array().round().cast<int>();
         contact.depth = static_cast<float>(filler.body->fill_gap() - s.distance);
@@ -148,7 +150,7 @@ void FillStage::find_in_solid(const PosedShape& solid, const Aabb& bounds, const
 
 void FillStage::find_on_grid(const WorldPart& part, double h, const Aabb& region, const Filling& filler) {
   const auto places = filler.fill_places();
-  const double reach = filler.fill_reach();
+  const double reach = kReadable * filler.fill_gap();
   // Distances are read from the ramp of the density, which must reach as far as is seen.
   const double w = std::max(3.0 * h, 2.0 * reach + h);
   const Aabb bounds = part.body->bounds(part.index).inflated(0.5 * w).intersection(region);

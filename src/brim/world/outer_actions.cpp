@@ -218,7 +218,7 @@ std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Bo
       if (uniform == Vec3::Zero() && given.torque == Vec3::Zero() && !by_middle) continue;
       motion.assign(n, 0.0), image.assign(n, 0.0);
       // The middle of the mass: p × F of a uniform field is m c × a.
-      std::array<Vec3, 3> moment;
+      std::array<Vec3, 3> moment = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
       const double m = body.mass();
       for (int a = 0; a < 3; ++a) {
         if (!body.rigid_motion(Vec3::Unit(a), Vec3::Zero(), motion)) break;
