@@ -110,7 +110,8 @@ TEST(Loads, StiffnessIsTheLargestOfItsThreeNeeds) {
 TEST(Loads, ContactIsStifferThanTheBodiesThatItPressesWhateverTheyWeigh) {
   const double inf = std::numeric_limits<double>::infinity();
   for (const double E : {1e3, 1e6, 1e9})
-    EXPECT_GE(soften_stiffness(1e4, E, Loads{}, 0.1, 1e-2), kContactModulus * E) << "a scene without loads has a small k";
+    EXPECT_GE(soften_stiffness(1e4, E, Loads{}, 0.1, 1e-2), kContactModulus * E)
+        << "a scene without loads has a small k";
   EXPECT_EQ(soften_stiffness(1e7, inf, Loads{}, 0.1, 1e-2), 1e7) << "between rigid bodies the loads alone tell";
   const Loads heavy{1e5, 1e3, 0.0};
   EXPECT_GE(soften_stiffness(2e8, 1.0, heavy, 0.1, 1e-2), 100.0 * heavy.pressure) << "soft bodies must carry loads too";

@@ -64,11 +64,10 @@ void check_gaps(const std::string& whole, std::span<const StackSlice> slices, st
     if (gap[k] <= kSamePlace * mean)
       places += fmt::format("; {} and {} are at the same place, {:.6g} mm along the normal", a, b, at[k]);
     else if (missing >= 1.0 && std::abs(steps - std::round(steps)) <= 2.0 * kEvenPlace)
-      places += fmt::format("; {:.0f} missing between {} at {:.6g} mm and {} at {:.6g} mm", missing, a, at[k], b,
-                            at[k + 1]);
-    else
       places +=
-          fmt::format("; {:.6g} mm between {} at {:.6g} mm and {} at {:.6g} mm", gap[k], a, at[k], b, at[k + 1]);
+          fmt::format("; {:.0f} missing between {} at {:.6g} mm and {} at {:.6g} mm", missing, a, at[k], b, at[k + 1]);
+    else
+      places += fmt::format("; {:.6g} mm between {} at {:.6g} mm and {} at {:.6g} mm", gap[k], a, at[k], b, at[k + 1]);
   }
   if (count == 0) return;
   if (count > kMostPlaces) places += fmt::format("; and {} more", count - kMostPlaces);

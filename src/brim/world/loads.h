@@ -29,8 +29,8 @@ double choose_stiffness(const Loads& loads, double w, double dt);
 /// Hertz's mean pressure p = 4 E a/(3π (1 − ν²) R), that is, with w = 3h,
 ///   δ/(a²/R) = 1.5 (E/k) (h/a)   and takes 3/2 of it from the force:
 /// 11 % where the patch is one voxel wide and less where it is wider, whoever presses (what moves by hand has no weight
-/// that would tell). At 40 E and more the slip of what spreads on a floor is not found in max_passes solves. Only stiff bodies stacked high need all of k. Softer than
-/// kTellingModulus times E it is no longer the bodies that give.
+/// that would tell). At 40 E and more the slip of what spreads on a floor is not found in max_passes solves. Only stiff
+/// bodies stacked high need all of k. Softer than kTellingModulus times E it is no longer the bodies that give.
 constexpr double kContactModulus = 20.0;
 constexpr double kTellingModulus = 5.0;
 double soften_stiffness(double k, double E, const Loads& loads, double w, double dt);
