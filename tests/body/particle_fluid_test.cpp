@@ -109,33 +109,6 @@ std::vector<Seen> seen_of_floor(const ParticleFluidBody& b) {
   return seen;
 }
 
-TEST(ParticleFluid, WithAFloorInSightForcesAreMinusTheDerivativeOfEnergyToo) {
-  std::vector<Vec3> x = block(Vec3(0.3, 0.3, 0.3), 0.2);
-  for (Vec3& p : x) p *= 0.93;
-  Held f(x, options());
-  const auto see = [&](const std::vector<double>& q) {
-    f.set(q);
-    const std::vector<Seen> seen = seen_of_floor(f.body);
-    f.body.see(seen);
-    return seen;
-  };
-  const std::vector<Seen> seen = see(f.q);
-  ASSERT_GT(seen.size(), 30u);
-  std::vector<double> Q = forces(f.body), push(seen.size());
-  f.body.press(push);
-  for (std::size_t k = 0; k < seen.size(); ++k) Q[3 * seen[k].element + 2] += push[k];
-  const std::vector<double> d = random_vector(Q.size(), kSeed);
-  const double e = 1e-7;
-  std::vector<double> plus = f.q, minus = f.q;
-  for (std::size_t i = 0; i < d.size(); ++i) plus[i] += e * d[i], minus[i] -= e * d[i];
-  const Environment still{Vec3::Zero()};
-  see(plus);
-  const double up = f.body.potential_energy(still);
-  see(minus);
-  const double down = f.body.potential_energy(still);
-  EXPECT_NEAR(dot(Q, d), -(up - down) / (2 * e), 1e-5 * std::sqrt(dot(Q, Q) * dot(d, d)));
-}
-
 TEST(ParticleFluid, TheSystemIsSymmetricWithWhatMovesBesideIt) {
   Held f(block(Vec3(0.3, 0.3, 0.3), 0.2), options(2.0));
   const std::vector<Seen> seen = seen_of_floor(f.body);

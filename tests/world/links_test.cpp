@@ -5,6 +5,7 @@
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 #include "brim/world/space.h"
+#include "support/momentum.h"
 #include "support/soft_worlds.h"
 
 /// Laws of attachments between bodies and to space. Those for every kind: tests/scene/links_test.cpp.
@@ -13,6 +14,8 @@ namespace {
 
 using testing::ball;
 using testing::box;
+using testing::Momentum;
+using testing::momentum;
 using testing::named;
 using testing::options_at;
 using testing::position;
@@ -33,19 +36,6 @@ Attachment at(std::string name, std::string body, std::string to, const Vec3& x,
   a.name = std::move(name), a.body = std::move(body), a.to = std::move(to);
   a.point = x, a.stiffness = k, a.damping = d;
   return a;
-}
-
-struct Momentum {
-  Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
-};
-Momentum momentum(const World& w) {
-  Momentum p;
-  for (int b = 0; b < w.body_count(); ++b) {
-    if (w.body(b).immobile()) continue;
-    p.linear += w.body(b).linear_momentum(w.v(b));
-    p.angular += w.body(b).angular_momentum(w.v(b));
-  }
-  return p;
 }
 
 TEST(Links, ABallOnASpringHangsWhereTheSpringCarriesItsWeight) {

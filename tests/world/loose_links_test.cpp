@@ -3,6 +3,7 @@
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 #include "brim/world/links.h"
+#include "support/momentum.h"
 #include "support/soft_worlds.h"
 
 /// Laws of attachments, joints and forces that hold particles of a fluid. Those for every kind:
@@ -12,6 +13,8 @@ namespace {
 
 using testing::blob;
 using testing::box;
+using testing::Momentum;
+using testing::momentum;
 using testing::options_at;
 using testing::run;
 
@@ -44,18 +47,6 @@ Attachment glue(std::string body, std::string to) {
   Attachment a;
   a.name = "glue", a.body = std::move(body), a.to = std::move(to), a.touch = false;
   return a;
-}
-
-struct Momentum {
-  Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();
-};
-Momentum momentum(const World& w) {
-  Momentum p;
-  for (int b = 0; b < w.body_count(); ++b) {
-    p.linear += w.body(b).linear_momentum(w.v(b));
-    p.angular += w.body(b).angular_momentum(w.v(b));
-  }
-  return p;
 }
 
 TEST(LooseLinks, APinnedParticleStaysWhereTheOthersFall) {

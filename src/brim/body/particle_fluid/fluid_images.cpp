@@ -48,19 +48,16 @@ double FluidImages::barrier(double d, double& slope) const {
   return kBarrier * u * u;
 }
 
-void FluidImages::build(std::span<const Seen> seen, std::span<const std::int32_t> slot, const ParticleCells& cells,
-                        FluidPairs& pairs, std::span<double> fill) {
+void FluidImages::take(std::span<const Seen> seen, std::span<const std::int32_t> slot) {
   const std::size_t n = seen.size();
-  slot_of_.resize(n), u_.resize(n), u_slope_.resize(n), barrier_slope_.resize(n), weight_.resize(n);
-  weight_slope_.resize(n), n_.resize(n);
-  part_.resize(n), sorted_.resize(n), first_entry_.assign(n, 0), length_.assign(n, 0);
-  pairs.release();
-  std::vector<double> barrier_fill(n);
+  slot_of_.resize(n), part_.resize(n), n_.resize(n), sorted_.resize(n);
+  u_.resize(n), u_slope_.resize(n), barrier_.resize(n), barrier_slope_.resize(n);
+  weight_.resize(n), weight_slope_.resize(n);
   for (std::size_t k = 0; k < n; ++k) {
     const Seen& s = seen[k];
     slot_of_[k] = slot[s.element], part_[k] = s.part, n_[k] = s.n;
     u_[k] = offset(s.distance, u_slope_[k]);
-    barrier_fill[k] = barrier(s.distance, barrier_slope_[k]);
+    barrier_[k] = barrier(s.distance, barrier_slope_[k]);
     const double d = std::max(0.0, s.distance), weight = 1.0 - kBending * d * s.bend;
     weight_[k] = std::clamp(weight, 0.0, kMostWeight);
     // As of a ball, L = 2/(R + d).
@@ -70,7 +67,7 @@ void FluidImages::build(std::span<const Seen> seen, std::span<const std::int32_t
   std::stable_sort(sorted_.begin(), sorted_.end(),
                    [&](std::int32_t a, std::int32_t b) { return slot_of_[a] < slot_of_[b]; });
   seeing_.clear(), first_.clear();
-  place_.assign(cells.size(), -1);
+  place_.assign(slot.size(), -1);
   for (std::size_t i = 0; i < n; ++i) {
     const std::int32_t s = slot_of_[sorted_[i]];
     if (i > 0 && s == slot_of_[sorted_[i - 1]]) continue;
@@ -78,86 +75,90 @@ void FluidImages::build(std::span<const Seen> seen, std::span<const std::int32_t
     seeing_.push_back(s), first_.push_back(i);
   }
   first_.push_back(n);
+}
 
-  const auto x = cells.positions();
+double FluidImages::add_images(std::size_t i, std::size_t j, std::int32_t pair, double distance2,
+                               std::span<std::vector<Entry>> rows, double& fill) const {
+  const auto mine = contacts_of(i), theirs = contacts_of(j);
+  struct Common {  ///< a surface that both see
+    std::size_t row;
+    std::int32_t k, other;
+    double out = 0.0, in = 0.0;
+  };
+  std::array<Common, kMostSurfaces> common;
+  std::size_t count = 0;
+  for (std::size_t m = 0; m < mine.size(); ++m)
+    for (const std::int32_t o : theirs)
+      if (part_[o] == part_[mine[m]] && count < kMostSurfaces) common[count++] = {m, mine[m], o};
   const double H2 = kernel_.support() * kernel_.support();
+  double along = 0.0;
+  for (unsigned set = 1; set < 1u << count; ++set) {
+    const auto holds = [set](std::size_t c) { return (set >> c & 1u) != 0; };
+    double r2 = distance2, weight = 1.0;
+    for (std::size_t c = 0; c < count; ++c) {
+      if (!holds(c)) continue;
+      const auto& [row, k, o, out, in] = common[c];
+      r2 += 4.0 * (u_[k] * u_[o]);
+      weight *= 0.5 * (weight_[k] + weight_[o]);
+      for (std::size_t e = 0; e < c; ++e)
+        if (holds(e))
+          weight *= std::max(
+              0.0, 1.0 - 0.5 * (std::abs(n_[k].dot(n_[common[e].k])) + std::abs(n_[o].dot(n_[common[e].other]))));
+    }
+    if (r2 >= H2 || weight == 0.0) continue;
+    const double r = std::sqrt(r2), slope = weight * volume_ * kernel_.slope_over_r(r);
+    const double value = weight * volume_ * kernel_.value(r);
+    fill += value, along += slope;
+    for (std::size_t c = 0; c < count; ++c) {
+      if (!holds(c)) continue;
+      auto& [row, k, o, out, in] = common[c];
+      const double share = value / (weight_[k] + weight_[o]);  // of the weight's change
+      out += 2.0 * slope * u_[o] * u_slope_[k] + share * weight_slope_[k];
+      in += 2.0 * slope * u_[k] * u_slope_[o] + share * weight_slope_[o];
+    }
+  }
+  for (std::size_t c = 0; c < count; ++c)
+    if (common[c].out != 0.0 || common[c].in != 0.0)
+      rows[common[c].row].push_back(
+          {common[c].other, pair, static_cast<float>(common[c].out), static_cast<float>(common[c].in)});
+  return along;
+}
+
+void FluidImages::build(std::span<const Seen> seen, std::span<const std::int32_t> slot, const ParticleCells& cells,
+                        FluidPairs& pairs, std::span<double> fill) {
+  take(seen, slot);
+  pairs.release();
+  const auto x = cells.positions();
   pieces_.resize((seeing_.size() + kGrain - 1) / kGrain);
   parallel_for(pieces_.size(), [&](std::size_t b) {
     Piece& piece = pieces_[b];
-    piece.entries.clear(), piece.length.clear(), piece.stretch.clear(), piece.stretched.clear();
+    piece.entries.clear(), piece.length.clear(), piece.stretch.clear();
     std::vector<std::vector<Entry>> rows;
     for (std::size_t p = b * kGrain; p < std::min(seeing_.size(), (b + 1) * kGrain); ++p) {
       const auto i = static_cast<std::size_t>(seeing_[p]);
       const auto mine = contacts_of(i);
       rows.assign(mine.size(), {});
       double added = 0.0;
-      // Images of particle j, over all sets of surfaces that both see.
-      const auto look = [&](std::size_t j, std::int32_t pair) {
-        const auto theirs = contacts_of(j);
-        if (theirs.empty()) return;
-        struct Common {
-          std::size_t mine;
-          std::int32_t k, other;
-          double reach2;  ///< 4 u u
-        };
-        std::array<Common, kMostSurfaces> common;
-        std::size_t count = 0;
-        for (std::size_t m = 0; m < mine.size() && count < kMostSurfaces; ++m)
-          for (const std::int32_t o : theirs)
-            if (part_[o] == part_[mine[m]] && count < kMostSurfaces)
-              common[count++] = {m, mine[m], o, 4.0 * (u_[mine[m]] * u_[o])};
+      add_images(i, i, -1, 0.0, rows, added);
+      std::int32_t pair = -1;
+      pairs.for_neighbours(i, [&](std::int32_t n, const FluidPairs::Vec4&) {
+        const auto j = static_cast<std::size_t>(n);
+        ++pair;
+        if (place_[j] < 0) return;
         const double r2 = (x[i] - x[j]).squaredNorm();
-        double along = 0.0;
-        std::array<double, kMostSurfaces> out{}, in{};
-        for (unsigned set = 1; set < 1u << count; ++set) {
-          double q2 = r2, weight = 1.0;
-          for (std::size_t c = 0; c < count; ++c) {
-            if ((set >> c & 1u) == 0) continue;
-            q2 += common[c].reach2;
-            weight *= 0.5 * (weight_[common[c].k] + weight_[common[c].other]);
-            for (std::size_t e = 0; e < c; ++e)
-              if ((set >> e & 1u) != 0)
-                weight *= std::max(0.0, 1.0 - 0.5 * (std::abs(n_[common[c].k].dot(n_[common[e].k])) +
-                                                     std::abs(n_[common[c].other].dot(n_[common[e].other]))));
-          }
-          if (q2 >= H2 || weight == 0.0) continue;
-          const double q = std::sqrt(q2), slope = weight * volume_ * kernel_.slope_over_r(q);
-          const double value = weight * volume_ * kernel_.value(q);
-          added += value;
-          along += slope;
-          for (std::size_t c = 0; c < count; ++c)
-            if ((set >> c & 1u) != 0) {
-              const std::int32_t k = common[c].k, o = common[c].other;
-              const double share = value / (weight_[k] + weight_[o]);  // of the weight's change
-              out[c] += 2.0 * slope * u_[o] * u_slope_[k] + share * weight_slope_[k];
-              in[c] += 2.0 * slope * u_[k] * u_slope_[o] + share * weight_slope_[o];
-            }
-        }
-        for (std::size_t c = 0; c < count; ++c)
-          if (out[c] != 0.0 || in[c] != 0.0)
-            rows[common[c].mine].push_back(
-                {common[c].other, pair, static_cast<float>(out[c]), static_cast<float>(in[c])});
-        if (along != 0.0 && pair >= 0) {
-          // g_ij stands for x_ij times the slope of the pair itself.
-          const double own = volume_ * kernel_.slope_over_r(std::sqrt(r2));
-          if (own < 0.0)
-            piece.stretch.emplace_back(pair, static_cast<float>(1.0 + along / own)),
-                piece.stretched.push_back(static_cast<std::int32_t>(i));
-        }
-      };
-      look(i, -1);
-      std::int32_t pair = 0;
-      pairs.for_neighbours(i,
-                           [&](std::int32_t j, const FluidPairs::Vec4&) { look(static_cast<std::size_t>(j), pair++); });
+        const double along = add_images(i, j, pair, r2, rows, added);
+        const double own = volume_ * kernel_.slope_over_r(std::sqrt(r2));
+        if (along != 0.0 && own < 0.0) piece.stretch.push_back({i, pair, static_cast<float>(1.0 + along / own)});
+      });
       for (std::size_t m = 0; m < mine.size(); ++m) {
-        added += barrier_fill[mine[m]];
+        added += barrier_[mine[m]];
         piece.length.push_back(static_cast<std::int32_t>(rows[m].size()));
         piece.entries.insert(piece.entries.end(), rows[m].begin(), rows[m].end());
       }
       fill[i] += added;
     }
   });
-  entries_.clear();
+  entries_.clear(), first_entry_.assign(seen.size(), 0), length_.assign(seen.size(), 0);
   std::size_t contact = 0;
   for (const Piece& piece : pieces_) {
     std::size_t at = entries_.size();
@@ -167,8 +168,7 @@ void FluidImages::build(std::span<const Seen> seen, std::span<const std::int32_t
       first_entry_[k] = at, length_[k] = static_cast<std::size_t>(length);
       at += static_cast<std::size_t>(length);
     }
-    for (std::size_t e = 0; e < piece.stretch.size(); ++e)
-      pairs.stretch(static_cast<std::size_t>(piece.stretched[e]), piece.stretch[e].first, piece.stretch[e].second);
+    for (const Stretch& s : piece.stretch) pairs.stretch(s.particle, s.pair, s.factor);
   }
 }
 
@@ -209,7 +209,7 @@ double FluidImages::stiffness(std::size_t k, std::span<const float> weight) cons
     if (e.pair >= 0)
       sum += double{weight[slot_of_[e.other]]} * e.out * e.out;
     else
-      own += e.out;
+      own += e.out;  // its own image: both sides are the particle itself
   }
   return sum + double{weight[slot_of_[k]]} * own * own;
 }

@@ -49,9 +49,6 @@ class FluidImages {
   void for_seeing(const F& f) const {
     for (const std::int32_t s : seeing_) f(static_cast<std::size_t>(s));
   }
-  /// The place in cell order of the particle of contact k.
-  std::size_t slot_of(std::size_t k) const { return static_cast<std::size_t>(slot_of_[k]); }
-
   /// rate_i += Σ_k ∂φ_i/∂d_k ḋ_k. @param closing  ḋ_k, [m/s], shape (seen)
   void add_rates(std::span<const double> closing, std::span<float> rate) const;
   /// The same of one particle that sees something.
@@ -91,18 +88,28 @@ class FluidImages {
     float out;          ///< ∂φ of each of the two particles by d_k, [1/m]
     float in;           ///< the same by the distance of the other
   };
+  struct Stretch {  ///< what the images of a pair do along x_ij, as a factor of its own slope
+    std::size_t particle;
+    std::int32_t pair;
+    float factor;
+  };
   struct Piece {  ///< of some particles that see something: rows of their contacts, in order
     std::vector<Entry> entries;
     std::vector<std::int32_t> length;
-    std::vector<std::pair<std::int32_t, float>> stretch;  ///< of a pair of the particle given by `stretched`
-    std::vector<std::int32_t> stretched;
+    std::vector<Stretch> stretch;
   };
+  /// Takes in what each contact has of itself, and which contacts a particle has.
+  void take(std::span<const Seen> seen, std::span<const std::int32_t> slot);
+  /// Adds the images of particle j, over all sets of surfaces that both see, to the rows of contacts of i.
+  /// @param fill  φ_i, added to @return what they add to the slope along x_ij over the distance, [1/m²]
+  double add_images(std::size_t i, std::size_t j, std::int32_t pair, double distance2,
+                    std::span<std::vector<Entry>> rows, double& fill) const;
   std::span<const Entry> row(std::size_t k) const { return std::span(entries_).subspan(first_entry_[k], length_[k]); }
 
   FluidKernel kernel_;
   double spacing_, volume_;
-  std::vector<std::int32_t> slot_of_;                                        ///< per contact
-  std::vector<double> u_, u_slope_, barrier_slope_, weight_, weight_slope_;  ///< per contact
+  std::vector<std::int32_t> slot_of_;                                                  ///< per contact
+  std::vector<double> u_, u_slope_, barrier_, barrier_slope_, weight_, weight_slope_;  ///< per contact
   std::vector<Vec3> n_;
   std::vector<std::int32_t> part_;
   std::vector<std::int32_t> sorted_;  ///< contacts by particle in cell order
