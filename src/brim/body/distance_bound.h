@@ -12,7 +12,7 @@ class DistanceBound {
  public:
   virtual ~DistanceBound() = default;
   /// A lower bound of the signed distance d from x to the part's surface, negative inside, [m], where the part's
-  /// density is ramp(d, w); the bound changes by no more than x moves. Minus infinity where none is known.
+  /// density is ramp(d, w), where d changes by no more than x moves. Minus infinity where none is known.
   virtual double distance_bound(int part, const Vec3& x) const = 0;
   /// The part as a solid with its place in the world, where it is one: contact then samples it itself, only at the
   /// nodes that it needs, and does not call Body::presence and Body::rasterize.

@@ -39,7 +39,7 @@ void PosedShape::presence(double h, double w, const Aabb& region, std::vector<Ti
 
 double PosedShape::distance_bound(const Vec3& x) const {
   if (known_ == nullptr) return -std::numeric_limits<double>::infinity();
-  return known_->rough_distance(pose_.to_local(x)) - known_->slack();
+  return known_->least_distance(pose_.to_local(x));
 }
 
 void PosedShape::rasterize(double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {

@@ -86,12 +86,6 @@ BRIM_INLINE CubeRow load_eight(const float* x) {
   std::memcpy(&r, x, sizeof r);
   return r;
 }
-BRIM_INLINE std::uint8_t bits_of(const CubeRowFlags& f) {
-  typedef std::int8_t Bytes __attribute__((vector_size(kCubeSize)));
-  // One bit of each byte, then all of them summed into the highest byte.
-  const auto bytes = std::bit_cast<std::uint64_t>(__builtin_convertvector(f, Bytes)) & 0x8040201008040201u;
-  return static_cast<std::uint8_t>(bytes * 0x0101010101010101u >> 56);
-}
 
 /// Those of the nodes with any density, and those that are full.
 BRIM_WIDE void classify(const float* rho, const NodeMask& nodes, NodeMask& some, NodeMask& full) {
@@ -200,22 +194,41 @@ bool has_room(const CubeSide& a, const CubeSide& b, const ContactPair& pair, con
   const Vec3 center = 0.5 * pair.h * (box.lo + box.hi).cast<double>();
   const double radius = 0.5 * pair.h * (box.hi - box.lo).cast<double>().norm() + 1e-6 * pair.h;
   const double gap = widest_gap(pair.margin) * pair.w;
-  const double to_a = a.solid->rough_distance(a.pose.to_local(center)) - a.solid->slack();
+  const double to_a = a.solid->least_distance(a.pose.to_local(center));
   if (to_a > 0.5 * pair.w + radius) return false;
-  const double to_b = b.solid->rough_distance(b.pose.to_local(center)) - b.solid->slack();
+  const double to_b = b.solid->least_distance(b.pose.to_local(center));
   return to_b <= 0.5 * pair.w + radius && to_a + to_b <= gap + 2.0 * radius;
 }
 
-/// Leaves out cells of 2x2x2 nodes in which distances at their centres leave no room.
+/// Leaves out cells of 2x2x2 nodes in which distances at their centres leave no room (as has_room), eight at a time.
 void cull_cells(const CubeSide& a, const CubeSide& b, const ContactPair& pair, const NodeCube& cube, NodeMask& own) {
+  const double radius = (std::sqrt(0.75) + 1e-6) * pair.h;
+  const auto most = static_cast<float>(0.5 * pair.w + radius),
+             most_sum = static_cast<float>(widest_gap(pair.margin) * pair.w + 2.0 * radius);
+  const CubeFrame frame_a(a.pose, cube), frame_b(b.pose, cube);
+  float at[3][kCubeSize], to_a[kCubeSize], to_b[kCubeSize];
+  Vec3i first[kCubeSize];
+  int n = 0;
+  const auto cull = [&] {
+    for (int l = n; l < kCubeSize; ++l)
+      for (auto& x : at) x[l] = x[0];
+    a.solid->least_distances(frame_a, at[0], at[1], at[2], to_a);
+    b.solid->least_distances(frame_b, at[0], at[1], at[2], to_b);
+    for (int l = 0; l < n; ++l)
+      if (to_a[l] > most || to_b[l] > most || to_a[l] + to_b[l] > most_sum)
+        own = own.without(NodeMask::box(first[l], first[l] + Vec3i::Ones()));
+    n = 0;
+  };
   for (int k = 1; k < kCubeOwn; k += 2)
     for (int j = 1; j < kCubeOwn; j += 2)
       for (int i = 1; i < kCubeOwn; i += 2) {
-        const Vec3i lo(i, j, k), hi = lo + Vec3i::Ones();
-        const NodeMask cell = NodeMask::box(lo, hi);
-        if ((own.plane[k] & cell.plane[k]) == 0 && (own.plane[k + 1] & cell.plane[k]) == 0) continue;
-        if (!has_room(a, b, pair, {cube.first + lo, cube.first + hi})) own = own.without(cell);
+        const std::uint64_t cell = NodeMask::box({i, j, k}, {i + 1, j + 1, k}).plane[k];
+        if (((own.plane[k] | own.plane[k + 1]) & cell) == 0) continue;
+        first[n] = {i, j, k};
+        for (int x = 0; x < 3; ++x) at[x][n] = static_cast<float>(first[n][x]) + 0.5f;
+        if (++n == kCubeSize) cull();
       }
+  if (n > 0) cull();
 }
 
 }  // namespace

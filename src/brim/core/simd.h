@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <cstring>
 
@@ -30,6 +31,14 @@ typedef std::int32_t LaneIds __attribute__((vector_size(kLanes * sizeof(std::int
 inline constexpr int kWideLanes = 8;
 typedef float WideFloats __attribute__((vector_size(kWideLanes * sizeof(float))));
 typedef std::int32_t WideIds __attribute__((vector_size(kWideLanes * sizeof(std::int32_t))));
+
+/// Bit l of the result is set where flag l, 0 or −1, is.
+BRIM_INLINE std::uint8_t bits_of(const WideIds& flags) {
+  typedef std::int8_t Bytes __attribute__((vector_size(kWideLanes)));
+  // One bit of each byte, then all of them summed into the highest byte.
+  const auto bytes = std::bit_cast<std::uint64_t>(__builtin_convertvector(flags, Bytes)) & 0x8040201008040201u;
+  return static_cast<std::uint8_t>(bytes * 0x0101010101010101u >> 56);
+}
 
 /// Four numbers from memory at any address, and back.
 BRIM_INLINE Lanes load_lanes(const double* at) {

@@ -7,6 +7,7 @@
 
 #include "brim/core/error.h"
 #include "brim/core/simd.h"
+#include "brim/mesh/distance_bounds.h"
 #include "brim/mesh/isosurface.h"
 
 namespace brim {
@@ -154,6 +155,24 @@ double DistanceGrid::value(const Vec3& p, Interpolation interpolation) const {
   const double outside2 = (p - q).squaredNorm();
   if (outside2 == 0.0) return d;
   const double positive = std::max(0.0, d);
+  return std::sqrt(outside2 + positive * positive);
+}
+
+double DistanceGrid::least_value(const Vec3& p) const {
+  const Vec3 q = p.cwiseMax(box_.lo).cwiseMin(box_.hi), x = (q - origin_) * inverse_spacing_;
+  std::size_t node = 0;
+  double t2 = 0.0;
+  for (int k = 2; k >= 0; --k) {
+    const int at = std::min(static_cast<int>(x[k] + 0.5), nodes_[k] - 1);
+    node = node * static_cast<std::size_t>(nodes_[k]) + static_cast<std::size_t>(at);
+    t2 += (x[k] - at) * (x[k] - at);
+  }
+  const double d = values_[node];
+  const double beyond = std::max(0.0, std::abs(d) - DistanceBounds::kExactBand * spacing_);
+  const double least = d - spacing_ * (std::sqrt(t2) + DistanceBounds::kWaviness) - DistanceBounds::kTooFar * beyond;
+  const double outside2 = (p - q).squaredNorm();
+  if (outside2 == 0.0) return least;
+  const double positive = std::max(0.0, least);
   return std::sqrt(outside2 + positive * positive);
 }
 

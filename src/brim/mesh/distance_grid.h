@@ -39,11 +39,15 @@ class DistanceGrid {
   /// never more than the true distance, because the box is convex and holds the surface; continuous at the border.
   double value(const Vec3& p) const { return value(p, interpolation_); }
   double value(const Vec3& p, Interpolation interpolation) const;
+  /// A lower bound of value() and of the true distance at p from the nearest node alone (distance_bounds.h); some two
+  /// spacings below them at most, less than one on average, and 2.5 % of what is beyond 4 spacings.
+  double least_value(const Vec3& p) const;
   /// Derivative of value() at p, the interpolant's own inside the grid [-].
   Vec3 gradient(const Vec3& p) const;
 
   const Vec3& origin() const { return origin_; }
   double spacing() const { return spacing_; }
+  double inverse_spacing() const { return inverse_spacing_; }
   const Vec3i& nodes() const { return nodes_; }
   const std::vector<float>& values() const { return values_; }
   Interpolation interpolation() const { return interpolation_; }

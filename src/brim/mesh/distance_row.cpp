@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "brim/core/simd.h"
+#include "brim/mesh/distance_bounds.h"
 
 namespace brim {
 
@@ -52,20 +53,56 @@ BRIM_WIDE std::uint8_t tricubic_row(const float* values, const int* cells, std::
   return left;
 }
 
+/// The bounds at the points x0 + i dx (in spacings from the first node) that are beyond reach, [spacings], in metres.
+/// @return the bits of the wanted points where they are not
+BRIM_WIDE std::uint8_t bound_row(const DistanceBounds& bounds, const double* x0, const double* dx, float reach,
+                                 float spacing, std::uint8_t wanted, float* out) {
+  const WideFloats step = {0.0f, 1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f, 7.0f};
+  WideFloats x[3];
+  for (int a = 0; a < 3; ++a) x[a] = static_cast<float>(x0[a]) + static_cast<float>(dx[a]) * step;
+  const DistanceBounds::Range r = bounds.at(x[0], x[1], x[2]);
+  const WideIds bit = {1, 2, 4, 8, 16, 32, 64, 128}, asked = (WideIds{} + std::int32_t{wanted} & bit) != 0;
+  const WideIds over = asked & (r.least > reach), under = asked & (r.most < -reach), far = over | under;
+  WideFloats kept;
+  std::memcpy(&kept, out, sizeof kept);
+  const WideFloats told = spacing * (over ? r.least : r.most), now = far ? told : kept;
+  std::memcpy(out, &now, sizeof now);
+  return static_cast<std::uint8_t>(wanted & ~bits_of(far));
+}
+
+BRIM_WIDE void least_row(const DistanceBounds& bounds, const float* x0, const float* dx, const float* dy,
+                         const float* dz, const float* i, const float* j, const float* k, float spacing, float* out) {
+  WideFloats wi, wj, wk, x[3];
+  std::memcpy(&wi, i, sizeof wi), std::memcpy(&wj, j, sizeof wj), std::memcpy(&wk, k, sizeof wk);
+  for (int a = 0; a < 3; ++a) x[a] = x0[a] + wi * dx[a] + wj * dy[a] + wk * dz[a];
+  const WideFloats least = spacing * bounds.at(x[0], x[1], x[2]).least;
+  std::memcpy(out, &least, sizeof least);
+}
+
 }  // namespace
 
-void distance_row(const DistanceGrid& grid, const Vec3& start, const Vec3& step, std::uint8_t wanted, float* out) {
-  std::uint8_t left = wanted;
-  if (grid.interpolation() == Interpolation::Tricubic) {
-    const double inverse = 1.0 / grid.spacing();
-    const Vec3 x0 = (start - grid.origin()) * inverse, dx = step * inverse;
+void distance_row(const DistanceGrid& grid, const Vec3& start, const Vec3& step, std::uint8_t wanted, double reach,
+                  float* out) {
+  const double inverse = grid.inverse_spacing();
+  const Vec3 x0 = (start - grid.origin()) * inverse, dx = step * inverse;
+  std::uint8_t left = bound_row(DistanceBounds(grid), x0.data(), dx.data(), static_cast<float>(reach * inverse),
+                                static_cast<float>(grid.spacing()), wanted, out);
+  if (left != 0 && grid.interpolation() == Interpolation::Tricubic) {
     const Vec3i cells = grid.nodes() - Vec3i::Ones();
     const std::ptrdiff_t nx = grid.nodes().x();
-    left =
-        tricubic_row(grid.values().data(), cells.data(), nx, nx * grid.nodes().y(), x0.data(), dx.data(), wanted, out);
+    left = tricubic_row(grid.values().data(), cells.data(), nx, nx * grid.nodes().y(), x0.data(), dx.data(), left, out);
   }
   for (int i = 0; i < 8; ++i)
     if (left >> i & 1) out[i] = static_cast<float>(grid.value(start + i * step));
+}
+
+void least_values(const DistanceGrid& grid, const Vec3& start, const Vec3& dx, const Vec3& dy, const Vec3& dz,
+                  const float* i, const float* j, const float* k, float* out) {
+  const double inverse = grid.inverse_spacing();
+  const auto scaled = [&](const Vec3& v) { return Vec3f((v * inverse).cast<float>()); };
+  const Vec3f x0 = scaled(start - grid.origin()), x = scaled(dx), y = scaled(dy), z = scaled(dz);
+  least_row(DistanceBounds(grid), x0.data(), x.data(), y.data(), z.data(), i, j, k, static_cast<float>(grid.spacing()),
+            out);
 }
 
 }  // namespace brim

@@ -5,7 +5,15 @@
 namespace brim {
 
 /// grid.value() in single precision at start + i step for every bit i of `wanted`, 0 to 7; other entries are left
-/// alone. Some 10 ns a value in cells that have all of their 64 nodes.  Tests: tests/mesh/distance_row_test.cpp
-void distance_row(const DistanceGrid& grid, const Vec3& start, const Vec3& step, std::uint8_t wanted, float* out);
+/// alone. Where it is more than reach from zero for certain, a value between that and grid.value() stands in for it.
+/// Some 10 ns a value in cells that have all of their 64 nodes.  Tests: tests/mesh/distance_row_test.cpp
+/// @param reach  [m] >= 0
+void distance_row(const DistanceGrid& grid, const Vec3& start, const Vec3& step, std::uint8_t wanted, double reach,
+                  float* out);
+
+/// grid.least_value(), or a little less, in single precision at the eight places start + i[l] dx + j[l] dy + k[l] dz,
+/// [m].
+void least_values(const DistanceGrid& grid, const Vec3& start, const Vec3& dx, const Vec3& dy, const Vec3& dz,
+                  const float* i, const float* j, const float* k, float* out);
 
 }  // namespace brim

@@ -20,11 +20,16 @@ class GridShape final : public Shape, public KnownDistance, public AveragedDista
   double distance(const Vec3& p) const override { return grid_->value(p); }
   double slack() const override { return grid_->spacing(); }
   double rough_distance(const Vec3& p) const override { return grid_->value(p, Interpolation::Trilinear); }
+  double least_distance(const Vec3& p) const override { return grid_->least_value(p); }
+  void least_distances(const CubeFrame& f, const float* i, const float* j, const float* k, float* out) const override {
+    least_values(*grid_, f.base, f.dx, f.dy, f.dz, i, j, k, out);
+  }
   bool by_rows() const override { return false; }
-  void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
+  void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double reach,
+                      float* d) const override {
     const CubeFrame f(pose, cube);
     wanted.for_rows([&](int j, int k, std::uint8_t row) {
-      distance_row(*grid_, f.base + j * f.dy + k * f.dz, f.dx, row, d + cube_index(0, j, k));
+      distance_row(*grid_, f.base + j * f.dy + k * f.dz, f.dx, row, reach, d + cube_index(0, j, k));
     });
   }
   const KnownDistance& averaged(double w) const override {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "brim/grid/node_cube.h"
+#include "brim/raster/cube_distances.h"
 #include "brim/raster/shape.h"
 
 namespace brim {
@@ -14,6 +15,16 @@ class KnownDistance {
   virtual double slack() const = 0;  ///< [m]
   /// The distance, or what differs from it by less than slack and costs less, [m]. @param p  [m] shape's frame
   virtual double rough_distance(const Vec3& p) const = 0;
+  /// A lower bound of the distance, [m]: no more than it or what it is an error of slack from.
+  virtual double least_distance(const Vec3& p) const { return rough_distance(p) - slack(); }
+  /// The same at eight places of a cube, (i, j, k) in nodes from its first one; single precision, which may cost some
+  /// 1e-7 of the shape's size.
+  virtual void least_distances(const CubeFrame& frame, const float* i, const float* j, const float* k,
+                               float* out) const {
+    for (int l = 0; l < kCubeSize; ++l)
+      out[l] = static_cast<float>(
+          least_distance(frame.base + double{i[l]} * frame.dx + double{j[l]} * frame.dy + double{k[l]} * frame.dz));
+  }
   /// Distances at the wanted nodes of a cube, [m], in single precision: wrong by some 1e-7 of the shape's size. Beyond
   /// reach from the surface they need only lie beyond it on the right side. What stands at other nodes of the rows of
   /// wanted ones is overwritten.

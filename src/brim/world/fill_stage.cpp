@@ -125,7 +125,7 @@ void FillStage::find_in_solid(const PosedShape& solid, const Aabb& bounds, const
     for (std::size_t i = b * kGrain; i < std::min(places.size(), (b + 1) * kGrain); ++i) {
       if (!inside(bounds, places[i])) continue;
       const Vec3 p = pose.to_local(places[i]);
-      if (known.rough_distance(p) > reach + known.slack()) continue;
+      if (known.least_distance(p) > reach) continue;
       const double d = shape.distance(p);
       if (!(d < reach)) continue;
       Vec3 n;

@@ -179,9 +179,7 @@ void RigidContacts::find(std::span<const Touch> touches, bool every_node, bool a
 bool RigidContacts::apart(std::int32_t a, std::int32_t b, double gap) const {
   // d_a(x) + d_b(x) >= d_a(c) − |x − c| + |x − c| − reach at every x, with c the place of b.
   const CubeSide& side = side_[a];
-  return reach_[b] > 0.0 &&
-         side.solid->rough_distance(side.pose.to_local(side_[b].pose.translation)) - side.solid->slack() >
-             reach_[b] + gap;
+  return reach_[b] > 0.0 && side.solid->least_distance(side.pose.to_local(side_[b].pose.translation)) > reach_[b] + gap;
 }
 
 bool RigidContacts::read_between(Pair& pair, const Aabb& region, double gap) const {
