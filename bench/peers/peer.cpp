@@ -154,7 +154,7 @@ void run_brim(const Scene& scene, const Options& o, const ClothOnBall* cloth, Js
     if (!r.ok) throw InputError(fmt::format("a step failed at {} s", world.state().time));
     r.pairs.clear();
     overlap = r.worst_overlap;
-    join(sum, std::move(r));
+    accumulate(sum, std::move(r));
   };
   time_steps(o, scene.world.time_step, step, out);
   out["overlap_voxels"] = overlap;
