@@ -29,6 +29,9 @@ constexpr double kUnseen = 0.05;
 /// [1/h] bend of a patch's model from which it may be that of an edge, and of a node up to which that lies on a face;
 /// [voxels] gap beyond that of such a node which the model foretells there, if it is an edge's.
 constexpr double kEdgeBend = 0.1, kFace = 0.02, kForetold = 0.02;
+/// [voxels] gap beyond those of a face up to which a node tells of its rim; least cosine there between the two normals,
+/// of which the stencil turns one to the side face.
+constexpr double kRim = 0.1, kTurned = 0.5;
 /// [voxels] corners nearer to another point than this say nothing new.
 constexpr double kApart = 1.0;
 
@@ -141,15 +144,25 @@ void Constraint::deepen(const ContactSet& contacts, std::span<const Vec3> normal
 void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                              const ConstraintPair& law) {
   // Cells that stay where they are: points then move smoothly, and keep their impulses from step to step.
-  std::map<std::array<std::int64_t, 3>, std::vector<std::size_t>> cells;
+  using Cell = std::array<std::int64_t, 3>;
+  const auto cell_of = [&](std::size_t c) {
+    const Vec3 i = (contacts.node[c].cast<double>() / kCell + Vec3::Constant(1e-6)).array().floor();
+    return Cell{static_cast<std::int64_t>(i.x()), static_cast<std::int64_t>(i.y()), static_cast<std::int64_t>(i.z())};
+  };
+  std::map<Cell, std::vector<std::size_t>> cells;
   place_.reset(pair.h);
   for (std::size_t i = 0; i < order_.size(); ++i) place_.set(contacts.node_at(order_[i], pair.h), i);
   for (const std::size_t c : order_) {
     // Where the surfaces cancel each other nothing says which way to push.
     if (!(normals[c].squaredNorm() > 0.5)) continue;
-    const Vec3 i = (contacts.node[c].cast<double>() / kCell + Vec3::Constant(1e-6)).array().floor();
-    cells[{static_cast<std::int64_t>(i.x()), static_cast<std::int64_t>(i.y()), static_cast<std::int64_t>(i.z())}]
-        .push_back(c);  // deepest first, as in order_
+    cells[cell_of(c)].push_back(c);  // deepest first, as in order_
+  }
+  std::map<Cell, std::size_t> rims;  // the deepest node of each
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    const auto cell = cell_of(c);
+    if (cells.contains(cell) || !at_rim_of_face(contacts, normals, pair, c)) continue;
+    const auto [it, fresh] = rims.try_emplace(cell, c);
+    if (!fresh && contacts.depth[c] > contacts.depth[it->second]) it->second = c;
   }
   for (auto& [cell, nodes] : cells) {
     while (!nodes.empty()) {
@@ -161,6 +174,8 @@ void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> n
       std::erase_if(nodes, [&](std::size_t c) { return normals[c].dot(n) >= kAlikeInPatch; });
     }
   }
+  // A node on the face tells its gap, others a larger one.
+  for (const auto& [cell, c] : rims) add_point(contacts, c, contacts.point[c], normals[c], -contacts.depth[c], law, {});
 }
 
 void Constraint::gather_stiff(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
@@ -211,9 +226,9 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
       if (-contacts.depth[around_.front()] < model.gap_at(deepest) - miss)
         model.least_point = deepest, model.least_gap = -contacts.depth[around_.front()];
     }
-    // Behind the edge of a face the gap rises, and before it does not fall.
+    // Behind the edge of a face the gap rises, and before it does not fall: nodes tell it as it is.
     if (!law.rigid && at_edge_of_face(contacts, model, pair.h))
-      model.least_point = model.x, model.least_gap = model.gap;
+      model.least_point = model.x, model.least_gap = -contacts.depth[around_.front()];
     const std::size_t center = points_.size();
     add_point(contacts, around_.front(), model.least_point, model.n, model.least_gap, law,
               {model.bend_a, model.bend_b});
@@ -226,9 +241,18 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
   }
 }
 
+bool Constraint::at_rim_of_face(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
+                                std::size_t c) const {
+  const double gap = -contacts.depth[c];
+  if (!(gap < kRim * pair.h) || !(facing(contacts, c) >= kTurned) || !on_ramps(contacts, c, pair)) return false;
+  return place_.any_around(contacts.node_at(c, pair.h), 2, [&](std::size_t i) {
+    return normals[order_[i]].dot(normals[c]) >= kAlikeInPatch && gap < kRim * pair.h - contacts.depth[order_[i]];
+  });
+}
+
 bool Constraint::at_edge_of_face(const ContactSet& contacts, const PatchModel& model, double h) const {
   if (model.least_point == model.x || h * (model.bend_a + model.bend_b).norm() < kEdgeBend) return false;
-  return place_.any_around(model.least_point, 1, [&](std::size_t i) {
+  return place_.any_around(model.least_point, 2, [&](std::size_t i) {
     const std::size_t c = order_[i];
     const double a = contacts.gradient_a[c].norm(), b = contacts.gradient_b[c].norm();
     return h * (contacts.curvature_a(c) / a + contacts.curvature_b(c) / b).norm() < kFace &&

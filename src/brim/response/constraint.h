@@ -90,8 +90,13 @@ class Constraint {
   /// @param nodes  deepest first
   void add_patch(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                  const ConstraintPair& law, std::span<const std::size_t> nodes);
+  /// True where a node lies over the rim of a face, within the side face's ramp, and tells hardly more than the gap of
+  /// the face: next to a row's nodes with a normal like its own.
+  bool at_rim_of_face(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
+                      std::size_t c) const;
   /// True where a patch's nodes lie at the edge of a face, so that the quadric of their gaps would fall on towards its
-  /// middle: where it bends, and a flat node around its point of least gap has a smaller gap than it foretells.
+  /// middle: where it bends, and a flat node within two voxels of its point of least gap has a smaller gap than it
+  /// foretells.
   bool at_edge_of_face(const ContactSet& contacts, const PatchModel& model, double h) const;
   /// Corners of the flat part of the nodes in around_. @param first  of the patch's points  @param center  the model's
   void add_corners(const ContactSet& contacts, const ContactPair& pair, const ConstraintPair& law,

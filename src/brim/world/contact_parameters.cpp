@@ -56,8 +56,8 @@ std::span<const double> velocities_of(const WorldPart& p, std::span<const double
 
 bool is_rigid(const WorldPart& p) { return p.body->v_size() <= 6 * static_cast<std::size_t>(p.body->part_count()); }
 
-bool meet_by_rigid_rows(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
-  if (!is_rigid(a) || !is_rigid(b)) return false;
+bool meet_by_rows(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
+  if (a.info.conforming || b.info.conforming) return false;
   Response own = Response::Inherit;
   if (!options.pair_materials.empty()) {
     const auto key = std::minmax(a.info.material.name, b.info.material.name);
@@ -66,6 +66,10 @@ bool meet_by_rigid_rows(const WorldPart& a, const WorldPart& b, const WorldOptio
   }
   return choose_response(own, a.info.material.response, b.info.material.response, options.response) ==
          Response::Constraint;
+}
+
+bool meet_by_rigid_rows(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
+  return is_rigid(a) && is_rigid(b) && meet_by_rows(a, b, options);
 }
 
 void ContactParameters::start(std::span<const WorldPart> parts, std::span<const double> v,

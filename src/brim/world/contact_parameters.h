@@ -16,8 +16,10 @@ namespace brim {
 /// True when the part cannot deform: its body has no more velocities than rigid parts would have.
 bool is_rigid(const WorldPart& p);
 
-/// True when constraint rows act between the parts, and neither can deform: such contacts are found before they touch,
-/// wherever the nodes of the grid lie.
+/// True when constraint rows act between the parts: such contacts are found before they touch, wherever the nodes of
+/// the grid lie.
+bool meet_by_rows(const WorldPart& a, const WorldPart& b, const WorldOptions& options);
+/// Of these, where neither can deform.
 bool meet_by_rigid_rows(const WorldPart& a, const WorldPart& b, const WorldOptions& options);
 
 /// The law of contact between two parts: what the scene, their materials and the loads say together.

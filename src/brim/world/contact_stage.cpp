@@ -223,7 +223,7 @@ void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<c
     // Nodes whose gap may close within the step count as contacts that wait.
     const double speed =
         (outline_[pa].velocity - outline_[pb].velocity).norm() + outline_[pa].spread + outline_[pb].spread;
-    const double least = held || meet_by_rigid_rows(a, b, options) ? kRowMargin : 0.0;
+    const double least = held || meet_by_rows(a, b, options) ? kRowMargin : 0.0;
     const double margin = std::clamp(1.5 * (speed + fall) * dt / (ramp * h), least, 0.4);
     require_near(a, b, region, h);
     if (held) {
