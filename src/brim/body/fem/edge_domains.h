@@ -1,0 +1,25 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "brim/body/meshless/moving_least_squares.h"
+#include "brim/mesh/tri_mesh.h"
+
+namespace brim {
+
+/// Domains of edges, whose mean deformation gradient stores energy (edge-based smoothed strain: Nguyen-Thoi, Liu, Vu-Do
+/// and Nguyen 2009): a sixth of every tetrahedron about the edge,
+///   V = Σ_e s_e V_e / 6,   F̄ = Σ_e s_e V_e F_e / 6V = Σ_k x_k ḡ_kᵀ,   ḡ_k = Σ_e s_e V_e g_e,k / 6V
+/// with V_e the volume, s_e the stiffness over that of the material and g_e,k the gradient of corner k's barycentric
+/// weight in tetrahedron e.
+struct EdgeDomains {
+  ShapeFunctions shape;        ///< only nodes, ascending in each row, and gradients; the weights are zero
+  std::vector<double> volume;  ///< [m³] V, shape (edges)
+};
+/// @param mesh       rest shape, every tetrahedron with positive volume
+/// @param stiffness  [-] s_e, positive, shape (tets)
+/// Tests: tests/body/averaged_fem_test.cpp
+EdgeDomains edge_domains(const TetMesh& mesh, std::span<const double> stiffness);
+
+}  // namespace brim
