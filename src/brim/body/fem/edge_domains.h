@@ -8,8 +8,8 @@
 
 namespace brim {
 
-/// Domains of edges, whose mean deformation gradient stores energy (edge-based smoothed strain: Nguyen-Thoi, Liu, Vu-Do
-/// and Nguyen 2009): a sixth of every tetrahedron about the edge,
+/// Domains of edges, whose mean deformation gradient stores energy (edge-based smoothed strain: Liu, Nguyen-Thoi and
+/// Lam 2009, in space Cazes and Meschke 2013): a sixth of every tetrahedron about the edge,
 ///   V = Σ_e s_e V_e / 6,   F̄ = Σ_e s_e V_e F_e / 6V = Σ_k x_k ḡ_kᵀ,   ḡ_k = Σ_e s_e V_e g_e,k / 6V
 /// with V_e the volume, s_e the stiffness over that of the material and g_e,k the gradient of corner k's barycentric
 /// weight in tetrahedron e.
