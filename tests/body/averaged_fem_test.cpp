@@ -43,12 +43,14 @@ std::vector<double> deformed(const FemBody& body, double amount, double stretch 
 TEST(AveragedFem, DomainsHoldAllVolumeAndTheirGradientsReproduceAffineMotion) {
   const TetMesh mesh = ball();
   testing::Noise noise(kSeed);
-  std::vector<double> stiffness(mesh.tets.size());
+  std::vector<EdgeShares> stiffness(mesh.tets.size());
   double volume = 0.0;
   for (std::size_t e = 0; e < stiffness.size(); ++e) {
     const auto corner = [&](int k) { return mesh.vertices[static_cast<std::size_t>(mesh.tets[e][k])]; };
-    stiffness[e] = 1.5 + noise();
-    volume += stiffness[e] * tet_volume(corner(0), corner(1), corner(2), corner(3));
+    for (double& s : stiffness[e]) {
+      s = 1.5 + noise();
+      volume += s / 6.0 * tet_volume(corner(0), corner(1), corner(2), corner(3));
+    }
   }
   const EdgeDomains domains = edge_domains(mesh, stiffness);
   EXPECT_NEAR(std::accumulate(domains.volume.begin(), domains.volume.end(), 0.0), volume, 1e-14);
@@ -69,10 +71,10 @@ TEST(AveragedFem, DomainsHoldAllVolumeAndTheirGradientsReproduceAffineMotion) {
 // One tetrahedron is all six of its domains, a sixth in each: their mean is its own gradient.
 TEST(AveragedFem, DomainsOfOneTetrahedronAreSixthsOfIt) {
   const TetMesh one{{Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}, {{0, 1, 2, 3}}};
-  const EdgeDomains domains = edge_domains(one, std::vector{2.0});
+  const EdgeDomains domains = edge_domains(one, std::vector<EdgeShares>{{1, 2, 3, 4, 5, 6}});
   ASSERT_EQ(domains.volume.size(), 6u);
   for (std::size_t d = 0; d < 6; ++d) {
-    EXPECT_NEAR(domains.volume[d], 2.0 / 36.0, 1e-16);
+    EXPECT_NEAR(domains.volume[d], static_cast<double>(d + 1) / 36.0, 1e-16);
     for (std::size_t k = 1; k < 4; ++k) EXPECT_LT((domains.shape.gradient[4 * d + k] - one.vertices[k]).norm(), 1e-15);
   }
 }

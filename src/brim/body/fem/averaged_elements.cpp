@@ -1,19 +1,20 @@
 #include "brim/body/fem/averaged_elements.h"
 
-#include "brim/body/fem/edge_domains.h"
 #include "brim/core/error.h"
 
 namespace brim {
 
 AveragedElements::AveragedElements(const TetMesh& rest, ElasticLaw law, const Lame& lame, double averaging,
-                                   std::span<const double> stiffness)
+                                   std::span<const double> stiffness, std::span<const EdgeShares> edges)
     : tets_(rest, law, lame), nodes_(rest.vertices.size()) {
   if (!(averaging >= 0.0 && averaging < 1.0))
     throw InputError(fmt::format("finite elements: averaging is {}; it must be at least 0 and below 1", averaging));
   std::vector<double> single(stiffness.begin(), stiffness.end());
   single.resize(rest.tets.size(), 1.0);
   if (averaging > 0.0) {
-    EdgeDomains domains = edge_domains(rest, single);
+    std::vector<EdgeShares> sixths(edges.begin(), edges.end());
+    for (std::size_t e = sixths.size(); e < single.size(); ++e) sixths.emplace_back().fill(single[e]);
+    EdgeDomains domains = edge_domains(rest, sixths);
     for (double& v : domains.volume) v *= averaging;
     domains_.emplace(std::move(domains.shape), std::move(domains.volume), law, lame, rest.vertices);
     for (double& s : single) s *= 1.0 - averaging;

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "brim/body/fem/edge_domains.h"
 #include "brim/body/fem/tet_elements.h"
 #include "brim/body/meshless/sample_elements.h"
 
@@ -16,10 +17,11 @@ namespace brim {
 class AveragedElements {
  public:
   /// @param averaging  [-] a, in [0, 1); 0: each tetrahedron for itself
-  /// @param stiffness  [-] s_e, positive, shape (tets) or empty: 1
+  /// @param stiffness  [-] s_e of single tetrahedra, positive, shape (tets) or empty: 1
+  /// @param edges      [-] of their sixths, positive, shape (tets) or empty: s_e
   /// @throws InputError  when the share is out of range, or as TetElements
   AveragedElements(const TetMesh& rest, ElasticLaw law, const Lame& lame, double averaging,
-                   std::span<const double> stiffness = {});
+                   std::span<const double> stiffness = {}, std::span<const EdgeShares> edges = {});
 
   /// Makes the pattern of the stiffness.
   void make_pattern(BlockMatrix& matrix);
