@@ -7,7 +7,6 @@ namespace brim {
 namespace {
 
 using namespace elastic_lanes;
-static_assert(TetLanes::kCount == kWideLanes);
 
 /// F of one half of the tetrahedra, and their gradients g.
 BRIM_INLINE void deformation(const TetLanes& tets, const double edge[3][3][TetLanes::kCount], int half, Mat3L& g,

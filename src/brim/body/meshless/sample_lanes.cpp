@@ -9,7 +9,6 @@ namespace brim {
 namespace {
 
 using namespace elastic_lanes;
-static_assert(SampleLanes::kCount == kWideLanes);
 
 /// F of one half of the samples.
 BRIM_INLINE void deformation(const SampleLanes& samples, const double* x, int at, Mat3L& F) {
