@@ -22,7 +22,7 @@ class SampleElements {
   /// The pattern of the stiffness: begin and finish stay with the caller.
   void add_pattern(BlockMatrix& matrix) const;
   void find_pairs(const BlockMatrix& matrix);
-  /// Parallel, same bits for any number of threads. About 0.01 µs a pair of frames and sample.
+  /// Parallel, same bits for any number of threads. About 0.01 to 0.02 µs a pair of frames and sample.
   void add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness) const;
   double energy(std::span<const Vec3> x) const;
   std::size_t size() const { return volume_.size(); }
