@@ -3,9 +3,10 @@
 #include <Eigen/Geometry>
 #include <numeric>
 
-#include "brim/body/fem/edge_groups.h"
+#include "brim/body/fem/edge_domains.h"
 #include "brim/body/fem/fem_body.h"
 #include "brim/core/error.h"
+#include "brim/mesh/mass_properties.h"
 #include "brim/mesh/tet_lattice.h"
 #include "support/particle_laws.h"
 
@@ -39,21 +40,62 @@ std::vector<double> deformed(const FemBody& body, double amount, double stretch 
   return flat(x);
 }
 
-TEST(AveragedFem, GroupsHoldAllVolumeAndTheirGradientsReproduceAffineMotion) {
+TEST(AveragedFem, DomainsHoldAllVolumeAndTheirGradientsReproduceAffineMotion) {
   const TetMesh mesh = ball();
-  const EdgeGroups groups = edge_groups(mesh);
-  EXPECT_LT(groups.volume.size(), mesh.tets.size() / 2);
-  EXPECT_NEAR(std::accumulate(groups.volume.begin(), groups.volume.end(), 0.0), tet_quality(mesh).total_volume, 1e-15);
-  for (std::size_t s = 0; s < groups.volume.size(); ++s) {
+  testing::Noise noise(kSeed);
+  std::vector<EdgeShares> stiffness(mesh.tets.size());
+  double volume = 0.0;
+  for (std::size_t e = 0; e < stiffness.size(); ++e) {
+    const auto corner = [&](int k) { return mesh.vertices[static_cast<std::size_t>(mesh.tets[e][k])]; };
+    for (double& s : stiffness[e]) {
+      s = 1.5 + noise();
+      volume += s / 6.0 * tet_volume(corner(0), corner(1), corner(2), corner(3));
+    }
+  }
+  const EdgeDomains domains = edge_domains(mesh, stiffness);
+  EXPECT_NEAR(std::accumulate(domains.volume.begin(), domains.volume.end(), 0.0), volume, 1e-14);
+  for (std::size_t s = 0; s < domains.volume.size(); ++s) {
     Mat3 F = Mat3::Zero();
     Vec3 sum = Vec3::Zero();
-    for (auto e = static_cast<std::size_t>(groups.shape.rows.first[s]);
-         e < static_cast<std::size_t>(groups.shape.rows.first[s + 1]); ++e) {
-      F += mesh.vertices[static_cast<std::size_t>(groups.shape.rows.source[e])] * groups.shape.gradient[e].transpose();
-      sum += groups.shape.gradient[e];
+    for (auto e = static_cast<std::size_t>(domains.shape.rows.first[s]);
+         e < static_cast<std::size_t>(domains.shape.rows.first[s + 1]); ++e) {
+      F +=
+          mesh.vertices[static_cast<std::size_t>(domains.shape.rows.source[e])] * domains.shape.gradient[e].transpose();
+      sum += domains.shape.gradient[e];
     }
     EXPECT_LT((F - Mat3::Identity()).norm(), 1e-10);
     EXPECT_LT(sum.norm(), 1e-8);
+  }
+}
+
+// One tetrahedron is all six of its domains, a sixth in each: their mean is its own gradient.
+TEST(AveragedFem, DomainsOfOneTetrahedronAreSixthsOfIt) {
+  const TetMesh one{{Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()}, {{0, 1, 2, 3}}};
+  const EdgeDomains domains = edge_domains(one, std::vector<EdgeShares>{{1, 2, 3, 4, 5, 6}});
+  ASSERT_EQ(domains.volume.size(), 6u);
+  for (std::size_t d = 0; d < 6; ++d) {
+    EXPECT_NEAR(domains.volume[d], static_cast<double>(d + 1) / 36.0, 1e-16);
+    for (std::size_t k = 1; k < 4; ++k) EXPECT_LT((domains.shape.gradient[4 * d + k] - one.vertices[k]).norm(), 1e-15);
+  }
+}
+
+// What is uniform is the same about edges as in tetrahedra: energies agree at any share.
+TEST(AveragedFem, UniformStrainStoresTheEnergyOfSingleTetrahedra) {
+  for (const ElasticLaw law : kLaws) {
+    FemOptions single = options(law);
+    single.averaging = 0.0;
+    FemBody averaged(ball(), options(law)), plain(ball(), single);
+    const std::vector<double> q = deformed(averaged, 0.0, 1.1);
+    testing::set(averaged, q);
+    testing::set(plain, q);
+    EXPECT_NEAR(averaged.elastic_energy() / plain.elastic_energy(), 1.0, 1e-12);
+    const auto a = averaged.inner_forces(), b = plain.inner_forces();
+    double largest = 0.0, gap = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      largest = std::max(largest, b[i].norm());
+      gap = std::max(gap, (a[i] - b[i]).norm());
+    }
+    EXPECT_LT(gap, 1e-9 * largest);
   }
 }
 

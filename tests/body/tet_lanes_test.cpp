@@ -4,8 +4,9 @@
 
 #include <Eigen/LU>
 
-#include "brim/body/fem/principal_block.h"
+#include "brim/body/meshless/sample_lanes.h"
 #include "brim/math/svd3.h"
+#include "support/principal_block.h"
 #include "support/solids.h"
 
 namespace brim {
@@ -61,7 +62,8 @@ struct Difference {
       }
       for (int i = 0, p = 0; i < 4; ++i)
         for (int j = i + 1; j < 4; ++j, ++p) {
-          const Mat3 K = volume * (d.U * principal_block(r, plus, minus, corner[i], corner[j]) * d.U.transpose());
+          const Mat3 K =
+              volume * (d.U * testing::principal_block(r, plus, minus, corner[i], corner[j]) * d.U.transpose());
           for (int k = 0; k < 9; ++k)
             block = std::max(block, std::abs(static_cast<double>(out.block[p][k][l]) - K.data()[k]));
           blocks = std::max(blocks, K.norm());
@@ -100,6 +102,67 @@ TEST(TetLanes, GiveTheEnergyOfSingularValues) {
           const double expected = s.tets.volume[l] * elastic_energy_density(law, lame, svd3(s.F[l]).s);
           EXPECT_NEAR(e[l], expected, 1e-12 * std::abs(expected) + 1e-13 * s.tets.volume[l] * lame.mu) << amount;
         }
+      }
+    }
+}
+
+/// The tetrahedra as samples that see their four corners and one frame more, which has no gradient.
+struct AsSamples {
+  static constexpr std::size_t kFrames = 5, kCount = SampleLanes::kCount;
+  std::vector<double> gradient = std::vector<double>(3 * kFrames * kCount), x = gradient;
+
+  explicit AsSamples(const Sample& s) {
+    for (std::size_t l = 0; l < kCount; ++l)
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto at = [&](std::size_t k) { return kCount * (3 * k + c) + l; };
+        for (std::size_t k = 1; k < 4; ++k) {
+          gradient[at(k)] = s.tets.gradient[k - 1][c][l];
+          gradient[at(0)] -= gradient[at(k)];
+          x[at(k)] = s.edge[k - 1][c][l];
+        }
+        x[at(4)] = 3.0;
+      }
+  }
+  SampleLanes lanes(const Sample& s) const { return {kFrames, gradient.data(), s.tets.volume}; }
+};
+
+TEST(SampleLanes, SamplesWithFourFramesAreTetrahedra) {
+  SCOPED_TRACE(kSeed);
+  const Lame lame = Lame::from(1e4, 0.3);
+  testing::Noise noise(kSeed);
+  for (const ElasticLaw law : {ElasticLaw::CorotationalLinear, ElasticLaw::StableNeoHookean})
+    for (int trial = 0; trial < 100; ++trial) {
+      const Sample s(noise, 0.5);
+      const AsSamples samples(s);
+      constexpr std::size_t n = AsSamples::kFrames;
+      std::vector<double> force(samples.x.size()), e(AsSamples::kCount), expected(AsSamples::kCount);
+      std::vector<float> block(9 * AsSamples::kCount * n * (n - 1) / 2);
+      TetResponse tets;
+      respond(law, lame, samples.lanes(s), samples.x.data(), force.data(), block.data());
+      respond(law, lame, true, s.tets, s.edge, tets);
+      energy(law, lame, samples.lanes(s), samples.x.data(), e.data());
+      energy(law, lame, s.tets, s.edge, expected.data());
+      double forces = 0.0, blocks = 0.0;
+      for (const auto& corner : tets.force)
+        for (const auto& c : corner)
+          for (const double f : c) forces = std::max(forces, std::abs(f));
+      for (const auto& b : tets.block)
+        for (const auto& entry : b)
+          for (const float k : entry) blocks = std::max(blocks, static_cast<double>(std::abs(k)));
+      for (std::size_t l = 0; l < AsSamples::kCount; ++l) {
+        EXPECT_NEAR(e[l], expected[l], 1e-12 * std::abs(expected[l]) + 1e-13 * s.tets.volume[l] * lame.mu);
+        for (std::size_t k = 0; k < 4; ++k)
+          for (std::size_t c = 0; c < 3; ++c)
+            EXPECT_NEAR(force[AsSamples::kCount * (3 * k + c) + l], tets.force[k][c][l], 1e-13 * forces);
+        for (std::size_t i = 0, p = 0, q = 0; i < n; ++i)
+          for (std::size_t j = i + 1; j < n; ++j, ++q) {
+            for (std::size_t k = 0; k < 9; ++k) {
+              const auto found = static_cast<double>(block[AsSamples::kCount * (9 * q + k) + l]);
+              const double wanted = j < 4 ? static_cast<double>(tets.block[p][k][l]) : 0.0;
+              EXPECT_NEAR(found, wanted, 5e-6 * blocks);
+            }
+            if (j < 4) ++p;
+          }
       }
     }
 }

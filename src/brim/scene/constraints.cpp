@@ -67,8 +67,9 @@ void check_constraints(const Node& list, bool has_corners) {
   }
 }
 
-void read_constraints(const Node& list, std::span<const Vec3> rest, std::span<const std::int32_t> corners,
-                      ParticleOptions& options) {
+std::vector<HeldRegion> read_constraints(const Node& list, std::span<const Vec3> rest,
+                                         std::span<const std::int32_t> corners, ParticleOptions& options) {
+  std::vector<HeldRegion> held;
   std::vector<char> taken(rest.size(), 0);
   for (std::size_t i = 0; i < list.size(); ++i) {
     const Node n = list.at(i), select = n.at("select");
@@ -97,6 +98,7 @@ void read_constraints(const Node& list, std::span<const Vec3> rest, std::span<co
                       box.lo.x(), box.lo.y(), box.lo.z(), box.hi.x(), box.hi.y(), box.hi.z()));
     }
     if (nodes.empty()) continue;
+    if (select.string("kind") != "corners") held.push_back({nodes, region(select)});
     const Vec3 velocity = n.vec3("velocity");
     if (n.has("keyframes"))
       options.motions.push_back(keyed_motion(std::move(nodes), read_motion(n.at("keyframes")), rest));
@@ -105,6 +107,7 @@ void read_constraints(const Node& list, std::span<const Vec3> rest, std::span<co
     else
       options.fixed.insert(options.fixed.end(), nodes.begin(), nodes.end());
   }
+  return held;
 }
 
 }  // namespace brim

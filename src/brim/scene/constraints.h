@@ -3,6 +3,7 @@
 #include <functional>
 #include <span>
 
+#include "brim/body/meshless/held_matter.h"
 #include "brim/body/particles/particle_body.h"
 #include "brim/scene/node.h"
 
@@ -19,8 +20,9 @@ std::function<bool(const Vec3&)> read_region(const Node& region);
 /// Adds what a scene fixes and moves to a body's options. A node that two entries select belongs to the first.
 /// @param rest     [m] positions of the nodes as the body starts, world frame
 /// @param corners  node numbers of a cloth grid's corners, or empty
+/// @return  each entry's nodes and its region
 /// @throws InputError  for an entry that selects no node
-void read_constraints(const Node& list, std::span<const Vec3> rest, std::span<const std::int32_t> corners,
-                      ParticleOptions& options);
+std::vector<HeldRegion> read_constraints(const Node& list, std::span<const Vec3> rest,
+                                         std::span<const std::int32_t> corners, ParticleOptions& options);
 
 }  // namespace brim

@@ -1,6 +1,5 @@
 #include "brim/body/fem/fem_body.h"
 
-#include "brim/body/fem/edge_groups.h"
 #include "brim/body/particles/tet_contact.h"
 #include "brim/core/error.h"
 
@@ -8,15 +7,13 @@ namespace brim {
 
 namespace {
 
-TetElements make_elements(const TetMesh& mesh, const FemOptions& o) {
+AveragedElements make_elements(const TetMesh& mesh, const FemOptions& o) {
   if (mesh.tets.empty()) throw InputError("finite elements: the mesh has no tetrahedra");
   require_positive("finite elements", "density", o.density);
   require_positive("finite elements", "Young's modulus", o.young);
   if (!(o.poisson > -1.0 && o.poisson < 0.5))
     throw InputError(fmt::format("finite elements: Poisson's ratio is {}; it must be between -1 and 0.5", o.poisson));
-  if (!(o.averaging >= 0.0 && o.averaging < 1.0))
-    throw InputError(fmt::format("finite elements: averaging is {}; it must be at least 0 and below 1", o.averaging));
-  return TetElements(mesh, o.law, Lame::from(o.young, o.poisson));
+  return AveragedElements(mesh, o.law, Lame::from(o.young, o.poisson), o.averaging);
 }
 
 std::vector<double> masses_of(const TetMesh& mesh, const TetElements& elements, double density) {
@@ -31,29 +28,17 @@ std::vector<double> masses_of(const TetMesh& mesh, const TetElements& elements, 
 FemBody::FemBody(const TetMesh& mesh, const FemOptions& options)
     : FemBody(mesh, options, make_elements(mesh, options)) {}
 
-FemBody::FemBody(const TetMesh& mesh, const FemOptions& options, TetElements elements)
-    : ParticleBody(mesh.vertices, masses_of(mesh, elements, options.density), options),
+FemBody::FemBody(const TetMesh& mesh, const FemOptions& options, AveragedElements elements)
+    : ParticleBody(mesh.vertices, masses_of(mesh, elements.tets(), options.density), options),
       mesh_(mesh),
       elements_(std::move(elements)) {
-  if (options.averaging > 0.0) {
-    elements_.scale_stiffness(std::vector<double>(elements_.size(), 1.0 - options.averaging));
-    EdgeGroups groups = edge_groups(mesh_);
-    for (double& v : groups.volume) v *= options.averaging;
-    groups_.emplace(std::move(groups.shape), std::move(groups.volume), options.law,
-                    Lame::from(options.young, options.poisson), mesh_.vertices);
-  }
-  stiffness_.begin(particle_count());
-  stiffness_.add_elements(elements_.nodes(), 4);
-  if (groups_) groups_->add_pattern(stiffness_);
-  stiffness_.finish();
-  elements_.find_pairs(stiffness_);
-  if (groups_) groups_->find_pairs(stiffness_);
+  elements_.make_pattern(stiffness_);
   force_.assign(particle_count(), Vec3::Zero());
 
   auto contact = std::make_unique<TetContact>(mesh_);
   surface_ = contact->surface();
   shown_.emplace(mesh_, surface_, options.display);
-  PartInfo part = contact->part_info(rest_, elements_.volume(), options.density);
+  PartInfo part = contact->part_info(rest_, elements_.tets().volume(), options.density);
   part.modulus = options.young;
   set_contact(std::move(contact), part);
 }

@@ -2,8 +2,7 @@
 
 #include <optional>
 
-#include "brim/body/fem/tet_elements.h"
-#include "brim/body/meshless/sample_elements.h"
+#include "brim/body/fem/averaged_elements.h"
 #include "brim/body/particles/particle_body.h"
 #include "brim/body/particles/tet_display.h"
 
@@ -15,8 +14,8 @@ struct FemOptions : ParticleOptions {
   double young = 1e5;       ///< Young's modulus E [Pa]
   double poisson = 0.3;     ///< Poisson's ratio ν [-], in (−1, 0.5); above 0.45 linear tetrahedra lock
   ElasticLaw law = ElasticLaw::CorotationalLinear;
-  /// [-] in [0, 1): share of the energy that the mean F of tetrahedra with a common longest edge stores (EdgeGroups).
-  /// Locks less in bending; an assembly costs more. 0: each tetrahedron for itself
+  /// [-] in [0, 1): share of the energy that the mean F about each edge stores (AveragedElements). Locks less in
+  /// bending; a step costs more. 0: each tetrahedron for itself
   double averaging = 0.0;
   TriMesh display;  ///< fine surface carried by the elements, for viewers only; empty: the boundary itself
 };
@@ -31,28 +30,24 @@ class FemBody final : public ParticleBody {
   FemBody(const TetMesh& mesh, const FemOptions& options);
 
   std::string_view kind() const override { return "finite_elements"; }
-  double elastic_energy() const override { return elements_.energy(x_) + (groups_ ? groups_->energy(x_) : 0.0); }
+  double elastic_energy() const override { return elements_.energy(x_); }
 
   const Display& display() const override { return shown_->display(); }
   void display_positions(std::span<Vec3f> x) const override;
 
   const TetMesh& mesh() const { return mesh_; }
   std::span<const Triangle> surface() const { return surface_; }
-  const TetElements& elements() const { return elements_; }
+  const TetElements& elements() const { return elements_.tets(); }
 
  protected:
-  void add_inner() override {
-    elements_.add(x_, force_, stiffness_);
-    if (groups_) groups_->add(x_, force_, stiffness_);
-  }
+  void add_inner() override { elements_.add(x_, force_, stiffness_); }
 
  private:
-  FemBody(const TetMesh& mesh, const FemOptions& options, TetElements elements);
+  FemBody(const TetMesh& mesh, const FemOptions& options, AveragedElements elements);
 
   TetMesh mesh_;
-  TetElements elements_;
-  std::optional<SampleElements> groups_;  // where averaging is positive
-  std::span<const Triangle> surface_;     // owned by the contact
+  AveragedElements elements_;
+  std::span<const Triangle> surface_;  // owned by the contact
   std::optional<TetDisplay> shown_;
 };
 

@@ -17,10 +17,7 @@ struct TetResponse {
   float block[6][9][TetLanes::kCount];   ///< [N/m] K_01, K_02, K_03, K_12, K_13, K_23, column by column
 };
 
-/// Forces in double and stiffness in single precision (TetElements has the formulas). F = R S is taken apart by
-/// Newton's iteration X ← (X + X⁻ᵀ)/2 for R (Higham 1986) and Jacobi's for the principal frame of F Rᵀ; a tetrahedron
-/// that is nearly flat or turned inside out by svd3. Each has the same bits whatever the others are and with any
-/// instructions.
+/// Elastic forces in double and blocks in single precision (TetElements has the formulas, elastic_lanes.h the way).
 /// @param edge  x_i − x_0 of corners 1 to 3 by coordinate, [m]
 void respond(ElasticLaw law, const Lame& lame, bool project, const TetLanes& tets,
              const double edge[3][3][TetLanes::kCount], TetResponse& out);

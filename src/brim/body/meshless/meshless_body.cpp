@@ -11,6 +11,8 @@ namespace {
 
 /// Reach of shape functions on a cubic lattice, in spacings: 14 to 27 frames see a point.
 constexpr double kFrameReach = 1.75;
+/// Matter is tied to frames that hold it as by a layer of itself that is so thick, in spacings.
+constexpr double kTieLayer = 0.2;
 
 /// Calls f(center) for the cells of a cubic lattice that covers the box.
 template <class F>
@@ -64,7 +66,7 @@ MeshlessModel fill_with_frames(const std::function<double(const Vec3&)>& distanc
 }
 
 MeshlessBody::Parts MeshlessBody::build(const MeshlessModel& m, const Quat& rotation, const Vec3& position,
-                                        const ElasticOptions& o) {
+                                        const ElasticOptions& o, std::span<const HeldRegion> held) {
   require_positive("meshless", "density", o.density);
   require_positive("meshless", "Young's modulus", o.young);
   require_positive("meshless", "reach", m.reach);
@@ -94,27 +96,33 @@ MeshlessBody::Parts MeshlessBody::build(const MeshlessModel& m, const Quat& rota
     parts.frames = std::move(kept);
     if (parts.frames.size() < 4) throw InputError("meshless: fewer than four frames hold matter");
   }
-  parts.shape = moving_least_squares(parts.frames, placed(m.samples), m.reach);
+  const std::vector<Vec3> samples = placed(m.samples);
+  parts.shape = moving_least_squares(parts.frames, samples, m.reach);
   parts.volume = m.sample_volume;
+  const double layer = kTieLayer / kFrameReach * m.reach;
+  parts.held = HeldMatter(held, parts.frames, m.reach, samples, parts.shape, parts.volume, o.young / (layer * layer));
   parts.surface.triangles = m.surface.triangles;
   parts.surface.weights = moving_least_squares(parts.frames, placed(m.surface.vertices), m.reach).rows;
   return parts;
 }
 
 MeshlessBody::MeshlessBody(const MeshlessModel& model, const Quat& rotation, const Vec3& position,
-                           ElasticOptions options)
-    : MeshlessBody(build(model, rotation, position, options), options) {}
+                           ElasticOptions options, std::span<const HeldRegion> held)
+    : MeshlessBody(build(model, rotation, position, options, held), options) {}
 
 MeshlessBody::MeshlessBody(Parts parts, const ElasticOptions& options)
     : CarriedBody(parts.frames, std::move(parts.carriage), options.weights, std::move(parts.surface), options.young,
                   options),
       elements_(std::move(parts.shape), std::move(parts.volume),
                 options.neo_hookean ? ElasticLaw::StableNeoHookean : ElasticLaw::CorotationalLinear,
-                Lame::from(options.young, options.poisson), rest_) {
+                Lame::from(options.young, options.poisson), rest_),
+      held_(std::move(parts.held)) {
   stiffness_.begin(particle_count());
   elements_.add_pattern(stiffness_);
+  held_.add_pattern(stiffness_);
   stiffness_.finish();
   elements_.find_pairs(stiffness_);
+  held_.find_pairs(stiffness_);
   force_.assign(particle_count(), Vec3::Zero());
 }
 

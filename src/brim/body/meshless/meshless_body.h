@@ -2,6 +2,7 @@
 
 #include <functional>
 
+#include "brim/body/meshless/held_matter.h"
 #include "brim/body/meshless/sample_elements.h"
 #include "brim/body/volume/carried_body.h"
 #include "brim/mesh/occupancy.h"
@@ -30,15 +31,20 @@ MeshlessModel fill_with_frames(const std::function<double(const Vec3&)>& distanc
 /// move all matter, elastic energy at samples, density by the volume layer. Tests: tests/body/carried_body_test.cpp
 class MeshlessBody final : public CarriedBody {
  public:
+  /// @param held  matter that goes with frames which the options fix or move
   /// @throws InputError  when a number is out of range or the points do not make a body
-  MeshlessBody(const MeshlessModel& model, const Quat& rotation, const Vec3& position, ElasticOptions options);
+  MeshlessBody(const MeshlessModel& model, const Quat& rotation, const Vec3& position, ElasticOptions options,
+               std::span<const HeldRegion> held = {});
 
   std::string_view kind() const override { return "meshless"; }
-  double elastic_energy() const override { return elements_.energy(x_); }
+  double elastic_energy() const override { return elements_.energy(x_) + held_.energy(x_); }
   const SampleElements& elements() const { return elements_; }
 
  protected:
-  void add_inner() override { elements_.add(x_, force_, stiffness_); }
+  void add_inner() override {
+    elements_.add(x_, force_, stiffness_);
+    held_.add(x_, force_, stiffness_);
+  }
 
  private:
   struct Parts {
@@ -47,12 +53,14 @@ class MeshlessBody final : public CarriedBody {
     CarriedSurface surface;
     ShapeFunctions shape;
     std::vector<double> volume;
+    HeldMatter held;
   };
   static Parts build(const MeshlessModel& model, const Quat& rotation, const Vec3& position,
-                     const ElasticOptions& options);
+                     const ElasticOptions& options, std::span<const HeldRegion> held);
   MeshlessBody(Parts parts, const ElasticOptions& options);
 
   SampleElements elements_;
+  HeldMatter held_;
 };
 
 }  // namespace brim

@@ -50,6 +50,7 @@ struct ElasticOptions : ParticleOptions {
   double young = 1e5;        ///< [Pa]
   double poisson = 0.3;      ///< [-], in (−1, 0.5)
   bool neo_hookean = false;  ///< else corotational
+  double averaging = 0.0;    ///< [-] as that of finite elements (AveragedElements); image volumes only
   LayerWeights weights = LayerWeights::DensityRate;
 };
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -19,6 +20,8 @@ namespace {
 constexpr int kLeastMatter = 4;
 /// Least stiffness of a tetrahedron, in that of one full of its matter: corners with little matter stay held.
 constexpr double kLeastShare = 0.05;
+/// Least stiffness of a sixth of a tetrahedron, in that of the whole.
+constexpr double kLeastSixth = 0.01;
 
 /// Rows of barycentric weights.
 WeightRows rows_of(const TetMesh& mesh, const Embedding& embedding) {
@@ -72,30 +75,54 @@ double volume_of(const TetMesh& mesh, std::size_t e) {
   return tet_volume(corner(0), corner(1), corner(2), corner(3));
 }
 
-/// Share of matter in each tetrahedron: the mean over points spread evenly through it, two or more to a cell's width
-/// (up to ten along an edge), each that of the cell in which it lies. At least kLeastShare.
-std::vector<double> matter_shares(const TetMesh& mesh, const OccupancyGrid& matter, double edge) {
-  const int n = std::clamp(static_cast<int>(std::ceil(2.0 * edge / matter.spacing)), 2, 10);
+/// Calls f(place, weight) for the edges of a tetrahedron nearest to a point (EdgeShares); equal ones share it.
+/// @param weight  barycentric, of the point
+template <class F>
+void for_nearest_edges(const std::array<double, 4>& weight, const F& f) {
+  EdgeShares sum;
+  for (std::size_t i = 0, place = 0; i < 4; ++i)
+    for (std::size_t j = i + 1; j < 4; ++j, ++place) sum[place] = weight[i] + weight[j];
+  const double nearest = *std::max_element(sum.begin(), sum.end()) - 1e-9;
+  const auto equal = std::count_if(sum.begin(), sum.end(), [&](double s) { return s > nearest; });
+  for (std::size_t place = 0; place < 6; ++place)
+    if (sum[place] > nearest) f(place, 1.0 / static_cast<double>(equal));
+}
+
+/// Shares of matter in each tetrahedron and its sixths: means over points spread evenly through it, four or more to a
+/// cell's width (10 to 16 along an edge), each that of the cell in which it lies. At least kLeastShare.
+void matter_shares(const TetMesh& mesh, const OccupancyGrid& matter, double edge, std::vector<double>& share,
+                   std::vector<EdgeShares>& sixths) {
+  const int n = std::clamp(static_cast<int>(std::ceil(4.0 * edge / matter.spacing)), 10, 16);
   const auto share_at = [&](const Vec3& x) {
     const Vec3i c = ((x - matter.origin) / matter.spacing + Vec3::Constant(0.5)).array().floor().cast<int>().matrix();
-    if ((c.array() < 0).any() || (c.array() >= matter.cells.array()).any()) return 0;
-    return static_cast<int>(matter.share[matter.index(c.x(), c.y(), c.z())]);
+    if ((c.array() < 0).any() || (c.array() >= matter.cells.array()).any()) return 0.0;
+    return matter.share[matter.index(c.x(), c.y(), c.z())] / 255.0;
   };
-  std::vector<double> share(mesh.tets.size());
+  share.resize(mesh.tets.size());
+  sixths.resize(mesh.tets.size());
   parallel_for(
       mesh.tets.size(),
       [&](std::size_t e) {
         const auto corner = [&](int k) { return mesh.vertices[static_cast<std::size_t>(mesh.tets[e][k])]; };
         const Vec3 x0 = corner(0), a = (corner(1) - x0) / n, b = (corner(2) - x0) / n, c = (corner(3) - x0) / n;
-        int sum = 0, count = 0;
+        double sum = 0.0;
+        EdgeShares near{};
+        int count = 0;
         for (int i = 0; i < n; ++i)
           for (int j = 0; i + j < n; ++j)
-            for (int k = 0; i + j + k < n; ++k, ++count)
-              sum += share_at(x0 + (i + 0.25) * a + (j + 0.25) * b + (k + 0.25) * c);
-        share[e] = std::max(kLeastShare, sum / (255.0 * count));
+            for (int k = 0; i + j + k < n; ++k, ++count) {
+              const double s = share_at(x0 + (i + 0.25) * a + (j + 0.25) * b + (k + 0.25) * c);
+              sum += s;
+              for_nearest_edges({n - i - j - k - 0.75, i + 0.25, j + 0.25, k + 0.25},
+                                [&](std::size_t place, double w) { near[place] += w * s; });
+            }
+        share[e] = std::max(kLeastShare, sum / count);
+        // Sixths have the mean of the whole; none is empty, as a domain must have a mean.
+        const double lack = share[e] - sum / count;
+        for (std::size_t place = 0; place < 6; ++place)
+          sixths[e][place] = std::max(kLeastSixth * share[e], 6.0 * near[place] / count + lack);
       },
       64);
-  return share;
 }
 
 }  // namespace
@@ -131,17 +158,23 @@ SoftImageBody::Parts SoftImageBody::build(const OccupancyGrid& matter, const Tri
   for (const double v : parts.carriage.volume) whole.push_back(v > 0.5 * cell ? 1 : 0);
   HeldPoints held = lattice_around(x, spacing, matter.spacing, whole);
   parts.mesh = std::move(held.mesh);
-  parts.stiffness = matter_shares(parts.mesh, matter, spacing);
+  matter_shares(parts.mesh, matter, spacing, parts.stiffness, parts.edges);
   // What lies in no tetrahedron stiffens the one that carries it.
   for (std::size_t i = 0; i < x.size(); ++i) {
     const auto e = static_cast<std::size_t>(held.embedding.tet[i]);
-    parts.stiffness[e] += held.outside[i] * parts.carriage.volume[i] / volume_of(parts.mesh, e);
+    const double more = held.outside[i] * parts.carriage.volume[i] / volume_of(parts.mesh, e);
+    parts.stiffness[e] += more;
+    for_nearest_edges(held.embedding.weights[i],
+                      [&](std::size_t place, double w) { parts.edges[e][place] += 6.0 * w * more; });
   }
   if (!young.empty()) {
     // The pair's stiffness in contact goes by what yields first where both are in it.
     options.young = softness_mean(young, parts.carriage.volume);
     const std::vector<double> mean = element_means(parts.mesh, held.embedding.tet, young, parts.carriage.volume);
-    for (std::size_t e = 0; e < mean.size(); ++e) parts.stiffness[e] *= mean[e] / options.young;
+    for (std::size_t e = 0; e < mean.size(); ++e) {
+      parts.stiffness[e] *= mean[e] / options.young;
+      for (double& sixth : parts.edges[e]) sixth *= mean[e] / options.young;
+    }
   }
   parts.carriage.weights = rows_of(parts.mesh, held.embedding);
   parts.surface.triangles = surface.triangles;
@@ -167,12 +200,8 @@ SoftImageBody::SoftImageBody(Parts parts, const ElasticOptions& options)
     : CarriedBody(parts.mesh.vertices, parts.carriage, options.weights, parts.surface, options.young, options),
       parts_(std::move(parts)),
       elements_(parts_.mesh, options.neo_hookean ? ElasticLaw::StableNeoHookean : ElasticLaw::CorotationalLinear,
-                Lame::from(options.young, options.poisson)) {
-  elements_.scale_stiffness(parts_.stiffness);
-  stiffness_.begin(particle_count());
-  stiffness_.add_elements(elements_.nodes(), 4);
-  stiffness_.finish();
-  elements_.find_pairs(stiffness_);
+                Lame::from(options.young, options.poisson), options.averaging, parts_.stiffness, parts_.edges) {
+  elements_.make_pattern(stiffness_);
   force_.assign(particle_count(), Vec3::Zero());
   areal_mass_ = CarriedBody::part(0).areal_mass;
   if (immobile() || !(parts_.area > 0.0)) return;

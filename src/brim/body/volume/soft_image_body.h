@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "brim/body/fem/tet_elements.h"
+#include "brim/body/fem/averaged_elements.h"
 #include "brim/body/volume/carried_body.h"
 #include "brim/mesh/occupancy.h"
 
@@ -18,7 +18,7 @@ struct CellMaterial {
 /// Deformable raw volume (paper, section 5.4): voxels of matter ride in a lattice of tetrahedra that deform as finite
 /// elements do; the voxels make the density, and forces go from grid to voxels to lattice.
 /// Each tetrahedron has the stiffness of the matter that it holds: that of a full one times its share of matter, 5 % of
-/// it at least.
+/// it at least. About edges (AveragedElements) the matter counts that is nearest to each.
 /// Tests: tests/body/carried_body_test.cpp
 class SoftImageBody final : public CarriedBody {
  public:
@@ -47,6 +47,7 @@ class SoftImageBody final : public CarriedBody {
     Carriage carriage;
     CarriedSurface surface;
     std::vector<double> stiffness;  ///< [-] of each tetrahedron, over that of one full of ElasticOptions::young
+    std::vector<EdgeShares> edges;  ///< [-] of its sixths, likewise
     double area = 0.0;              ///< [m²] of the surface
     Aabb box;                       ///< around the matter, in its own frame
   };
@@ -55,7 +56,7 @@ class SoftImageBody final : public CarriedBody {
   SoftImageBody(Parts parts, const ElasticOptions& options);
 
   Parts parts_;
-  TetElements elements_;
+  AveragedElements elements_;
   double areal_mass_ = 0.0;  ///< [kg/m²] behind the surface, of what is thinner than the ramp that of its outline
 };
 

@@ -111,6 +111,7 @@ class SoftImageMaker final : public BodyMaker {
   std::unique_ptr<Body> body(const Placement& place) const override {
     ElasticOptions options = read_elastic(node_, place, material_);
     options.voxel_size = solid_.voxel_size;
+    options.averaging = node_.number("averaging");
     if (node_.at("constraints").size() > 0) {
       // The lattice's nodes are known once it is built.
       const SoftImageBody free(solid_.grid, {}, spacing_, place.rotation, place.position, options,

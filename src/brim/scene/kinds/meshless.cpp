@@ -44,11 +44,12 @@ class MeshlessMaker final : public BodyMaker {
   std::unique_ptr<Body> body(const Placement& place) const override {
     ElasticOptions options = read_elastic(node_, place, material_);
     options.voxel_size = voxel_size_;
+    std::vector<HeldRegion> held;
     if (node_.at("constraints").size() > 0) {
       const MeshlessBody free(model_, place.rotation, place.position, options);
-      read_constraints(node_.at("constraints"), free.rest_positions(), {}, options);
+      held = read_constraints(node_.at("constraints"), free.rest_positions(), {}, options);
     }
-    return std::make_unique<MeshlessBody>(model_, place.rotation, place.position, std::move(options));
+    return std::make_unique<MeshlessBody>(model_, place.rotation, place.position, std::move(options), held);
   }
 
  private:

@@ -2,7 +2,7 @@
 
 #include "brim/body/fem/elastic_law.h"
 
-namespace brim {
+namespace brim::testing {
 
 /// Block K_ij of an element in the principal frame, per unit volume.
 /// @param plus, minus  half the sum and half the difference, flip ± twist, of the response
@@ -26,4 +26,4 @@ inline Mat3 principal_block(const PrincipalResponse& r, const Vec3& plus, const 
   return k;
 }
 
-}  // namespace brim
+}  // namespace brim::testing

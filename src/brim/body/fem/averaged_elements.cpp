@@ -1,0 +1,46 @@
+#include "brim/body/fem/averaged_elements.h"
+
+#include "brim/core/error.h"
+
+namespace brim {
+
+AveragedElements::AveragedElements(const TetMesh& rest, ElasticLaw law, const Lame& lame, double averaging,
+                                   std::span<const double> stiffness, std::span<const EdgeShares> edges)
+    : tets_(rest, law, lame), nodes_(rest.vertices.size()) {
+  if (!(averaging >= 0.0 && averaging < 1.0))
+    throw InputError(fmt::format("finite elements: averaging is {}; it must be at least 0 and below 1", averaging));
+  std::vector<double> single(stiffness.begin(), stiffness.end());
+  single.resize(rest.tets.size(), 1.0);
+  if (averaging > 0.0) {
+    std::vector<EdgeShares> sixths(edges.begin(), edges.end());
+    for (std::size_t e = sixths.size(); e < single.size(); ++e) sixths.emplace_back().fill(single[e]);
+    EdgeDomains domains = edge_domains(rest, sixths);
+    for (double& v : domains.volume) v *= averaging;
+    domains_.emplace(std::move(domains.shape), std::move(domains.volume), law, lame, rest.vertices);
+    for (double& s : single) s *= 1.0 - averaging;
+  }
+  tets_.scale_stiffness(single);
+}
+
+void AveragedElements::make_pattern(BlockMatrix& matrix) {
+  matrix.begin(nodes_);
+  // The domains of a tetrahedron's edges hold all pairs of its corners.
+  if (domains_)
+    domains_->add_pattern(matrix);
+  else
+    matrix.add_elements(tets_.nodes(), 4);
+  matrix.finish();
+  tets_.find_pairs(matrix);
+  if (domains_) domains_->find_pairs(matrix);
+}
+
+void AveragedElements::add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness) const {
+  tets_.add(x, force, stiffness);
+  if (domains_) domains_->add(x, force, stiffness);
+}
+
+double AveragedElements::energy(std::span<const Vec3> x) const {
+  return tets_.energy(x) + (domains_ ? domains_->energy(x) : 0.0);
+}
+
+}  // namespace brim
