@@ -61,7 +61,7 @@ BRIM_WIDE std::uint8_t bound_row(const DistanceBounds& bounds, const double* x0,
   WideFloats x[3];
   for (int a = 0; a < 3; ++a) x[a] = static_cast<float>(x0[a]) + static_cast<float>(dx[a]) * step;
   const DistanceBounds::Range r = bounds.at(x[0], x[1], x[2]);
-  const WideIds bit = {1, 2, 4, 8, 16, 32, 64, 128}, asked = (WideIds{} + std::int32_t{wanted} & bit) != 0;
+  const WideIds bit = {1, 2, 4, 8, 16, 32, 64, 128}, asked = ((WideIds{} + std::int32_t{wanted}) & bit) != 0;
   const WideIds over = asked & (r.least > reach), under = asked & (r.most < -reach), far = over | under;
   WideFloats kept;
   std::memcpy(&kept, out, sizeof kept);
