@@ -51,8 +51,9 @@ class DistanceBounds {
     return r;
   }
 
-  /// How far a tricubic value may be off what it interpolates, [spacings], and how much too large samples beyond the
-  /// exact band of a grid may be, as a share of what is beyond it (make_distance_grid).
+  /// How far a tricubic value may be off what it interpolates, [spacings]; the exact band of a grid, likewise; share of
+  /// what is beyond it that a sample may be too large by. Samples may be by 2 % of their whole (make_distance_grid):
+  /// the waviness bears what that is more, 0.08 spacings at most.
   static constexpr double kWaviness = 0.5, kExactBand = 4.0, kTooFar = 0.025;
 
  private:
