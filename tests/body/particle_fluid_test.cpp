@@ -28,6 +28,18 @@ std::vector<double> system_times(const Body& b, const std::vector<double>& x) {
   return y;
 }
 
+TEST(FluidKernel, GivesFourDistancesTheValuesOfEach) {
+  const FluidKernel k(0.7);
+  for (const double first : {0.0, 0.2, 0.33, 0.349, 0.35, 0.5, 0.69}) {
+    const Lanes r{first, first + 0.001, first + 0.002, first + 0.005};
+    const auto [value, slope] = k.value_and_slope(r);
+    for (int l = 0; l < kLanes; ++l) {
+      EXPECT_NEAR(value[l], k.value(r[l]), 1e-15 * k.value(0.0));
+      EXPECT_NEAR(slope[l], k.slope_over_r(r[l]), 1e-14 * std::abs(k.slope_over_r(0.0)));
+    }
+  }
+}
+
 TEST(FluidKernel, IntegratesToOneAndItsSlopeIsItsDerivative) {
   const FluidKernel k(0.7);
   double sum = 0.0;

@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <cstring>
 
-// Functions marked BRIM_WIDE are compiled once for machines with AVX2 and once for any, and the machine decides at
-// start-up which one runs; without contraction to fused operations both give the same bits. Sanitizers do not follow
-// that choice. What they call must be inlined.
+// Functions marked BRIM_WIDE are compiled for machines with AVX-512, for those with AVX2 and for any, and the machine
+// decides at start-up which one runs; without contraction to fused operations all give the same bits. Sanitizers do not
+// follow that choice. What they call must be inlined.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
-#define BRIM_WIDE __attribute__((target_clones("avx2", "default")))
+#define BRIM_WIDE __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
 #else
 #define BRIM_WIDE
 #endif
@@ -31,6 +31,23 @@ typedef std::int32_t LaneIds __attribute__((vector_size(kLanes * sizeof(std::int
 inline constexpr int kWideLanes = 8;
 typedef float WideFloats __attribute__((vector_size(kWideLanes * sizeof(float))));
 typedef std::int32_t WideIds __attribute__((vector_size(kWideLanes * sizeof(std::int32_t))));
+
+BRIM_INLINE WideFloats load_wide(const float* at) {
+  WideFloats r;
+  std::memcpy(&r, at, sizeof r);
+  return r;
+}
+BRIM_INLINE WideIds load_wide(const std::int32_t* at) {
+  WideIds r;
+  std::memcpy(&r, at, sizeof r);
+  return r;
+}
+BRIM_INLINE void store_wide(const WideFloats& r, float* at) { std::memcpy(at, &r, sizeof r); }
+BRIM_INLINE void store_wide(const WideIds& r, std::int32_t* at) { std::memcpy(at, &r, sizeof r); }
+
+/// As many as the widest machines work on at once.
+inline constexpr int kWidestLanes = 16;
+typedef float WidestFloats __attribute__((vector_size(kWidestLanes * sizeof(float))));
 
 /// Bit l of the result is set where flag l, 0 or −1, is.
 BRIM_INLINE std::uint8_t bits_of(const WideIds& flags) {
@@ -55,6 +72,7 @@ template <class T, class L>
 BRIM_INLINE void store_lanes(T* at, const L& lanes) {
   std::memcpy(at, &lanes, sizeof lanes);
 }
+BRIM_INLINE FloatLanes to_float(const Lanes& d) { return __builtin_convertvector(d, FloatLanes); }
 BRIM_INLINE Lanes to_double(const FloatLanes& f) { return __builtin_convertvector(f, Lanes); }
 
 }  // namespace brim

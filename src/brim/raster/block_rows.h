@@ -24,18 +24,6 @@ struct BlockScratch {
 
 BRIM_INLINE WideFloats wide(float x) { return x - WideFloats{}; }
 BRIM_INLINE WideIds wide(std::int32_t x) { return x - WideIds{}; }
-BRIM_INLINE WideFloats load_wide(const float* at) {
-  WideFloats r;
-  std::memcpy(&r, at, sizeof r);
-  return r;
-}
-BRIM_INLINE WideIds load_wide(const std::int32_t* at) {
-  WideIds r;
-  std::memcpy(&r, at, sizeof r);
-  return r;
-}
-BRIM_INLINE void store_wide(const WideFloats& r, float* at) { std::memcpy(at, &r, sizeof r); }
-BRIM_INLINE void store_wide(const WideIds& r, std::int32_t* at) { std::memcpy(at, &r, sizeof r); }
 BRIM_INLINE WideFloats wide_max(const WideFloats& a, const WideFloats& b) { return a > b ? a : b; }
 BRIM_INLINE WideFloats wide_min(const WideFloats& a, const WideFloats& b) { return a < b ? a : b; }
 BRIM_INLINE WideFloats wide_root(const WideFloats& x) {
@@ -45,10 +33,11 @@ BRIM_INLINE WideFloats wide_root(const WideFloats& x) {
 }
 /// True where any lane of a comparison is.
 BRIM_INLINE bool any_lane(const WideIds& flags) {
-  typedef std::int64_t Pairs __attribute__((vector_size(sizeof(WideIds))));
-  Pairs p;
-  std::memcpy(&p, &flags, sizeof p);
-  return ((p[0] | p[1]) | (p[2] | p[3])) != 0;
+  typedef std::int64_t Pair __attribute__((vector_size(sizeof(LaneIds))));
+  const LaneIds half =
+      __builtin_shufflevector(flags, flags, 0, 1, 2, 3) | __builtin_shufflevector(flags, flags, 4, 5, 6, 7);
+  const auto p = std::bit_cast<Pair>(half);
+  return (p[0] | p[1]) != 0;
 }
 
 /// 0 to 7: numbers of the lanes.

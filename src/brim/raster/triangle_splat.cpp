@@ -88,7 +88,8 @@ BRIM_WIDE void splat_triangles(std::span<const Vec3> x, std::span<const Triangle
     const NodeRange n = nodes_around(p, times(inverse_h, reach.beyond(id)), clip);
     if (n.empty()) continue;
     set_lines(p, l);
-    const std::int32_t called = name.empty() ? id : name[id];
+    const WideIds called = wide(name.empty() ? id : name[id]);
+    const WideFloats length[3] = {wide(l.length[0]), wide(l.length[1]), wide(l.length[2])};
     const RowGroups groups = row_groups(n.lo[0], n.hi[0]);
     for (int g = 0; g < groups.count; ++g) {
       const WideFloats at = lanes + static_cast<float>(groups.start[g]);
@@ -107,7 +108,7 @@ BRIM_WIDE void splat_triangles(std::span<const Vec3> x, std::span<const Triangle
           if (!any_lane(off2 + beyond * beyond < kept)) continue;
           const auto edge = [&](int i, const WideFloats& across) BRIM_LAMBDA_INLINE {
             const WideFloats along = s[kAlong + i] + steps[kAlong + i];
-            const WideFloats past = along - wide_min(wide_max(along, zero), wide(l.length[i]));
+            const WideFloats past = along - wide_min(wide_max(along, zero), length[i]);
             return past * past + across * across;
           };
           const WideFloats least = wide_min(wide_min(edge(0, a0), edge(1, a1)), edge(2, a2));
@@ -115,7 +116,7 @@ BRIM_WIDE void splat_triangles(std::span<const Vec3> x, std::span<const Triangle
           const WideIds closer = found < kept;
           store_wide(closer ? found : kept, scratch.value + node);
           const WideIds ids = load_wide(scratch.nearest + node);
-          store_wide(closer ? wide(called) : ids, scratch.nearest + node);
+          store_wide(closer ? called : ids, scratch.nearest + node);
         }
       }
     }

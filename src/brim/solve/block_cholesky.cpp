@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "brim/core/parallel.h"
-#include "brim/solve/panel.h"
 
 namespace brim {
 
@@ -49,25 +48,19 @@ void BlockCholesky::take_updates(std::size_t k, Task& task) {
     const std::size_t height = 3 * static_cast<std::size_t>(t.rows - from), out = panel::padded(height);
     panel::multiply_transposed(a, a, t.stride, height, 3 * static_cast<std::size_t>(to - from),
                                3 * static_cast<std::size_t>(t.end - t.begin), task.product.data());
-    // Rows that follow one another here and there are taken together.
-    task.run.clear();
-    for (std::int32_t i = from; i < t.rows; ++i)
-      if (i == from || task.local[rows[i]] != task.local[rows[i - 1]] + 1) task.run.push_back(i);
-    task.run.push_back(t.rows);
-    std::size_t reached = 0;
-    for (std::int32_t j = from; j < to; ++j) {
-      while (task.run[reached + 1] <= j) ++reached;
-      for (int c = 0; c < 3; ++c) {
-        float* column = panel + (3 * static_cast<std::size_t>(rows[j] - s.begin) + c) * s.stride;
-        const float* p = task.product.data() + (3 * static_cast<std::size_t>(j - from) + c) * out;
-        for (std::size_t r = reached; r + 1 < task.run.size(); ++r) {
-          const std::int32_t i = std::max(task.run[r], j);
-          float* __restrict y = column + 3 * task.local[rows[i]];
-          const float* x = p + 3 * (i - from);
-          for (std::int32_t m = 0; m < 3 * (task.run[r + 1] - i); ++m) y[m] -= x[m];
-        }
-      }
+    // Rows that follow one another here and there are taken together. What lies above the diagonal means nothing.
+    task.run.clear(), task.column.clear();
+    for (std::int32_t i = from; i < t.rows; ++i) {
+      const std::size_t in_panel = 3 * static_cast<std::size_t>(task.local[rows[i]]);
+      if (i == from || in_panel != task.run.back().in_panel + task.run.back().length)
+        task.run.push_back({3 * static_cast<std::size_t>(i - from), in_panel, 0});
+      task.run.back().length += 3;
     }
+    for (std::int32_t j = from; j < to; ++j)
+      for (std::size_t c = 0; c < 3; ++c)
+        task.column.push_back(panel + (3 * static_cast<std::size_t>(rows[j] - s.begin) + c) * s.stride);
+    panel::subtract_runs(task.product.data(), out, task.run.data(), task.run.size(), task.column.data(),
+                         task.column.size());
     done_[d] = to;
     if (to < t.rows && task_of_[supernode_of_[rows[to]]] == task_of_[k]) hand_on(d);
     d = after;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "brim/solve/panel.h"
+#include "brim/solve/panel_stream.h"
 
 namespace brim {
 
@@ -54,7 +55,9 @@ class BlockCholesky {
     std::vector<std::int32_t> supernode;
     // Workspace.
     std::vector<float> product, rows, above;  ///< above: what the top takes from here, shape (3 blocks of the top)
-    std::vector<std::int32_t> local, run;
+    std::vector<std::int32_t> local;
+    std::vector<panel::Run> run;
+    std::vector<float*> column;
     int lifted = 0;
   };
   void find_order(std::span<const std::int32_t> first, std::span<const std::int32_t> column);

@@ -4,7 +4,6 @@
 #include <numeric>
 
 #include "brim/solve/block_cholesky.h"
-#include "brim/solve/panel.h"
 
 namespace brim {
 
@@ -221,7 +220,7 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
     grow(triple_stream_, streamed);
   else
     grow(stream_, streamed);
-  square_columns_.resize(panel::kSquare * 3 * static_cast<std::size_t>(n));
+  square_columns_.resize(panel::kSquare * 3 * static_cast<std::size_t>(n) + panel::kPad);
   square_rows_.resize(square_columns_.size());
   step_.resize(3 * static_cast<std::size_t>(n));
   scale_.resize(3 * static_cast<std::size_t>(n));

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 
 /// Dense kernels on panels: columns of floats one after another, `stride` apart. The rows are worked on in lanes, each
 /// row by itself, so that wide and narrow instructions give the same bits. Kernels may read and write up to kPad
@@ -11,9 +10,6 @@ namespace brim::panel {
 inline constexpr std::size_t kPad = 16;
 /// Columns of a block that is factored by itself before the rest of the panel follows.
 inline constexpr std::size_t kBlock = 12;
-/// Floats of a column or row of such a block's square in a stream: two registers.
-inline constexpr std::size_t kSquare = 16;
-
 /// Rows of a panel with its padding.
 inline std::size_t padded(std::size_t rows) { return (rows + kPad - 1) / kPad * kPad; }
 
@@ -22,6 +18,14 @@ inline std::size_t padded(std::size_t rows) { return (rows + kPad - 1) / kPad * 
 /// @param c       shape (rows, columns), stride padded(rows), overwritten
 void multiply_transposed(const float* a, const float* b, std::size_t stride, std::size_t rows, std::size_t columns,
                          std::size_t depth, float* c);
+
+/// Rows that follow one another in a product and in the panel that it is taken from: counted in floats.
+struct Run {
+  std::size_t in_product, in_panel, length;
+};
+/// Takes a product from the columns of a panel, each at `column[j]`. Lengths are multiples of 3.
+void subtract_runs(const float* product, std::size_t stride, const Run* run, std::size_t runs, float* const* column,
+                   std::size_t columns);
 
 /// Smallest pivot of a matrix whose diagonal is 1: beyond it, single precision knows no more.
 inline constexpr float kLeastPivot = 1e-5f;
@@ -32,36 +36,5 @@ inline constexpr float kLeastPivot = 1e-5f;
 /// @param workspace  room for padded(rows) x 12 floats
 /// @return pivots that were lifted to kLeastPivot: L Lᵀ is then definite, but not the matrix
 int factor(float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* workspace);
-
-/// A factored panel as solves read it, in the order in which they do: for every twelve columns the square on the
-/// diagonal, inverted, by columns and by rows, and apart from it what is below in chunks of eight rows, a chunk of each
-/// of the columns in turn. T is float, or Triple, ten bits a number: equal steps over each column's range, a third of
-/// the memory for solves that are bound by it. An iteration loses nothing by that, as entries of a factor that is
-/// scaled to a diagonal of ones are at most 1. Numbers of three columns in a row of a panel: in bits 0 to 9, 11 to 20
-/// and 22 to 31.
-enum class Triple : std::uint32_t {};
-
-template <class T>
-struct Stream {
-  T* below;       ///< shape (stream_size)
-  float* column;  ///< of the squares, zeros above the diagonal, shape (width, kSquare)
-  float* row;     ///< of the squares, zeros beyond the diagonal, shape (width, kSquare)
-  float* step;    ///< of each column, what 1 of T is worth; shape (width)
-};
-/// @return how many of T
-template <class T>
-std::size_t stream_size(std::size_t rows, std::size_t width);
-void make_stream(const float* panel, std::size_t stride, std::size_t rows, std::size_t width, const Stream<float>& out);
-void make_stream(const float* panel, std::size_t stride, std::size_t rows, std::size_t width,
-                 const Stream<Triple>& out);
-
-/// The first `width` of y become x = L⁻¹ y, what is below takes y − L x. @param y  shape (rows), and kPad more whose
-/// numbers mean nothing afterwards
-void solve_forward(const Stream<float>& panel, std::size_t rows, std::size_t width, float* y);
-void solve_forward(const Stream<Triple>& panel, std::size_t rows, std::size_t width, float* y);
-/// The first `width` of y become L⁻ᵀ (y − Bᵀ z), B the rows below and z what is there in y.
-/// @param y  shape (rows), and kPad more that are zero
-void solve_backward(const Stream<float>& panel, std::size_t rows, std::size_t width, float* y);
-void solve_backward(const Stream<Triple>& panel, std::size_t rows, std::size_t width, float* y);
 
 }  // namespace brim::panel

@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
+
+#include "brim/core/simd.h"
 
 namespace brim {
 
@@ -29,6 +32,14 @@ class FluidKernel {
     const double f = scale_ * inverse_ * inverse_;
     if (q > 0.5) return -6.0 * f * (1.0 - q) * (1.0 - q) / q;
     return f * (18.0 * q - 12.0);
+  }
+  /// Both at four distances. @param r  0 <= r < H
+  BRIM_INLINE std::pair<Lanes, Lanes> value_and_slope(const Lanes& r) const {
+    const Lanes q = r * inverse_, u = 1.0 - q;
+    const double f = scale_ * inverse_ * inverse_;
+    const LaneFlags outer = q > 0.5;
+    return {outer ? scale_ * 2.0 * u * u * u : scale_ * (1.0 - 6.0 * q * q * u),
+            outer ? -6.0 * f * u * u / q : f * (18.0 * q - 12.0)};
   }
 
   /// ∫ W over the half space that begins at a distance d from the centre, [-]: 1/2 at 0, 0 for d >= H.

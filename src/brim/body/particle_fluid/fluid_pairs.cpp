@@ -1,47 +1,11 @@
 #include "brim/body/particle_fluid/fluid_pairs.h"
 
-#include <cmath>
 #include <cstring>
 
 #include "brim/core/parallel.h"
 #include "brim/core/simd.h"
 
 namespace brim {
-
-void FluidPairs::build(const ParticleCells& cells, const FluidKernel& kernel, double volume, double viscosity) {
-  size_ = cells.size();
-  stretched_.clear();
-  fill_.resize(size_);
-  const std::size_t count = (size_ + kBlock - 1) / kBlock;
-  if (blocks_.size() < count) blocks_.resize(count);
-  const auto x = cells.positions();
-  const double H = kernel.support(), H2 = H * H, self = volume * kernel.value(0.0);
-  parallel_for(count, [&](std::size_t k) {
-    Block& b = blocks_[k];
-    b.first.assign(1, 0);
-    b.neighbour.clear(), b.gradient.clear();
-    const std::size_t begin = k * kBlock, end = std::min(size_, begin + kBlock);
-    cells.for_neighbourhoods(begin, end, [&](std::size_t i, auto ranges) {
-      const Vec3 xi = x[i];
-      double fill = self;
-      for (const auto& [first, last] : ranges)
-        for (std::int32_t j = first; j < last; ++j) {
-          const Vec3 d = xi - x[j];
-          const double r2 = d.squaredNorm();
-          if (r2 >= H2 || static_cast<std::size_t>(j) == i) continue;
-          const double r = std::sqrt(r2), slope = volume * kernel.slope_over_r(r);
-          fill += volume * kernel.value(r);
-          // x_ij = g_ij / slope: the drag's factor on (g · v) g.
-          const double drag = slope < 0.0 ? -10.0 * viscosity * volume / (slope * (r2 + 0.01 * H2)) : 0.0;
-          b.neighbour.push_back(j);
-          const Eigen::Vector3f g = (slope * d).cast<float>();
-          b.gradient.emplace_back(g.x(), g.y(), g.z(), static_cast<float>(drag));
-        }
-      fill_[i] = fill;
-      b.first.push_back(static_cast<std::int32_t>(b.neighbour.size()));
-    });
-  });
-}
 
 void FluidPairs::stretch(std::size_t i, std::int32_t pair, float factor) {
   Block& b = blocks_[i / kBlock];
@@ -58,81 +22,149 @@ void FluidPairs::release() {
 
 namespace {
 
-/// Chains of additions run side by side: one alone would wait for itself at every neighbour.
+/// Additions run side by side in this many chains: one alone would wait for itself at every neighbour.
 constexpr std::int32_t kChains = 4;
 
-/// Σ f(e) over first <= e < last, in an order that depends on nothing else.
-template <class T, class F>
-T chained_sum(std::int32_t first, std::int32_t last, T zero, const F& f) {
-  T s[kChains] = {zero, zero, zero, zero};
-  std::int32_t e = first;
-  for (; e + kChains <= last; e += kChains)
-    for (std::int32_t k = 0; k < kChains; ++k) s[k] += f(e + k);
-  for (; e < last; ++e) s[0] += f(e);
-  return (s[0] + s[1]) + (s[2] + s[3]);
+typedef WidestFloats Chains;  ///< four vectors, one of each chain
+BRIM_INLINE Chains join(const FloatLanes& a, const FloatLanes& b, const FloatLanes& c, const FloatLanes& d) {
+  const WideFloats low = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
+  const WideFloats high = __builtin_shufflevector(c, d, 0, 1, 2, 3, 4, 5, 6, 7);
+  return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+}
+/// The chains together, with what was left over for the first.
+BRIM_INLINE FloatLanes sum_of(const Chains& s, const FloatLanes& rest) {
+  const FloatLanes s0 = __builtin_shufflevector(s, s, 0, 1, 2, 3), s1 = __builtin_shufflevector(s, s, 4, 5, 6, 7),
+                   s2 = __builtin_shufflevector(s, s, 8, 9, 10, 11), s3 = __builtin_shufflevector(s, s, 12, 13, 14, 15);
+  return ((s0 + rest) + s1) + (s2 + s3);
 }
 
-FloatLanes lanes(const FluidPairs::Vec4& x) {
-  FloatLanes out;
-  std::memcpy(&out, x.data(), sizeof out);
+BRIM_INLINE FloatLanes all_of(float x) { return FloatLanes{x, x, x, x}; }
+BRIM_INLINE FloatLanes lanes(const FluidPairs::Vec4& x) { return load_lanes(x.data()); }
+BRIM_INLINE Chains chains(const FluidPairs::Vec4* x) {
+  Chains out;
+  std::memcpy(&out, x, sizeof out);
   return out;
 }
+BRIM_INLINE Chains chains(const FluidPairs::Vec4* x, const std::int32_t* j) {
+  return join(lanes(x[j[0]]), lanes(x[j[1]]), lanes(x[j[2]]), lanes(x[j[3]]));
+}
 
-struct Drag {
-  FloatLanes force = {};    ///< fourth lane: nothing
-  FloatLanes closing = {};  ///< the same in all lanes
-  Drag& operator+=(const Drag& d) { return force += d.force, closing += d.closing, *this; }
-  Drag operator+(const Drag& d) const { return {force + d.force, closing + d.closing}; }
+// Of each vector: the sum of its lanes, in all of them; and its fourth lane in all.
+BRIM_INLINE FloatLanes dot_of(const FloatLanes& t) {
+  const FloatLanes pairs = t + __builtin_shufflevector(t, t, 1, 0, 3, 2);
+  return pairs + __builtin_shufflevector(pairs, pairs, 2, 3, 0, 1);
+}
+BRIM_INLINE Chains dot_of(const Chains& t) {
+  const Chains pairs = t + __builtin_shufflevector(t, t, 1, 0, 3, 2, 5, 4, 7, 6, 9, 8, 11, 10, 13, 12, 15, 14);
+  return pairs + __builtin_shufflevector(pairs, pairs, 2, 3, 0, 1, 6, 7, 4, 5, 10, 11, 8, 9, 14, 15, 12, 13);
+}
+BRIM_INLINE FloatLanes fourth_of(const FloatLanes& g) { return __builtin_shufflevector(g, g, 3, 3, 3, 3); }
+BRIM_INLINE Chains fourth_of(const Chains& g) {
+  return __builtin_shufflevector(g, g, 3, 3, 3, 3, 7, 7, 7, 7, 11, 11, 11, 11, 15, 15, 15, 15);
+}
+
+/// Pairs of a block of particles, first[k] to first[k + 1] those of its particle k.
+struct Pairs {
+  const std::int32_t *first, *neighbour;
+  const FluidPairs::Vec4* gradient;
+  std::size_t particles;
 };
+
+BRIM_WIDE void block_rates(const Pairs& b, const FluidPairs::Vec4* v, const FluidPairs::Vec4* own, const float* weight,
+                           float* rate) {
+  for (std::size_t k = 0; k < b.particles; ++k) {
+    rate[k] = 0.0f;
+    if (!(weight[k] > 0.0f)) continue;
+    const FloatLanes vi = lanes(own[k]);
+    const Chains vis = join(vi, vi, vi, vi);
+    Chains s = {};
+    FloatLanes rest = {};
+    std::int32_t e = b.first[k];
+    for (const std::int32_t last = b.first[k + 1]; e < last; e += kChains) {
+      if (e + kChains > last) {
+        for (; e < last; ++e) rest += lanes(b.gradient[e]) * (vi - lanes(v[b.neighbour[e]]));
+        break;
+      }
+      s += chains(b.gradient + e) * (vis - chains(v, b.neighbour + e));
+    }
+    const FloatLanes sum = sum_of(s, rest);
+    rate[k] = (sum[0] + sum[1]) + sum[2];
+  }
+}
+
+BRIM_WIDE void block_pressure(const Pairs& b, const float* p, const float* own, Eigen::Vector3d* y) {
+  for (std::size_t k = 0; k < b.particles; ++k) {
+    const float pi = own[k];
+    Chains s = {};
+    FloatLanes rest = {};
+    std::int32_t e = b.first[k];
+    for (const std::int32_t last = b.first[k + 1]; e < last; e += kChains) {
+      const std::int32_t* j = b.neighbour + e;
+      if (e + kChains > last) {
+        for (; e < last; ++e) rest += lanes(b.gradient[e]) * (pi + p[b.neighbour[e]]);
+        break;
+      }
+      s += chains(b.gradient + e) * (pi + join(all_of(p[j[0]]), all_of(p[j[1]]), all_of(p[j[2]]), all_of(p[j[3]])));
+    }
+    const FloatLanes sum = sum_of(s, rest);
+    y[k] += Eigen::Vector3d(sum[0], sum[1], sum[2]);
+  }
+}
+
+/// @param rate  takes the rates, or null
+BRIM_WIDE void block_viscosity(const Pairs& b, double scale, const FluidPairs::Vec4* v, const FluidPairs::Vec4* own,
+                               float* rate, Eigen::Vector3d* y) {
+  for (std::size_t k = 0; k < b.particles; ++k) {
+    const FloatLanes vi = lanes(own[k]);
+    const Chains vis = join(vi, vi, vi, vi);
+    Chains force = {}, closing = {};
+    FloatLanes force_rest = {}, closing_rest = {};
+    std::int32_t e = b.first[k];
+    for (const std::int32_t last = b.first[k + 1]; e < last; e += kChains) {
+      if (e + kChains > last) {
+        for (; e < last; ++e) {
+          const FloatLanes g = lanes(b.gradient[e]), c = dot_of(g * (vi - lanes(v[b.neighbour[e]])));
+          force_rest += fourth_of(g) * c * g, closing_rest += c;
+        }
+        break;
+      }
+      // v has no fourth lane.
+      const Chains g = chains(b.gradient + e), c = dot_of(Chains(g * (vis - chains(v, b.neighbour + e))));
+      force += fourth_of(g) * c * g, closing += c;
+    }
+    if (rate != nullptr) rate[k] = sum_of(closing, closing_rest)[0];
+    const FloatLanes f = sum_of(force, force_rest);
+    y[k] += scale * Eigen::Vector3d(f[0], f[1], f[2]);
+  }
+}
 
 }  // namespace
 
-void FluidPairs::rates(std::span<const Vec4> v, std::span<const float> weight, std::span<float> rate) const {
+template <class F>
+void FluidPairs::for_blocks(const F& f) const {
   parallel_blocks(size_, kBlock, [&](std::size_t begin, std::size_t end) {
     const Block& b = blocks_[begin / kBlock];
-    const Vec4* g = b.gradient.data();
-    const std::int32_t* j = b.neighbour.data();
-    for (std::size_t i = begin; i < end; ++i) {
-      rate[i] = 0.0f;
-      if (!(weight[i] > 0.0f)) continue;
-      const Vec4 vi = v[i];
-      const Vec4 sum = chained_sum(b.first[i - begin], b.first[i - begin + 1], Vec4(Vec4::Zero()),
-                                   [&](std::int32_t e) -> Vec4 { return g[e] * (vi - v[j[e]]); });
-      rate[i] = (sum[0] + sum[1]) + sum[2];
-    }
+    f(begin, Pairs{b.first.data(), b.neighbour.data(), b.gradient.data(), end - begin});
+  });
+}
+
+void FluidPairs::rates(std::span<const Vec4> v, std::span<const float> weight, std::span<float> rate) const {
+  for_blocks([&](std::size_t begin, const Pairs& pairs) {
+    block_rates(pairs, v.data(), v.data() + begin, weight.data() + begin, rate.data() + begin);
   });
 }
 
 void FluidPairs::add_pressure(std::span<const float> p, std::span<Eigen::Vector3d> y) const {
-  parallel_blocks(size_, kBlock, [&](std::size_t begin, std::size_t end) {
-    const Block& b = blocks_[begin / kBlock];
-    const Vec4* g = b.gradient.data();
-    const std::int32_t* j = b.neighbour.data();
-    for (std::size_t i = begin; i < end; ++i) {
-      const float pi = p[i];
-      const Vec4 sum = chained_sum(b.first[i - begin], b.first[i - begin + 1], Vec4(Vec4::Zero()),
-                                   [&](std::int32_t e) -> Vec4 { return g[e] * (pi + p[j[e]]); });
-      y[i] += sum.head<3>().matrix().cast<double>();
-    }
+  for_blocks([&](std::size_t begin, const Pairs& pairs) {
+    block_pressure(pairs, p.data(), p.data() + begin, y.data() + begin);
   });
 }
 
 void FluidPairs::add_viscosity(double s, std::span<const Vec4> v, std::span<float> rate,
                                std::span<Eigen::Vector3d> y) const {
-  parallel_blocks(size_, kBlock, [&](std::size_t begin, std::size_t end) {
-    const Block& b = blocks_[begin / kBlock];
-    const std::int32_t* j = b.neighbour.data();
-    for (std::size_t i = begin; i < end; ++i) {
-      const FloatLanes vi = lanes(v[i]);
-      const Drag sum = chained_sum(b.first[i - begin], b.first[i - begin + 1], Drag{}, [&](std::int32_t e) {
-        const FloatLanes g = lanes(b.gradient[e]), t = g * (vi - lanes(v[j[e]]));
-        const FloatLanes pairs = t + __builtin_shufflevector(t, t, 1, 0, 3, 2);
-        const FloatLanes closing = pairs + __builtin_shufflevector(pairs, pairs, 2, 3, 0, 1);  // v has no fourth lane
-        return Drag{__builtin_shufflevector(g, g, 3, 3, 3, 3) * closing * g, closing};
-      });
-      if (!rate.empty()) rate[i] = sum.closing[0];
-      y[i] += s * Eigen::Vector3d(sum.force[0], sum.force[1], sum.force[2]);
-    }
+  for_blocks([&](std::size_t begin, const Pairs& pairs) {
+    block_viscosity(pairs, s, v.data(), v.data() + begin, rate.empty() ? nullptr : rate.data() + begin,
+                    y.data() + begin);
   });
 }
 

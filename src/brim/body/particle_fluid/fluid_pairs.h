@@ -60,7 +60,12 @@ class FluidPairs {
     std::vector<std::int32_t> neighbour;
     std::vector<Vec4> gradient;  ///< g, and a_ij in the fourth lane
   };
+  /// Calls f(first particle, pairs) for all blocks, side by side.
+  template <class F>
+  void for_blocks(const F& f) const;
+
   std::size_t size_ = 0;
+  std::vector<double> place_[3];  ///< [m] each coordinate of all particles, and four more
   struct Stretched {
     std::size_t block;
     std::int32_t entry;
