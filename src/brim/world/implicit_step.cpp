@@ -168,16 +168,16 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     const ScopedSeconds contact_timer(contact_seconds);
     sparse_.resize(bodies.size());
     for (std::size_t b = 0; b < bodies.size(); ++b) sparse_[b] = maps.sparse_rows(b);
-    factor_.begin(bodies, first_v, bodies_diagonal_, first_block_, sparse_);
+    preconditioner_.begin(bodies, first_v, bodies_diagonal_, first_block_, sparse_);
   }
   // Where every velocity belongs to a rigid body the factor is the whole system, but for rounding in single precision:
   // one iteration more makes the solution exact.
-  const bool whole = contacts > 0 && factor_.knows_all_rigid();
+  const bool whole = contacts > 0 && preconditioner_.knows_all_rigid();
   bool coarse = contacts > 0 && !whole;
   lone_.resize(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b)
     lone_[b] = contacts > 0
-                   ? factor_.rigid()[b]
+                   ? preconditioner_.rigid()[b]
                    : first_block_[b + 1] == first_block_[b] + 1 && bodies_diagonal_.block_size(first_block_[b]) == 6;
   if (!whole && !alone) {
     const auto contact_timer =
@@ -201,7 +201,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     const ScopedSeconds contact_timer(contact_seconds);
     {
       const ProfileScope scope("contact factor, applied");
-      factor_.apply(r, z);
+      preconditioner_.apply(r, z);
     }
     const ProfileScope scope("coarse modes, applied");
     if (coarse) modes_.add(r, z);
@@ -211,8 +211,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     // Memory follows the number of contacts, not which of them act.
     const ScopedSeconds contact_timer(contact_seconds);
     acting_.build(parts, contact_set, first_v);
-    acting_.gather_rows(contact_rows_);
-    factor_.reserve(contact_rows_);
+    preconditioner_.reserve(acting_);
     room_ = contacts;
   }
   contact_delta_.assign(contact_set.size(), Vec3::Zero()), contact_force_.resize(contacts);
@@ -220,6 +219,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
   const int passes = contacts > 0 ? (whole ? kExactPasses * settings.passes : settings.passes) : 1;
   bool settled = contacts > 0 && response.settled(), near = false;
   std::vector<double> scale;  // of the first pass, for all
+  int iterations_made = 0;    // of the last solve for which the preconditioner was made
   for (int pass = 0; pass < passes; ++pass) {
     rhs_ = internal_;
     if (contacts > 0) {
@@ -231,8 +231,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
       for (Vec3& f : contact_force_) f *= dt;
       acting_.add_forces(contact_force_, rhs_);
     }
-    // Loads that have settled leave the preconditioner as good as it was; the inverse of a rigid system must be exact.
-    if (pass == 0 || !settled || whole) {
+    const auto prepare = [&] {
       diagonal_ = bodies_diagonal_;
       if (contacts > 0) {
         const ScopedSeconds contact_timer(contact_seconds);
@@ -244,16 +243,28 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
       diagonal_.factor();
       if (contacts > 0) {
         const ScopedSeconds contact_timer(contact_seconds);
-        factor_contacts(response, pass == 0);
+        preconditioner_.make(acting_, response, pass == 0);
         const ProfileScope scope("coarse modes, factored");
         coarse = !whole && modes_.factor(contact_set, response);
       }
-    }
+    };
+    // Loads that have settled leave the preconditioner as good as it was, and so do few contacts that change; the
+    // inverse of a rigid system must be exact.
+    const bool held = pass > 0 && !whole && (settled || preconditioner_.serves(response));
+    if (!held) prepare();
     // What only tells which contacts let go and how friction is loaded is solved less sharply than what is kept.
     const bool kept = settled || pass + 1 == passes;
     const double tolerance = std::min((kept || near ? 1.0 : kDraft) * settings.tolerance, whole ? kExact : 1.0);
-    const SolveReport s = cg_.solve(system, rhs_, tolerance, settings.max_iterations, delta, scale);
-    report.cg_iterations += s.iterations;
+    const auto solve_it = [&](int most) {
+      const SolveReport r = cg_.solve(system, rhs_, tolerance, most, delta, scale);
+      report.cg_iterations += r.iterations;
+      return r;
+    };
+    int most = settings.max_iterations;
+    if (held && !settled) most = std::min(most, ContactPreconditioner::patience(iterations_made));
+    SolveReport s = solve_it(most);
+    if (s.finite && !s.converged && most < settings.max_iterations) prepare(), s = solve_it(settings.max_iterations);
+    if (!held) iterations_made = s.iterations;
     ++report.solves;
     if (!s.finite) return false;
     if (!s.converged)
@@ -355,28 +366,6 @@ void ImplicitStep::guide(std::span<const std::unique_ptr<Body>> bodies, std::spa
     if (touched) body->set_guided(guided);
   }
   std::fill(scratch_.begin(), scratch_.end(), 0.0);
-}
-
-void ImplicitStep::factor_contacts(const Penalty& response, bool first) {
-  // Contacts that let go stay as rows without stiffness; those that come ask for new ones.
-  const auto acting = response.acting();
-  std::size_t held = 0;
-  for (const std::uint32_t c : contact_rows_.contact) held += !first && acting[c] != 0;
-  const bool known =
-      !first && held == static_cast<std::size_t>(std::count_if(acting.begin(), acting.end(), std::identity()));
-  if (!known) {
-    const ProfileScope scope("contact rows");
-    acting_.gather_rows(contact_rows_);
-  }
-  const ProfileScope scope("contact factor, made");
-  for (std::size_t i = 0; i < contact_rows_.size(); ++i)
-    contact_rows_.stiffness[i] = response.block(contact_rows_.contact[i]).cast<float>();
-  if (known)
-    factor_.refactor(contact_rows_);
-  else
-    factor_.factor(contact_rows_);
-  profile_count("blocks that contact touches", static_cast<double>(factor_.touched()));
-  profile_count("floats of the contact factor", static_cast<double>(factor_.entries()));
 }
 
 }  // namespace brim

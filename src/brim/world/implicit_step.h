@@ -9,8 +9,8 @@
 #include "brim/response/penalty.h"
 #include "brim/solve/conjugate_gradient.h"
 #include "brim/world/coarse_space.h"
-#include "brim/world/contact_factor.h"
 #include "brim/world/contact_maps.h"
+#include "brim/world/contact_preconditioner.h"
 #include "brim/world/fill_stage.h"
 #include "brim/world/step_report.h"
 
@@ -72,8 +72,6 @@ class ImplicitStep {
   /// Tells bodies of particles which of them lie on something fixed.
   void guide(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
              const ContactMaps& maps, const Penalty& response, const ContactSet& contact_set);
-  /// Factors what contact touches, with the stiffness of the contacts as it is. @param first  of the passes
-  void factor_contacts(const Penalty& response, bool first);
   /// Where all bodies are rigid frames and nothing couples them: Δv from their own masses and inertias.
   /// @return false where some are not
   bool solve_frames(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
@@ -87,14 +85,13 @@ class ImplicitStep {
   ContactMaps acting_;    ///< of the contacts that act; waiting ones cost nothing in the products
   std::size_t room_ = 0;  ///< most contacts so far
   CoarseSpace modes_;
-  ContactRows contact_rows_;
   std::vector<std::uint8_t> sparse_;            ///< per body: its maps show their rows
   std::vector<std::uint8_t> lone_;              ///< per body: one block, without coarse modes
   std::vector<std::uint8_t> without_;           ///< per body: without coarse modes
   std::vector<double> residual_;                ///< of the last solve of the passes
   std::vector<std::int32_t> island_;            ///< per body
   std::vector<double> negligible_, sharpness_;  ///< per island, as LinearSystem has them
-  ContactFactor factor_;
+  ContactPreconditioner preconditioner_;
   ConjugateGradient cg_;
 };
 

@@ -1,0 +1,62 @@
+#include "brim/world/contact_preconditioner.h"
+
+#include <algorithm>
+
+#include "brim/core/profile.h"
+
+namespace brim {
+
+namespace {
+
+std::size_t count_acting(std::span<const std::uint8_t> acting) {
+  return static_cast<std::size_t>(std::ranges::count_if(acting, [](std::uint8_t a) { return a != 0; }));
+}
+
+/// Contacts of the rows that act.
+std::size_t count_held(const ContactRows& rows, std::span<const std::uint8_t> acting) {
+  return static_cast<std::size_t>(std::ranges::count_if(rows.contact, [&](std::uint32_t c) { return acting[c] != 0; }));
+}
+
+}  // namespace
+
+std::size_t count_changed(const ContactRows& rows, std::span<const std::uint8_t> acting,
+                          const std::function<Mat3(std::size_t)>& block) {
+  std::size_t changed = count_acting(acting) - count_held(rows, acting);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::uint32_t c = rows.contact[i];
+    const Eigen::Matrix3f& was = rows.stiffness[i];
+    Eigen::Matrix3f now = Eigen::Matrix3f::Zero();
+    if (acting[c] != 0) now = block(c).cast<float>();
+    changed += (now - was).squaredNorm() > std::min(now.squaredNorm(), was.squaredNorm());
+  }
+  return changed;
+}
+
+void ContactPreconditioner::reserve(const ContactMaps& all) {
+  all.gather_rows(rows_);
+  factor_.reserve(rows_);
+}
+
+void ContactPreconditioner::make(const ContactMaps& acting, const Penalty& response, bool first) {
+  // Contacts that let go stay as rows without stiffness; those that come ask for new ones.
+  const bool known = !first && count_held(rows_, response.acting()) == count_acting(response.acting());
+  if (!known) {
+    const ProfileScope scope("contact rows");
+    acting.gather_rows(rows_);
+  }
+  const ProfileScope scope("contact factor, made");
+  for (std::size_t i = 0; i < rows_.size(); ++i) rows_.stiffness[i] = response.block(rows_.contact[i]).cast<float>();
+  if (known)
+    factor_.refactor(rows_);
+  else
+    factor_.factor(rows_);
+  profile_count("blocks that contact touches", static_cast<double>(factor_.touched()));
+  profile_count("floats of the contact factor", static_cast<double>(factor_.entries()));
+}
+
+bool ContactPreconditioner::serves(const Penalty& response) const {
+  const std::size_t changed = count_changed(rows_, response.acting(), [&](std::size_t c) { return response.block(c); });
+  return changed <= std::min(kMayDiffer, count_acting(response.acting()) / kFew);
+}
+
+}  // namespace brim
