@@ -149,6 +149,24 @@ TEST(ContactFactor, InPiecesItIsTheInverseOfTheirBlocks) {
   EXPECT_LT(least, t.size());
 }
 
+TEST(ContactFactor, FactorsOtherStiffnessAsIfItWereNew) {
+  for (const std::size_t most : {std::size_t{8}, ContactFactor::kWhole}) {
+    Problem p(40);
+    ContactFactor again, anew;
+    for (ContactFactor* f : {&again, &anew}) f->begin(p.bodies, p.first_v, p.diagonal, p.first_block, p.sparse);
+    again.factor(p.rows, most, most);
+    for (std::size_t i = 0; i < p.rows.size(); ++i) p.rows.stiffness[i] *= i % 3 == 0 ? 3.0f : 1.5f;
+    again.refactor(p.rows);
+    anew.factor(p.rows, most, most);
+    ASSERT_EQ(again.touched(), anew.touched());
+    const Eigen::VectorXd r = Eigen::VectorXd::Random(p.A.rows());
+    std::vector<double> a(p.first_v.back(), 0.0), b(a);
+    again.apply(std::span(r.data(), a.size()), a);
+    anew.apply(std::span(r.data(), b.size()), b);
+    EXPECT_EQ(a, b);
+  }
+}
+
 TEST(ContactFactor, BodiesWithoutRowsAreLeftOut) {
   const Problem p(12);
   std::vector<std::uint8_t> sparse = {0, 1, 1};

@@ -10,8 +10,6 @@ namespace {
 
 /// Rows assembled by one thread at a time.
 constexpr std::size_t kRows = 64;
-/// Share of a node's own matrix below which contact does not touch it: block Jacobi knows as much.
-constexpr float kTouch = 0.1f;
 
 using Block = BlockCholesky::Block;
 
@@ -33,6 +31,17 @@ class ContactFactor::RowSum {
     } else {
       value_[s] += block;
     }
+  }
+  /// Makes room for these columns alone, which get their sums at `value`; forget takes the room back.
+  void expect(std::span<const std::int32_t> column, std::int32_t from, Block* value) {
+    for (std::size_t k = 0; k < column.size(); ++k) {
+      slot_[from + column[k]] = static_cast<std::int32_t>(k);
+      value[k].setZero();
+    }
+  }
+  void add_expected(std::int32_t column, const Block& block, Block* value) const { value[slot_[column]] += block; }
+  void forget(std::span<const std::int32_t> column, std::int32_t from) {
+    for (const std::int32_t c : column) slot_[from + c] = -1;
   }
   /// Appends the row in ascending columns and forgets it. @return its length
   std::size_t take(std::vector<std::int32_t>& column, std::vector<Block>& value) {
@@ -78,127 +87,6 @@ void ContactFactor::begin(std::span<const std::unique_ptr<Body>> bodies, std::sp
   }
 }
 
-template <class F>
-void ContactFactor::for_entries(const ContactRows& rows, const F& f) const {
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    for (std::int32_t e = rows.first[i]; e < rows.first[i + 1]; ++e)
-      if (const std::int32_t t = local_[rows.offset[e]]; t >= 0) f(t, static_cast<std::int32_t>(i), e);
-}
-
-void ContactFactor::find_touched(const ContactRows& rows, std::size_t whole) {
-  local_.assign(prescribed_.size(), -1);
-  touched_.clear();
-  contact_trace_.assign(prescribed_.size(), 0.0f);
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    for (std::int32_t e = rows.first[i]; e < rows.first[i + 1]; ++e)
-      contact_trace_[rows.offset[e]] += (rows.stiffness[i] * rows.block[e]).cwiseProduct(rows.block[e]).sum();
-  for (std::size_t b = 0; b < owner_.size(); ++b) {
-    const Owner& o = owner_[b];
-    for (std::size_t v = o.first_v; v < end_of(b); v += 3) {
-      if (prescribed_[v] || !(contact_trace_[v] > 0.0f)) continue;
-      const bool strong =
-          !o.system || contact_trace_[v] >
-                           kTouch * static_cast<float>(diagonal_->block(o.first_block + (v - o.first_v) / 3).trace());
-      if (strong) local_[v] = 0;
-    }
-  }
-  take_thin_whole(whole);
-  for (std::size_t b = 0; b < owner_.size(); ++b) {
-    const Owner& o = owner_[b];
-    const std::size_t end = end_of(b);
-    // A block of six counts whole.
-    if (o.known && !o.system && std::max(local_[o.first_v], local_[o.first_v + 3]) == 0)
-      local_[o.first_v] = local_[o.first_v + 3] = 0;
-    for (std::size_t v = o.first_v; v < end; ++v) {
-      if (local_[v] < 0) continue;
-      local_[v] = o.known ? static_cast<std::int32_t>(touched_.size()) : -1;
-      if (o.known) touched_.push_back({static_cast<std::int32_t>(v), static_cast<std::int32_t>(b), 0, {0, 0, 0}});
-    }
-  }
-}
-
-void ContactFactor::take_thin_whole(std::size_t most) {
-  // What is touched already, and what thin bodies would add.
-  std::size_t blocks = 0;
-  std::vector<std::uint8_t> taken(owner_.size(), 0);
-  for (std::size_t b = 0; b < owner_.size(); ++b) {
-    const Owner& o = owner_[b];
-    if (!o.known) continue;
-    const auto own = std::span(local_).subspan(o.first_v, end_of(b) - o.first_v);
-    const auto touched = static_cast<std::size_t>(std::count(own.begin(), own.end(), 0));
-    taken[b] = touched > 0 && o.system && o.system->thin;
-    blocks += taken[b] ? own.size() / 3 : touched;
-  }
-  if (blocks > most) return;
-  for (std::size_t b = 0; b < owner_.size(); ++b)
-    for (std::size_t v = owner_[b].first_v; taken[b] && v < end_of(b); v += 3)
-      if (!prescribed_[v]) local_[v] = 0;
-}
-
-void ContactFactor::cut(const ContactRows& rows, std::size_t whole, std::size_t most) {
-  piece_count_ = 1;
-  if (touched_.size() > whole) {
-    std::vector<float> count(touched_.size(), 0.0f);
-    for_entries(rows, [&](std::int32_t t, std::int32_t i, std::int32_t) {
-      touched_[t].place += rows.point[i];
-      count[t] += 1.0f;
-    });
-    for (std::size_t t = 0; t < touched_.size(); ++t) {
-      const Owner& o = owner_[touched_[t].body];
-      if (o.system && !o.system->place.empty())
-        touched_[t].place =
-            o.system->place[(static_cast<std::size_t>(touched_[t].velocity) - o.first_v) / 3].cast<float>();
-      else
-        touched_[t].place /= std::max(count[t], 1.0f);
-    }
-    // Halves across the longest side, until they are small enough.
-    std::vector<std::pair<std::size_t, std::size_t>> open = {{0, touched_.size()}};
-    piece_count_ = 0;
-    while (!open.empty()) {
-      const auto [begin, end] = open.back();
-      open.pop_back();
-      const auto part = std::span(touched_).subspan(begin, end - begin);
-      if (part.size() <= most) {
-        for (Touched& t : part) t.piece = static_cast<std::int32_t>(piece_count_);
-        ++piece_count_;
-        continue;
-      }
-      Eigen::Vector3f lo = part[0].place, hi = lo;
-      for (const Touched& t : part) lo = lo.cwiseMin(t.place), hi = hi.cwiseMax(t.place);
-      Eigen::Index axis = 0;
-      (hi - lo).maxCoeff(&axis);
-      const std::size_t half = part.size() / 2;
-      std::nth_element(part.begin(), part.begin() + static_cast<std::ptrdiff_t>(half), part.end(),
-                       [axis](const Touched& a, const Touched& b) {
-                         return a.place[axis] != b.place[axis] ? a.place[axis] < b.place[axis]
-                                                               : a.velocity < b.velocity;
-                       });
-      open.emplace_back(begin, begin + half);
-      open.emplace_back(begin + half, end);
-    }
-    std::sort(touched_.begin(), touched_.end(), [](const Touched& a, const Touched& b) {
-      return a.piece != b.piece ? a.piece < b.piece : a.velocity < b.velocity;
-    });
-    for (std::size_t t = 0; t < touched_.size(); ++t) local_[touched_[t].velocity] = static_cast<std::int32_t>(t);
-  }
-  if (pieces_.size() < piece_count_) pieces_.resize(piece_count_);
-  for (std::size_t p = 0; p < piece_count_; ++p) pieces_[p].begin = pieces_[p].end = 0;
-  for (std::size_t t = 0; t < touched_.size(); ++t) {
-    Piece& p = pieces_[touched_[t].piece];
-    if (p.end == 0) p.begin = t;
-    p.end = t + 1;
-  }
-}
-
-void ContactFactor::find_incidence(const ContactRows& rows) {
-  incidence_first_.assign(touched_.size() + 1, 0);
-  for_entries(rows, [&](std::int32_t t, std::int32_t, std::int32_t) { ++incidence_first_[t + 1]; });
-  for (std::size_t t = 0; t < touched_.size(); ++t) incidence_first_[t + 1] += incidence_first_[t];
-  incidence_.resize(incidence_first_.back());
-  std::vector<std::int32_t> next(incidence_first_.begin(), incidence_first_.end() - 1);
-  for_entries(rows, [&](std::int32_t t, std::int32_t i, std::int32_t e) { incidence_[next[t]++] = {i, e}; });
-}
-
 template <class Add>
 void ContactFactor::add_own_blocks(std::int32_t t, const Add& add) const {
   const Owner& o = owner_[touched_[t].body];
@@ -222,45 +110,40 @@ void ContactFactor::add_own_blocks(std::int32_t t, const Add& add) const {
   }
 }
 
-void ContactFactor::assemble(const ContactRows& rows) {
+template <class Add>
+void ContactFactor::add_row(const ContactRows& rows, std::size_t row, const Add& add) const {
+  const auto t = static_cast<std::int32_t>(row), end = static_cast<std::int32_t>(pieces_[touched_[row].piece].end);
+  const auto inside = [&](std::int32_t u) { return u >= t && u < end; };
+  add_own_blocks(t, [&](std::int32_t u, const Block& b) {
+    if (inside(u)) add(u, b);
+  });
+  for (std::int32_t k = incidence_first_[row]; k < incidence_first_[row + 1]; ++k) {
+    const auto [i, mine] = incidence_[k];
+    const Block left = rows.block[mine].transpose() * rows.stiffness[i];
+    for (std::int32_t e = rows.first[i]; e < rows.first[i + 1]; ++e)
+      if (const std::int32_t u = local_[rows.offset[e]]; inside(u)) add(u, left * rows.block[e]);
+  }
+}
+
+template <class F>
+void ContactFactor::for_rows(const F& f) {
   const std::size_t n = touched_.size();
-  chunks_.resize((n + kRows - 1) / kRows);
-  length_.resize(n);
-  parallel_for(chunks_.size(), [&](std::size_t c) {
-    Chunk& out = chunks_[c];
-    out.column.clear(), out.value.clear();
+  parallel_for((n + kRows - 1) / kRows, [&](std::size_t c) {
     auto workspace = sums_->borrow();
-    RowSum& sum = *workspace;
-    sum.begin(n);
-    for (std::size_t row = c * kRows; row < std::min(n, (c + 1) * kRows); ++row) {
-      const auto t = static_cast<std::int32_t>(row);
-      const Piece& piece = pieces_[touched_[row].piece];
-      const auto inside = [&](std::int32_t u) { return u >= t && u < static_cast<std::int32_t>(piece.end); };
-      add_own_blocks(t, [&](std::int32_t u, const Block& b) {
-        if (inside(u)) sum.add(u, b);
-      });
-      for (std::int32_t k = incidence_first_[row]; k < incidence_first_[row + 1]; ++k) {
-        const auto [i, mine] = incidence_[k];
-        const Block left = rows.block[mine].transpose() * rows.stiffness[i];
-        for (std::int32_t e = rows.first[i]; e < rows.first[i + 1]; ++e)
-          if (const std::int32_t u = local_[rows.offset[e]]; inside(u)) sum.add(u, left * rows.block[e]);
-      }
-      length_[row] = static_cast<std::int32_t>(sum.take(out.column, out.value));
-    }
+    workspace->begin(n);
+    for (std::size_t row = c * kRows; row < std::min(n, (c + 1) * kRows); ++row) f(c, row, *workspace);
   });
 }
 
-void ContactFactor::factor(const ContactRows& rows, std::size_t whole, std::size_t most_in_a_piece) {
-  find_touched(rows, whole);
-  if (touched_.empty()) return;
-  cut(rows, whole, most_in_a_piece);
-  find_incidence(rows);
-  refactor(rows);
-}
-
-void ContactFactor::refactor(const ContactRows& rows) {
-  if (touched_.empty()) return;
-  assemble(rows);
+void ContactFactor::assemble(const ContactRows& rows) {
+  const std::size_t n = touched_.size();
+  chunks_.resize((n + kRows - 1) / kRows);
+  for (Chunk& c : chunks_) c.column.clear(), c.value.clear();
+  length_.resize(n);
+  for_rows([&](std::size_t c, std::size_t row, RowSum& sum) {
+    add_row(rows, row, [&](std::int32_t u, const Block& b) { sum.add(u, b); });
+    length_[row] = static_cast<std::int32_t>(sum.take(chunks_[c].column, chunks_[c].value));
+  });
   // Rows lie one after another in the chunks; a piece is a run of them.
   std::size_t chunk = 0, at = 0;
   for (std::size_t p = 0; p < piece_count_; ++p) {
@@ -277,6 +160,27 @@ void ContactFactor::refactor(const ContactRows& rows) {
       now.first.push_back(static_cast<std::int32_t>(now.column.size()));
     }
   }
+}
+
+void ContactFactor::assemble_again(const ContactRows& rows) {
+  for_rows([&](std::size_t, std::size_t row, RowSum& sum) {
+    Piece& piece = pieces_[touched_[row].piece];
+    const std::int32_t from = piece.before.first[row - piece.begin], to = piece.before.first[row - piece.begin + 1];
+    const auto column = std::span(piece.before.column).subspan(from, to - from);
+    const auto first = static_cast<std::int32_t>(piece.begin);
+    Block* const value = piece.value.data() + from;
+    sum.expect(column, first, value);
+    add_row(rows, row, [&](std::int32_t u, const Block& b) { sum.add_expected(u, b, value); });
+    sum.forget(column, first);
+  });
+}
+
+void ContactFactor::factor(const ContactRows& rows, std::size_t whole, std::size_t most_in_a_piece) {
+  find_touched(rows, whole);
+  if (touched_.empty()) return;
+  cut(rows, whole, most_in_a_piece);
+  find_incidence(rows);
+  assemble(rows);
   parallel_for(piece_count_, [&](std::size_t p) {
     Piece& piece = pieces_[p];
     if (piece.pattern.first != piece.before.first || piece.pattern.column != piece.before.column) {
@@ -285,6 +189,12 @@ void ContactFactor::refactor(const ContactRows& rows) {
     }
     piece.factor.factor(piece.value);
   });
+}
+
+void ContactFactor::refactor(const ContactRows& rows) {
+  if (touched_.empty()) return;
+  assemble_again(rows);
+  parallel_for(piece_count_, [&](std::size_t p) { pieces_[p].factor.factor(pieces_[p].value); });
 }
 
 void ContactFactor::apply(std::span<const double> r, std::span<double> z) {

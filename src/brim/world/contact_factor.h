@@ -87,7 +87,16 @@ class ContactFactor {
   void take_thin_whole(std::size_t most);
   void cut(const ContactRows& rows, std::size_t whole, std::size_t most);
   void find_incidence(const ContactRows& rows);
+  /// Calls add(column, block) for what a row of the upper triangle is made of, within its piece.
+  template <class Add>
+  void add_row(const ContactRows& rows, std::size_t row, const Add& add) const;
+  /// Calls f(chunk, row, sum) for all rows, those of a chunk in order.
+  template <class F>
+  void for_rows(const F& f);
+  /// Finds patterns and values of the pieces.
   void assemble(const ContactRows& rows);
+  /// The values alone, in the patterns as they are.
+  void assemble_again(const ContactRows& rows);
   template <class Add>
   void add_own_blocks(std::int32_t t, const Add& add) const;
   template <class F>
