@@ -71,8 +71,8 @@ void CoarseSpace::take_modes(const Body& body, std::size_t n, Modes& m) const {
 }
 
 void CoarseSpace::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
-                        std::span<const WorldPart> parts, const ContactMaps& maps, const ContactSet& contacts,
-                        std::span<const std::uint8_t> without) {
+                        std::span<const WorldPart> parts, std::span<const std::uint8_t> without) {
+  seen_ = false;
   modes_.resize(bodies.size());
   complete_.resize(bodies.size());
   first_v_.assign(first_v.begin(), first_v.end());
@@ -91,17 +91,18 @@ void CoarseSpace::begin(std::span<const std::unique_ptr<Body>> bodies, std::span
     complete_[b] = !without[b] && static_cast<std::size_t>(modes_[b].count) == first_v[b + 1] - first_v[b];
   }
   coarse_.resize(static_cast<Eigen::Index>(rows));
+}
 
-  // What each contact sees of the k-th mode of both sides.
-  const std::size_t n = contacts.size();
+void CoarseSpace::see(const ContactMaps& maps, std::size_t n) {
+  seen_ = true;
   seen_a_.resize(n), seen_b_.resize(n), velocity_a_.resize(n), velocity_b_.resize(n);
-  column_.resize(first_v.back());
+  column_.resize(first_v_.back());
   for (int k = 0; k < kModes; ++k) {
     std::fill(column_.begin(), column_.end(), 0.0);
-    for (std::size_t b = 0; b < bodies.size(); ++b)
+    for (std::size_t b = 0; b < modes_.size(); ++b)
       if (k < modes_[b].count) {
-        const std::size_t size = first_v[b + 1] - first_v[b];
-        std::copy_n(modes_[b].columns.data() + k * size, size, column_.data() + first_v[b]);
+        const std::size_t size = first_v_[b + 1] - first_v_[b];
+        std::copy_n(modes_[b].columns.data() + k * size, size, column_.data() + first_v_[b]);
       }
     maps.velocities(column_, velocity_a_, velocity_b_);
     for (std::size_t c = 0; c < n; ++c) seen_a_[c].col(k) = velocity_a_[c], seen_b_[c].col(k) = velocity_b_[c];
@@ -114,7 +115,8 @@ void CoarseSpace::add_block(const Block& block, const Modes& a, const Modes& b) 
       entries_.emplace_back(static_cast<int>(a.row) + i, static_cast<int>(b.row) + j, block(i, j));
 }
 
-bool CoarseSpace::factor(const ContactSet& contacts, const Penalty& response) {
+bool CoarseSpace::factor(const ContactMaps& maps, const ContactSet& contacts, const Penalty& response) {
+  if (!seen_) see(maps, contacts.size());
   pair_blocks_.resize(contacts.pairs.size());
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     std::array<Block, 3>& sum = pair_blocks_[p];

@@ -22,13 +22,13 @@ namespace brim {
 /// nodes where a body has told them (BlockSystem), else over six vectors.
 class CoarseSpace {
  public:
-  /// Takes the motions of the bodies and what the contacts see of them. Bodies must have begun their solve.
+  /// Takes the motions of the bodies. They must have begun their solve.
   /// @param without  nonzero for bodies that are left out, shape (bodies)
   void begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
-             std::span<const WorldPart> parts, const ContactMaps& maps, const ContactSet& contacts,
-             std::span<const std::uint8_t> without);
-  /// Assembles and factors Rᵀ A R with the contact stiffness in force. @return false when it is not definite
-  bool factor(const ContactSet& contacts, const Penalty& response);
+             std::span<const WorldPart> parts, std::span<const std::uint8_t> without);
+  /// Assembles and factors Rᵀ A R with the contact stiffness in force.
+  /// @param maps  of all contacts, the same ones until begin @return false when it is not definite
+  bool factor(const ContactMaps& maps, const ContactSet& contacts, const Penalty& response);
 
   /// True when the modes span everything that the body can do.
   bool complete(std::size_t body) const { return complete_[body]; }
@@ -57,6 +57,8 @@ class CoarseSpace {
   /// Rᵀ r of one body, and z += R c.
   static Eigen::VectorXd restricted(const Modes& m, std::span<const double> r);
   static void add_prolonged(const Modes& m, const Eigen::VectorXd& c, std::span<double> z);
+  /// What each contact sees of the motions.
+  void see(const ContactMaps& maps, std::size_t contacts);
   void take_modes(const Body& body, std::size_t n, Modes& m) const;
   void add_block(const Block& block, const Modes& a, const Modes& b);
 
@@ -64,6 +66,7 @@ class CoarseSpace {
   std::vector<std::uint8_t> complete_;
   std::vector<std::size_t> first_v_;
   std::vector<std::int32_t> body_of_part_;
+  bool seen_ = false;                  ///< since begin
   std::vector<Seen> seen_a_, seen_b_;  ///< per contact
   std::vector<std::array<Block, 3>> pair_blocks_;
   std::vector<Eigen::Triplet<double>> entries_;

@@ -71,6 +71,7 @@ void ContactFactor::begin(std::span<const std::unique_ptr<Body>> bodies, std::sp
   diagonal_ = &diagonal;
   owner_.resize(bodies.size()), rigid_.resize(bodies.size());
   all_rigid_ = true;
+  free_ = 0;
   prescribed_.assign(first_v.back(), 0);
   touched_.clear();
   for (std::size_t b = 0; b < bodies.size(); ++b) {
@@ -81,7 +82,9 @@ void ContactFactor::begin(std::span<const std::unique_ptr<Body>> bodies, std::sp
     rigid_[b] = sparse[b] && one_of_six && !o.system && !bodies[b]->immobile();
     o.known = (sparse[b] && o.system) || rigid_[b];
     all_rigid_ = all_rigid_ && (rigid_[b] || bodies[b]->immobile());
+    if (!bodies[b]->immobile()) free_ += first_v[b + 1] - first_v[b];
     if (!o.system) continue;
+    free_ -= 3 * o.system->prescribed.size();
     for (const std::int32_t r : o.system->prescribed)
       std::fill_n(prescribed_.begin() + static_cast<std::ptrdiff_t>(o.first_v + 3 * static_cast<std::size_t>(r)), 3, 1);
   }

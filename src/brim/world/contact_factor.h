@@ -46,6 +46,8 @@ class ContactFactor {
   /// True when all that moves are such bodies.
   bool knows_all_rigid() const { return all_rigid_; }
   bool empty() const { return touched_.empty(); }
+  /// True when all that moves is touched and nothing is cut: the factor is that of the whole system.
+  bool complete() const { return piece_count_ == 1 && 3 * touched_.size() == free_; }
   /// Writes z on the touched velocities; the others are left alone.
   void apply(std::span<const double> r, std::span<double> z);
 
@@ -106,6 +108,7 @@ class ContactFactor {
   std::vector<Owner> owner_;         ///< per body
   std::vector<std::uint8_t> rigid_;  ///< per body
   bool all_rigid_ = false;
+  std::size_t free_ = 0;                  ///< velocities that nothing prescribes
   std::vector<std::uint8_t> prescribed_;  ///< per velocity
   std::vector<float> contact_trace_;      ///< [kg] of each node's block of Jᵀ K J, per velocity
   std::vector<std::int32_t> local_;       ///< per velocity: the touched block that starts there, or -1

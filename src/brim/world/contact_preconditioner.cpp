@@ -12,6 +12,10 @@ std::size_t count_acting(std::span<const std::uint8_t> acting) {
   return static_cast<std::size_t>(std::ranges::count_if(acting, [](std::uint8_t a) { return a != 0; }));
 }
 
+std::size_t may_differ(std::size_t acting) {
+  return std::min(ContactPreconditioner::kMayDiffer, acting / ContactPreconditioner::kFew);
+}
+
 /// Contacts of the rows that act.
 std::size_t count_held(const ContactRows& rows, std::span<const std::uint8_t> acting) {
   return static_cast<std::size_t>(std::ranges::count_if(rows.contact, [&](std::uint32_t c) { return acting[c] != 0; }));
@@ -38,8 +42,9 @@ void ContactPreconditioner::reserve(const ContactMaps& all) {
 }
 
 void ContactPreconditioner::make(const ContactMaps& acting, const Penalty& response, bool first) {
-  // Contacts that let go stay as rows without stiffness; those that come ask for new ones.
-  const bool known = !first && count_held(rows_, response.acting()) == count_acting(response.acting());
+  // Contacts that let go stay as rows without stiffness, and a few that come are left out: what is touched stays.
+  const std::size_t acting_now = count_acting(response.acting());
+  const bool known = !first && acting_now - count_held(rows_, response.acting()) <= may_differ(acting_now);
   if (!known) {
     const ProfileScope scope("contact rows");
     acting.gather_rows(rows_);
@@ -56,7 +61,7 @@ void ContactPreconditioner::make(const ContactMaps& acting, const Penalty& respo
 
 bool ContactPreconditioner::serves(const Penalty& response) const {
   const std::size_t changed = count_changed(rows_, response.acting(), [&](std::size_t c) { return response.block(c); });
-  return changed <= std::min(kMayDiffer, count_acting(response.acting()) / kFew);
+  return changed <= may_differ(count_acting(response.acting()));
 }
 
 }  // namespace brim

@@ -46,6 +46,8 @@ class ContactPreconditioner {
   std::span<const std::uint8_t> rigid() const { return factor_.rigid(); }
   /// True when all that moves are such bodies.
   bool knows_all_rigid() const { return factor_.knows_all_rigid(); }
+  /// True when what was made is the inverse of the system, but for rounding in single precision.
+  bool complete() const { return factor_.complete(); }
   /// Writes z on the touched velocities; the others are left alone.
   void apply(std::span<const double> r, std::span<double> z) { factor_.apply(r, z); }
 

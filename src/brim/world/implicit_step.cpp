@@ -185,7 +185,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     const ProfileScope scope("coarse modes, made");
     without_ = lone_;
     for (std::size_t b = 0; b < bodies.size(); ++b) without_[b] |= asleep(b);
-    modes_.begin(bodies, first_v, parts, maps, contact_set, without_);
+    modes_.begin(bodies, first_v, parts, without_);
   }
   system.precondition = [&](std::span<const double> r, std::span<double> z) {
     parallel_for(bodies.size(), [&](std::size_t b) {
@@ -245,7 +245,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
         const ScopedSeconds contact_timer(contact_seconds);
         preconditioner_.make(acting_, response, pass == 0);
         const ProfileScope scope("coarse modes, factored");
-        coarse = !whole && modes_.factor(contact_set, response);
+        coarse = !whole && !preconditioner_.complete() && modes_.factor(maps, contact_set, response);
       }
     };
     // Loads that have settled leave the preconditioner as good as it was, and so do few contacts that change; the
