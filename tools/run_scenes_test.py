@@ -33,6 +33,20 @@ class Judge(unittest.TestCase):
     def test_a_run_without_its_end_surprises(self):
         self.assertEqual(self.counts(summary({"ok": True}, end="failed")), (1, 0, 1))
 
+    def test_chaotic_metrics_are_judged_by_their_median(self):
+        values = (0.9, 1.1, 0.8)
+        each = [summary({"ok": v <= 1.0, "value": v}) for v in values]
+        self.assertTrue(run_scenes.over_starts(each, {"contacts"})["expect"][0]["ok"])
+        self.assertFalse(run_scenes.over_starts(each, set())["expect"][0]["ok"])
+        each = [summary({"ok": False, "value": v, "known_miss": "2", "known_worst": 2.5}) for v in (2.0, 2.4, 9.0)]
+        self.assertEqual(tuple(map(len, run_scenes.judge(run_scenes.over_starts(each, {"contacts"})))), (0, 1, 0))
+        each = [summary({"ok": False, "value": v, "known_miss": "2", "known_worst": 2.5}) for v in (2.0, 2.6, 9.0)]
+        self.assertEqual(tuple(map(len, run_scenes.judge(run_scenes.over_starts(each, {"contacts"})))), (0, 0, 1))
+
+    def test_one_start_that_ends_early_counts(self):
+        each = [summary({"ok": True}), summary({"ok": True}, end="failed")]
+        self.assertEqual(tuple(map(len, run_scenes.judge(run_scenes.over_starts(each, set())))), (1, 0, 1))
+
     def test_pairs_are_held_to_their_list(self):
         figures = {"pairs": [{"upper": u, "lower": "b", "run": u != "d", "ok": u in "ac"} for u in "acdef"]}
         met, known, surprises = run_scenes.judge_pairs(figures, {"c on b": "known", "e on b": "known"})
@@ -47,6 +61,12 @@ class Lists(unittest.TestCase):
         for name in ("fast.txt", "slow.txt"):
             for scene in run_scenes.names_in(run_scenes.ROOT / "scenes" / name):
                 self.assertIn(scene, everything)
+
+    def test_starts_name_scenes_and_metrics_that_are_there(self):
+        for name, (options, metrics) in run_scenes.starts_in().items():
+            self.assertIn(options[0], ("--seeds", "--set"))
+            expected = run_scenes.read_json(run_scenes.ROOT / "scenes" / f"{name}.json")["expect"]
+            self.assertLessEqual(metrics, {e["metric"] for e in expected})
 
     def test_every_scene_expects_something(self):
         for name, (_, path) in run_scenes.jobs("brim", Path("out"), Path("plugin")).items():

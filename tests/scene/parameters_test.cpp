@@ -103,6 +103,17 @@ TEST(Parameters, ASeedGoesToItsParameterOrToEveryRepeat) {
   EXPECT_NE(message_of(kBall, s).find("nothing of the scene is random"), std::string::npos);
 }
 
+TEST(Parameters, ASeedThatIsLeftOutIsCountedOnAsWell) {
+  SceneSettings s;
+  s.seed = 4;
+  const Scene other = scene_of(R"({"brim": 1, "name": "heap", "frames": 1, "bodies": [
+    {"kind": "points", "name": "a", "radius": 0.1, "grid": {"count": [2, 2, 2], "spacing": 0.25, "jitter": 0.02}},
+    {"kind": "rigid", "name": "b", "shape": {"kind": "blob", "radius": 1}, "transform": {"position": [5, 0, 0]}}]})",
+                               s);
+  EXPECT_EQ(other.document->root["bodies"][0]["seed"], 4);
+  EXPECT_EQ(other.document->root["bodies"][1]["shape"]["seed"], 4);
+}
+
 TEST(Presets, GiveNumbersThatAreNotGiven) {
   const Scene s = scene_of(R"({"brim": 1, "name": "p", "frames": 1,
     "materials": {"tyre": {"preset": "rubber", "restitution": 0.1}, "plate": {"preset": "steel"}},

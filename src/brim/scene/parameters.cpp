@@ -139,12 +139,18 @@ void set_at(Json& root, const std::string& pointer, const Json& value) {
   }
 }
 
-/// Whether a value has "seed" or a repeat with one; adds to each.
+/// Writes the seed that a repeat, a heap of grains or a blob has where it is left out.
+void tell_seed(Json& value) {
+  if (value.contains("repeat") && value["repeat"].is_object()) value["repeat"].emplace("seed", 1);
+  const Json kind = value.value("kind", Json());
+  if (kind == "blob" || (kind == "points" && value.contains("radius"))) value.emplace("seed", 1);
+}
+
+/// Whether a value has "seed", said or not; adds to each.
 bool add_to_seeds(Json& value, std::uint64_t more) {
   bool found = false;
   if (value.is_object()) {
-    if (value.contains("repeat") && value["repeat"].is_object() && !value["repeat"].contains("seed"))
-      value["repeat"]["seed"] = 1;
+    tell_seed(value);
     for (auto& [key, member] : value.items()) {
       if (key == "seed" && member.is_number_integer()) {
         member = member.get<std::uint64_t>() + more;
@@ -210,8 +216,9 @@ void apply_seed(Document& document, std::uint64_t seed) {
   const bool found = add_to_seeds(bodies, seed - 1);
   if (found && seed > 1) document.root["bodies"] = std::move(bodies);
   if (!found)
-    throw InputError(document.file +
-                     ": nothing of the scene is random; a seed needs a \"repeat\", or a parameter \"seed\"");
+    throw InputError(
+        document.file +
+        ": nothing of the scene is random; a seed needs a \"repeat\", grains, a blob, or a parameter \"seed\"");
 }
 
 }  // namespace brim
