@@ -39,6 +39,8 @@ def middle(case, run):
 
 @experiment(law="T = 2π / √(g k tanh k H), k = π / L", source="Lamb, Hydrodynamics, § 228", unit="s", tolerance=0.05, cases=cases(fluid=("particles", "grid")),
             theory=2 * math.pi / math.sqrt(G * math.pi / 0.5 * math.tanh(math.pi * 0.3 / 0.5)), measure=lambda c, r: fits.period(*middle(c, r)),
+            misses={"fluid particles": "2.6 to 6.6 % short over seven starts that differ by up to 1 mm: after a second the lattice of the pool gives way, which moves "
+                                       "the centre by as much as the waves are then high, a fiftieth of a spacing. A start of perfect symmetry was 2 % short"},
             curve=middle, axes=("t [s]", "centre of mass [m]"))
 def sloshing(case):
     """The water of a basin of 0.5 m, ten particles or cells wide, is given a push, and sloshes to and fro."""
