@@ -105,7 +105,7 @@ def over_starts(summaries, by_median):
     """The summaries of several starts as that of one run: of the metrics that are named the median, of others what is worst."""
     joined = {"end": next((s["end"] for s in summaries if s["end"] != "completed"), "completed"), "expect": []}
     for of_each in zip(*(s["expect"] for s in summaries)):
-        e = dict(next((x for x in of_each if not x["ok"]), of_each[0]))
+        e = dict(max(of_each, key=lambda x: (bool(x.get("worse")), not x["ok"])))
         values = [x["value"] for x in of_each if x.get("value") is not None]
         if e["metric"] in by_median and len(values) == len(of_each):
             value = statistics.median(values)
@@ -168,6 +168,8 @@ def run(name, command, path, out, limit):
         if name not in starts:
             return name, seconds, *judge(json.loads((out / name / "summary.json").read_text(encoding="utf-8")))
         summaries = [json.loads(p.read_text(encoding="utf-8")) for p in sorted((out / name).glob("*/summary.json"))]
+        if code or not summaries:
+            return name, seconds, [], [], [f"a start did not come to its end: {errors.strip()[-300:]}"]
         return name, seconds, *judge(over_starts(summaries, starts[name][1]))
     except (OSError, ValueError, KeyError) as error:
         return name, seconds, [], [], [f"its figures cannot be read: {error!r}; {errors.strip()[-300:]}"]

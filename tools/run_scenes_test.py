@@ -2,6 +2,7 @@
 
 import json
 import sys
+import tempfile
 import unittest
 from pathlib import Path
 
@@ -42,6 +43,19 @@ class Judge(unittest.TestCase):
         self.assertEqual(tuple(map(len, run_scenes.judge(run_scenes.over_starts(each, {"contacts"})))), (0, 1, 0))
         each = [summary({"ok": False, "value": v, "known_miss": "2", "known_worst": 2.5}) for v in (2.0, 2.6, 9.0)]
         self.assertEqual(tuple(map(len, run_scenes.judge(run_scenes.over_starts(each, {"contacts"})))), (0, 0, 1))
+
+    def test_of_what_is_not_judged_by_its_median_the_worst_start_counts(self):
+        each = [summary({"ok": True, "value": 0.5, "known_miss": "2"}), summary({"ok": False, "value": 1.5, "known_miss": "2"}),
+                summary({"ok": False, "value": 3.0, "known_miss": "2", "known_worst": 2.5, "worse": True})]
+        self.assertEqual(run_scenes.over_starts(each, set())["expect"][0]["value"], 3.0)
+        self.assertEqual(run_scenes.over_starts(each[:2], set())["expect"][0]["value"], 1.5)
+
+    def test_starts_without_figures_surprise(self):
+        name = next(iter(run_scenes.starts_in()))
+        with tempfile.TemporaryDirectory() as folder:
+            for command in (["true"], ["false"]):
+                *_, met, known, surprises = run_scenes.run(name, command, run_scenes.ROOT / "scenes" / f"{name}.json", Path(folder), 10.0)
+                self.assertEqual((met, known, len(surprises)), ([], [], 1))
 
     def test_one_start_that_ends_early_counts(self):
         each = [summary({"ok": True}), summary({"ok": True}, end="failed")]

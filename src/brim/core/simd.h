@@ -48,6 +48,11 @@ BRIM_INLINE void store_wide(const WideIds& r, std::int32_t* at) { std::memcpy(at
 /// As many as the widest machines work on at once.
 inline constexpr int kWidestLanes = 16;
 typedef float WidestFloats __attribute__((vector_size(kWidestLanes * sizeof(float))));
+BRIM_INLINE WidestFloats load_widest(const float* at) {
+  WidestFloats r;
+  std::memcpy(&r, at, sizeof r);
+  return r;
+}
 
 /// Bit l of the result is set where flag l, 0 or −1, is.
 BRIM_INLINE std::uint8_t bits_of(const WideIds& flags) {

@@ -19,25 +19,14 @@ float rounded_down(double x) {
 }
 float rounded_up(double x) { return -rounded_down(-x); }
 
-BRIM_INLINE WideFloats load(const float* at) {
-  WideFloats r;
-  std::memcpy(&r, at, sizeof r);
-  return r;
-}
-
-BRIM_INLINE WideIds load(const std::int32_t* at) {
-  WideIds r;
-  std::memcpy(&r, at, sizeof r);
-  return r;
-}
-
 /// Places begin <= j < end, begin a multiple of kWideLanes, of the boxes of other groups that overlap a box across the
 /// axis.
 BRIM_WIDE void overlapping_across(const float* const* across, const std::int32_t* group, std::size_t begin,
                                   std::size_t end, const float* of, std::int32_t own, std::vector<std::int32_t>& out) {
   for (std::size_t j = begin; j < end; j += kWideLanes) {
-    const WideIds hit = (load(across[0] + j) <= of[1]) & (load(across[1] + j) >= of[0]) &
-                        (load(across[2] + j) <= of[3]) & (load(across[3] + j) >= of[2]) & (load(group + j) != own);
+    const WideIds hit = (load_wide(across[0] + j) <= of[1]) & (load_wide(across[1] + j) >= of[0]) &
+                        (load_wide(across[2] + j) <= of[3]) & (load_wide(across[3] + j) >= of[2]) &
+                        (load_wide(group + j) != own);
     std::int64_t halves[kWideLanes / 2];
     std::memcpy(halves, &hit, sizeof hit);
     if ((halves[0] | halves[1] | halves[2] | halves[3]) == 0) continue;

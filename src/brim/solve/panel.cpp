@@ -79,13 +79,12 @@ BRIM_INLINE void multiply_columns(const float* a, const float* b, std::size_t st
                                   std::size_t out) {
   WidestFloats s[N] = {};
   for (std::size_t k = 0; k < depth; ++k, a += stride, b += stride) {
-    WidestFloats x;
-    __builtin_memcpy(&x, a, sizeof x);
+    const WidestFloats x = load_widest(a);
 #pragma GCC unroll 12
     for (int j = 0; j < N; ++j) s[j] += x * b[j];
   }
 #pragma GCC unroll 12
-  for (int j = 0; j < N; ++j, c += out) __builtin_memcpy(c, &s[j], sizeof s[j]);
+  for (int j = 0; j < N; ++j, c += out) store_lanes(c, s[j]);
 }
 
 BRIM_WIDE void multiply_transposed(const float* a, const float* b, std::size_t stride, std::size_t rows,

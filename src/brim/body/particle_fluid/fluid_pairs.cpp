@@ -1,7 +1,5 @@
 #include "brim/body/particle_fluid/fluid_pairs.h"
 
-#include <cstring>
-
 #include "brim/core/parallel.h"
 #include "brim/core/simd.h"
 
@@ -40,11 +38,7 @@ BRIM_INLINE FloatLanes sum_of(const Chains& s, const FloatLanes& rest) {
 
 BRIM_INLINE FloatLanes all_of(float x) { return FloatLanes{x, x, x, x}; }
 BRIM_INLINE FloatLanes lanes(const FluidPairs::Vec4& x) { return load_lanes(x.data()); }
-BRIM_INLINE Chains chains(const FluidPairs::Vec4* x) {
-  Chains out;
-  std::memcpy(&out, x, sizeof out);
-  return out;
-}
+BRIM_INLINE Chains chains(const FluidPairs::Vec4* x) { return load_widest(x->data()); }
 BRIM_INLINE Chains chains(const FluidPairs::Vec4* x, const std::int32_t* j) {
   return join(lanes(x[j[0]]), lanes(x[j[1]]), lanes(x[j[2]]), lanes(x[j[3]]));
 }
