@@ -13,6 +13,8 @@
 #define BRIM_WIDE
 #endif
 #define BRIM_INLINE __attribute__((always_inline)) inline
+/// Of a lambda that is called in a function compiled for wide registers.
+#define BRIM_LAMBDA_INLINE __attribute__((always_inline))
 // Vectors of doubles do not leave a file, so it does not matter how a machine without them would pass them on.
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wpsabi"
@@ -48,6 +50,7 @@ BRIM_INLINE void store_wide(const WideIds& r, std::int32_t* at) { std::memcpy(at
 /// As many as the widest machines work on at once.
 inline constexpr int kWidestLanes = 16;
 typedef float WidestFloats __attribute__((vector_size(kWidestLanes * sizeof(float))));
+typedef std::int32_t WidestIds __attribute__((vector_size(kWidestLanes * sizeof(std::int32_t))));
 BRIM_INLINE WidestFloats load_widest(const float* at) {
   WidestFloats r;
   std::memcpy(&r, at, sizeof r);

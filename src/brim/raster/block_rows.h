@@ -8,9 +8,6 @@
 #include "brim/grid/tile.h"
 #include "brim/raster/tile_bins.h"
 
-/// Of a lambda that is called in a function compiled for wide registers.
-#define BRIM_LAMBDA_INLINE __attribute__((always_inline))
-
 namespace brim {
 
 /// Scratch of one block while primitives are splatted into it, eight nodes of a row at a time and in single precision.

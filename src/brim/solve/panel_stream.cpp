@@ -84,6 +84,28 @@ BRIM_INLINE Three decode(const Triple* stream) {
            __builtin_convertvector(w & kHigh, WideFloats)}};
 }
 
+/// Sixteen rows of three columns: those of two chunks that follow one another.
+struct WideThree {
+  WidestFloats column[3];
+};
+template <class V>
+BRIM_INLINE auto joined(const V& a, const V& b) {
+  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+}
+BRIM_INLINE WideThree decode_two(const float* stream, const float* next) {
+  WideThree r;
+  for (int i = 0; i < 3; ++i)
+    r.column[i] = joined(load_wide(stream + i * kWideLanes), load_wide(next + i * kWideLanes));
+  return r;
+}
+BRIM_INLINE WideThree decode_two(const Triple* stream, const Triple* next) {
+  constexpr auto kHigh = static_cast<std::int32_t>(kTenBits << kThird);
+  const WidestIds w = joined(load(stream), load(next));
+  return {{__builtin_convertvector(w << (kThird - kFirst), WidestFloats),
+           __builtin_convertvector((w << (kThird - kSecond)) & kHigh, WidestFloats),
+           __builtin_convertvector(w & kHigh, WidestFloats)}};
+}
+
 /// The largest magnitude of some numbers.
 BRIM_INLINE float largest(const float* x, std::size_t n) {
   WideFloats most = {};
@@ -141,14 +163,27 @@ BRIM_INLINE void square_product(const float* s, const float* v, float (&x)[2 * k
 /// y -= B x, B the N columns of a block as a stream.
 template <int N, class T>
 BRIM_INLINE void subtract_product(const T* stream, const float* x, std::size_t n, float* y) {
-  for (std::size_t c = 0; c < n; ++c, y += kWideLanes) {
-    WideFloats sum[3];
-    for (int k = 0; k < N; k += 3, stream += chunk_size<T>(3)) {
-      const Three b = decode(stream);
-      for (int i = 0; i < 3; ++i) sum[i] = k == 0 ? b.column[i] * x[i] : sum[i] + b.column[i] * x[k + i];
+  const auto sum_of = [x](const auto& of) BRIM_LAMBDA_INLINE {
+    auto b = of(0);
+    auto s0 = b.column[0] * x[0], s1 = b.column[1] * x[1], s2 = b.column[2] * x[2];
+    for (int k = 3; k < N; k += 3) {
+      b = of(k);
+      s0 += b.column[0] * x[k], s1 += b.column[1] * x[k + 1], s2 += b.column[2] * x[k + 2];
     }
-    store_wide(load_wide(y) - ((sum[0] + sum[1]) + sum[2]), y);
+    return (s0 + s1) + s2;
+  };
+  constexpr std::size_t kChunk = chunk_size<T>(N);
+  for (; n >= 2; n -= 2, y += kWidestLanes, stream += 2 * kChunk) {
+    const auto two = [stream](int k) BRIM_LAMBDA_INLINE {
+      const T* at = stream + chunk_size<T>(static_cast<std::size_t>(k));
+      return decode_two(at, at + kChunk);
+    };
+    store_lanes(y, WidestFloats(load_widest(y) - sum_of(two)));
   }
+  if (n == 0) return;
+  const auto one = [stream](int k)
+                       BRIM_LAMBDA_INLINE { return decode(stream + chunk_size<T>(static_cast<std::size_t>(k))); };
+  store_wide(load_wide(y) - sum_of(one), y);
 }
 
 /// t = Bᵀ y
