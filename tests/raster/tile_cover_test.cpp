@@ -45,7 +45,7 @@ TEST(TileCover, NamesTheOctantsWithANodeInABox) {
     const Aabb region{Vec3(-1.7, -1.9, -1.1), Vec3(1.3, 1.8, 2.1)};
     TileCover cover;
     std::vector<OctantTile> out;
-    cover.cover(region, h, out, std::pair(boxes.size(), [&](std::size_t i) { return boxes[i]; }));
+    cover.cover(region, h, out, BoxList{boxes.size(), [&](std::size_t i) { return boxes[i]; }});
     boxes.pop_back();
     const auto expected = by_nodes(boxes, region, h);
     ASSERT_EQ(out.size(), expected.size());
@@ -61,7 +61,7 @@ TEST(TileCover, HugeRegionsTakeMoreThanNeededNeverLess) {
   std::vector<OctantTile> out;
   const Aabb box{Vec3(5.0, 6.0, 7.0), Vec3(5.1, 6.1, 7.1)};
   cover.cover(Aabb{Vec3::Constant(-1e3), Vec3::Constant(1e3)}, 0.1, out,
-              std::pair(std::size_t{1}, [&](std::size_t) { return box; }));
+              BoxList{std::size_t{1}, [&](std::size_t) { return box; }});
   const TileKey wanted{6, 7, 8};
   EXPECT_TRUE(std::any_of(out.begin(), out.end(), [&](const OctantTile& t) { return t.tile == wanted; }));
 }

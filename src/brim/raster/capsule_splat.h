@@ -33,7 +33,8 @@ void raster_capsules(std::size_t count, const CapsuleOf& capsule_of, std::span<c
                      std::span<DensityBlock> out, RasterWorkspace& workspace) {
   BRIM_CHECK(tiles.size(), ==, out.size());
   workspace.index.build(tiles);
-  workspace.bins.build(workspace.index, tiles.size(), h, count, [&](std::size_t i) { return capsule_of(i).box(w); });
+  workspace.bins.build(workspace.index, tiles.size(), h,
+                       BoxList{count, [&](std::size_t i) { return capsule_of(i).box(w); }});
   const auto far = static_cast<float>(0.5 * w / h);
   parallel_for(tiles.size(), [&](std::size_t t) {
     BlockScratch scratch;
@@ -54,7 +55,7 @@ void presence_capsules(std::size_t count, const CapsuleOf& capsule_of, double h,
   Aabb box;
   for (std::size_t i = 0; i < count; ++i) box.extend(capsule_of(i).box(w));
   workspace.cover.cover(box.intersection(region), h, out,
-                        std::pair(count, [&](std::size_t i) { return capsule_of(i).box(w); }));
+                        BoxList{count, [&](std::size_t i) { return capsule_of(i).box(w); }});
 }
 
 }  // namespace brim

@@ -17,10 +17,25 @@ namespace brim {
 struct NodeSpan {
   std::int32_t lo[3], hi[3];
   bool empty() const { return lo[0] > hi[0] || lo[1] > hi[1] || lo[2] > hi[2]; }
+  bool meets(const NodeSpan& other) const {
+    bool apart = false;
+    for (int a = 0; a < 3; ++a) apart |= lo[a] > other.hi[a] || hi[a] < other.lo[a];
+    return !apart;
+  }
+  /// With `more` nodes on each side.
+  NodeSpan grown(std::int32_t more) const {
+    return {{lo[0] - more, lo[1] - more, lo[2] - more}, {hi[0] + more, hi[1] + more, hi[2] + more}};
+  }
+  static constexpr NodeSpan all();
 };
 
 /// Nodes farther than this from the origin are all the same; what is no number is there too.
 inline constexpr double kFarthestNode = 1e9;
+
+constexpr NodeSpan NodeSpan::all() {
+  constexpr auto n = static_cast<std::int32_t>(kFarthestNode);
+  return {{-n, -n, -n}, {n, n, n}};
+}
 
 /// Largest node not above a coordinate in voxels, without a call to the library.
 inline std::int32_t node_below(double voxels) {
@@ -55,11 +70,16 @@ class VertexNodes {
   }
   template <std::size_t N>
   NodeSpan around(const std::array<std::int32_t, N>& corners) const {
+    return around(std::span<const std::int32_t, N>(corners));
+  }
+  /// @param corners  at least one
+  template <std::size_t N>
+  NodeSpan around(std::span<const std::int32_t, N> corners) const {
     const std::int32_t* first = next_[corners[0]].data();
     NodeSpan s;
     std::int32_t least[6];
     for (int a = 0; a < 6; ++a) least[a] = first[a];
-    for (std::size_t i = 1; i < N; ++i) {
+    for (std::size_t i = 1; i < corners.size(); ++i) {
       const std::int32_t* at = next_[corners[i]].data();
       for (int a = 0; a < 6; ++a) least[a] = std::min(least[a], at[a]);
     }

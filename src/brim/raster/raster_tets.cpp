@@ -161,6 +161,37 @@ BRIM_WIDE void settle_solid(const BlockScratch& scratch, double h, double w, Den
   });
 }
 
+/// The nodes that all wanted octants span with their rings.
+NodeSpan nodes_wanted(std::span<const TileKey> tiles, std::span<const DensityBlock> blocks) {
+  constexpr auto n = static_cast<std::int32_t>(kFarthestNode);
+  NodeSpan s{{n, n, n}, {-n, -n, -n}};
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    const NodeRange r = wanted_nodes(blocks[t].octants);
+    const std::int32_t tile[3] = {tiles[t].x, tiles[t].y, tiles[t].z};
+    for (int a = 0; a < 3; ++a) {
+      const std::int32_t first = kTileSize * tile[a] - kHalo;
+      s.lo[a] = std::min(s.lo[a], first + r.lo[a]), s.hi[a] = std::max(s.hi[a], first + r.hi[a]);
+    }
+  }
+  return s;
+}
+
+auto tet_boxes(const TetSolid& solid, const VertexNodes& nodes) {
+  return BoxList{solid.tets.size(), [&](std::size_t i) { return nodes.around(solid.tets[i]); },
+                 [&](std::size_t g) {
+                   return solid.groups == nullptr ? NodeSpan::all() : solid.groups->tets.around(nodes, g, 0);
+                 }};
+}
+
+/// @param reach  [voxels] of the boxes beyond their triangles, at most
+template <class BoxOf>
+auto surface_boxes(const TetSolid& solid, const VertexNodes& nodes, double reach, const BoxOf& box_of) {
+  const std::int32_t more = node_above(reach) + 1;
+  return BoxList{solid.surface.size(), box_of, [&solid, &nodes, more](std::size_t g) {
+                   return solid.groups == nullptr ? NodeSpan::all() : solid.groups->surface.around(nodes, g, more);
+                 }};
+}
+
 }  // namespace
 
 void raster_tets(const TetSolid& solid, std::span<const TileKey> tiles, double h, double w, std::span<DensityBlock> out,
@@ -170,11 +201,13 @@ void raster_tets(const TetSolid& solid, std::span<const TileKey> tiles, double h
   workspace.index.build(tiles);
   workspace.reach.build(solid.x, solid.surface, reach);
   workspace.nodes.build(solid.x, h, kEdge);
-  workspace.tets.build(workspace.index, tiles.size(), h, solid.tets.size(),
-                       [&](std::size_t i) { return workspace.nodes.around(solid.tets[i]); });
-  workspace.surface.build(workspace.index, tiles.size(), h, solid.surface.size(), [&](std::size_t i) {
-    return grown(box_of(solid.x, solid.surface[i]), workspace.reach.beyond(i));
-  });
+  const NodeSpan wanted = nodes_wanted(tiles, out);
+  workspace.tets.build(workspace.index, tiles.size(), h, tet_boxes(solid, workspace.nodes), wanted);
+  workspace.surface.build(
+      workspace.index, tiles.size(), h,
+      surface_boxes(solid, workspace.nodes, reach / h,
+                    [&](std::size_t i) { return grown(box_of(solid.x, solid.surface[i]), workspace.reach.beyond(i)); }),
+      wanted);
   const float far2 = static_cast<float>(reach * reach / (h * h));
   parallel_for(tiles.size(), [&](std::size_t t) {
     const Vec3 origin = block_origin(tiles[t], h);
@@ -198,11 +231,10 @@ void cover_tets(const TetSolid& solid, double h, double w, const Aabb& region, s
   Aabb box;
   for (const auto& s : solid.surface) box.extend(box_of(solid.x, s));
   workspace.nodes.build(solid.x, h, kEdge);
-  workspace.cover.cover(
-      box.inflated(0.5 * w).intersection(region), h, out,
-      std::pair(solid.tets.size(), [&](std::size_t i) { return workspace.nodes.around(solid.tets[i]); }),
-      std::pair(solid.surface.size(),
-                [&](std::size_t i) { return box_of(solid.x, solid.surface[i]).inflated(0.5 * w); }));
+  workspace.cover.cover(box.inflated(0.5 * w).intersection(region), h, out, tet_boxes(solid, workspace.nodes),
+                        surface_boxes(solid, workspace.nodes, 0.5 * w / h, [&](std::size_t i) {
+                          return box_of(solid.x, solid.surface[i]).inflated(0.5 * w);
+                        }));
 }
 
 }  // namespace

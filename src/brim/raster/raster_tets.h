@@ -5,6 +5,7 @@
 
 #include "brim/grid/tile.h"
 #include "brim/mesh/tri_mesh.h"
+#include "brim/raster/element_groups.h"
 #include "brim/raster/node_span.h"
 #include "brim/raster/splat_reach.h"
 #include "brim/raster/tile_bins.h"
@@ -12,12 +13,18 @@
 
 namespace brim {
 
+/// What lets raster_tets pass by what is far from the tiles.
+struct TetGroups {
+  ElementGroups tets, surface;
+};
+
 /// A solid of tetrahedra at its current positions. The spans must outlive the call.
 struct TetSolid {
   std::span<const Vec3> x;              ///< nodes, [m]
   std::span<const Tetrahedron> tets;    ///< shape (ne, 4); may be turned inside out by deformation
   std::span<const Triangle> surface;    ///< boundary triangles, indices into x
   std::span<const std::int32_t> owner;  ///< tetrahedron behind each boundary triangle
+  const TetGroups* groups = nullptr;    ///< of tets and surface; none: all are looked at
 };
 
 /// Scratch memory, kept by the caller between calls.

@@ -33,11 +33,11 @@ void raster_triangles(std::span<const Vec3> x, std::span<const Triangle> triangl
   const double reach = 0.5 * (thickness + w);
   workspace.index.build(tiles);
   workspace.reach.build(x, triangles, reach);
-  workspace.bins.build(workspace.index, tiles.size(), h, triangles.size(), [&](std::size_t i) {
-    const Vec3 by = workspace.reach.beyond(i);
-    const Aabb box = box_of(x, triangles[i]);
-    return Aabb{box.lo - by, box.hi + by};
-  });
+  workspace.bins.build(workspace.index, tiles.size(), h, BoxList{triangles.size(), [&](std::size_t i) {
+                                                                   const Vec3 by = workspace.reach.beyond(i);
+                                                                   const Aabb box = box_of(x, triangles[i]);
+                                                                   return Aabb{box.lo - by, box.hi + by};
+                                                                 }});
   const float far2 = static_cast<float>(reach * reach / (h * h));
   parallel_for(tiles.size(), [&](std::size_t t) {
     BlockScratch scratch;
@@ -57,7 +57,7 @@ void cover_triangles(std::span<const Vec3> x, std::span<const Triangle> triangle
   Aabb box;
   for (const Triangle& t : triangles) box.extend(box_of(x, t));
   cover.cover(box.inflated(reach).intersection(region), h, out,
-              std::pair(triangles.size(), [&](std::size_t i) { return box_of(x, triangles[i]).inflated(reach); }));
+              BoxList{triangles.size(), [&](std::size_t i) { return box_of(x, triangles[i]).inflated(reach); }});
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "brim/core/parallel.h"
 #include "brim/grid/tile.h"
+#include "brim/raster/element_groups.h"
 #include "brim/raster/node_span.h"
 
 namespace brim {
@@ -84,19 +85,22 @@ NodeRange nodes_in_box(const Aabb& box, const Vec3& origin, double h, Octants wa
 /// the primitives near the given tiles. Same result for any number of threads.
 class TileBins {
  public:
-  /// @param box_of  box_of(i): Aabb [m] or NodeSpan of all nodes that primitive i may reach
-  template <class BoxOf>
-  void build(const TileIndex& index, std::size_t tile_count, double h, std::size_t primitives, const BoxOf& box_of) {
-    const std::size_t blocks = (primitives + kBlock - 1) / kBlock;
+  /// @param wanted  nodes of the tiles that are asked for: primitives without any of them may be left out
+  template <class BoxOf, class GroupOf>
+  void build(const TileIndex& index, std::size_t tile_count, double h, const BoxList<BoxOf, GroupOf>& list,
+             const NodeSpan& wanted = NodeSpan::all()) {
+    const std::size_t blocks = (list.groups() + kGroups - 1) / kGroups;
     if (pairs_.size() < blocks) pairs_.resize(blocks);
     parallel_for(blocks, [&](std::size_t b) {
       auto& pairs = pairs_[b];
       pairs.clear();
-      const std::size_t end = std::min(primitives, (b + 1) * kBlock);
-      for (std::size_t i = b * kBlock; i < end; ++i) {
-        TileRange r;
-        if (!tiles_of_box(box_of(i), h, index.range(), r)) continue;
-        index.for_each_in(r, [&](std::int32_t t) { pairs.push_back({t, static_cast<std::int32_t>(i)}); });
+      for (std::size_t g = b * kGroups; g < std::min(list.groups(), (b + 1) * kGroups); ++g) {
+        if (!wanted.meets(list.group_of(g))) continue;
+        list.for_group(g, [&](std::size_t i) {
+          TileRange r;
+          if (!tiles_of_box(list.box_of(i), h, index.range(), r)) return;
+          index.for_each_in(r, [&](std::int32_t t) { pairs.push_back({t, static_cast<std::int32_t>(i)}); });
+        });
       }
     });
     sort(blocks, tile_count);
@@ -110,7 +114,7 @@ class TileBins {
   struct Pair {
     std::int32_t tile, primitive;
   };
-  static constexpr std::size_t kBlock = 1024;
+  static constexpr std::size_t kGroups = 32;  // in a block
   void sort(std::size_t blocks, std::size_t tile_count);
 
   std::vector<std::vector<Pair>> pairs_;  // per block of primitives

@@ -1,12 +1,13 @@
 #pragma once
 
 #include <atomic>
-#include <utility>
 #include <vector>
 
 #include "brim/core/parallel.h"
 #include "brim/grid/tile.h"
+#include "brim/raster/element_groups.h"
 #include "brim/raster/node_span.h"
+#include "brim/raster/tile_bins.h"
 
 namespace brim {
 
@@ -22,35 +23,39 @@ class TileCover {
  public:
   /// Clears the set. @param region  finite box; nodes outside of it do not count
   void begin(const Aabb& region, double h) { begin(region, h, kHalo); }
-  /// Adds every tile whose block, halo included, has a node in box_of(i), Aabb [m] or NodeSpan, i in
-  /// [0, n). Parallel over i.
-  template <class BoxOf>
-  void add(std::size_t n, const BoxOf& box_of) {
+  /// Adds every tile whose block, halo included, has a node in one of the boxes. Parallel over them.
+  template <class BoxOf, class GroupOf>
+  void add(const BoxList<BoxOf, GroupOf>& list) {
     if (mark_.empty()) return;
-    parallel_for(
-        n, [&](std::size_t i) { mark_tiles(box_of(i)); }, 1024);
+    for_each_group(
+        list,
+        [&](const NodeSpan& group) {
+          TileRange r;
+          return tiles_of_box(group, h_, range_, r);
+        },
+        [&](std::size_t i) { mark_tiles(list.box_of(i)); });
   }
   void append_to(std::vector<TileKey>& out) const {
     for_each_marked([&](const TileKey& tile, Octants) { out.push_back(tile); });
   }
 
-  /// All of that at once, for several lists of boxes: each a number and a function.
-  template <class... BoxOf>
-  void cover(const Aabb& region, double h, std::vector<TileKey>& out, const std::pair<std::size_t, BoxOf>&... boxes) {
+  /// All of that at once, for several lists of boxes.
+  template <class... List>
+  void cover(const Aabb& region, double h, std::vector<TileKey>& out, const List&... lists) {
     begin(region, h);
-    (add(boxes.first, boxes.second), ...);
+    (add(lists), ...);
     append_to(out);
   }
   /// The same of octants: those with an own node in a box and the region.
-  template <class... BoxOf>
-  void cover(const Aabb& region, double h, std::vector<OctantTile>& out,
-             const std::pair<std::size_t, BoxOf>&... boxes) {
+  template <class... List>
+  void cover(const Aabb& region, double h, std::vector<OctantTile>& out, const List&... lists) {
     begin(region, h, 0);
-    const auto add_octants = [this](std::size_t n, const auto& box_of) {
-      parallel_for(
-          n, [&](std::size_t i) { mark_octants(box_of(i)); }, 1024);
+    const auto add_octants = [this](const auto& list) {
+      for_each_group(
+          list, [&](const NodeSpan& group) { return coarsening_ > 1 || region_.meets(group); },
+          [&](std::size_t i) { mark_octants(list.box_of(i)); });
     };
-    if (!mark_.empty()) (add_octants(boxes.first, boxes.second), ...);
+    if (!mark_.empty()) (add_octants(lists), ...);
     for_each_marked([&](const TileKey& tile, Octants octants) { out.push_back({tile, octants}); });
   }
 
@@ -65,6 +70,16 @@ class TileCover {
     // Threads may mark the same tile, in any order.
     std::atomic_ref<Octants> m(mark_[place]);
     if ((octants & ~m.load(std::memory_order_relaxed)) != 0) m.fetch_or(octants, std::memory_order_relaxed);
+  }
+  /// Calls f(i) for the elements of groups that are near.
+  template <class List, class Near, class F>
+  static void for_each_group(const List& list, const Near& near, const F& f) {
+    parallel_for(
+        list.groups(),
+        [&](std::size_t g) {
+          if (near(list.group_of(g))) list.for_group(g, f);
+        },
+        32);
   }
   /// Calls f(tile, octants), z slowest.
   template <class F>

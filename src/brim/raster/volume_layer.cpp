@@ -92,7 +92,7 @@ void VolumeLayer::presence(double h, double w, const Aabb& region, std::vector<T
   double most = 0.0;
   for (std::size_t i = 0; i < x_.size(); ++i) most = std::max(most, influence(i, w));
   workspace->cover.begin(box_.inflated(most).intersection(region), h);
-  workspace->cover.add(x_.size(), [&](std::size_t i) { return Aabb{x_[i], x_[i]}.inflated(influence(i, w)); });
+  workspace->cover.add(BoxList{x_.size(), [&](std::size_t i) { return Aabb{x_[i], x_[i]}.inflated(influence(i, w)); }});
   workspace->cover.append_to(out);
 }
 
@@ -101,9 +101,10 @@ void VolumeLayer::rasterize(double h, double w, std::span<const TileKey> tiles, 
   const int slot = slot_of(w);
   auto workspace = workspace_.borrow();
   workspace->index.build(tiles);
-  workspace->bins.build(workspace->index, tiles.size(), h, x_.size(), [&](std::size_t i) {
-    return Aabb{x_[i], x_[i]}.inflated(influence(i, w));
-  });
+  workspace->bins.build(workspace->index, tiles.size(), h,
+                        BoxList{x_.size(), [&](std::size_t i) {
+                                  return Aabb{x_[i], x_[i]}.inflated(influence(i, w));
+                                }});
   parallel_for(tiles.size(), [&](std::size_t t) {
     const Vec3 origin = block_origin(tiles[t], h);
     DensityBlock& block = out[t];
@@ -161,9 +162,10 @@ WeightRows VolumeLayer::weights(std::span<const Vec3> points, std::span<const st
   tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
   auto workspace = workspace_.borrow();
   workspace->index.build(tiles);
-  workspace->bins.build(workspace->index, tiles.size(), step, x_.size(), [&](std::size_t i) {
-    return Aabb{x_[i], x_[i]}.inflated(wider * influence(i, widest));
-  });
+  workspace->bins.build(workspace->index, tiles.size(), step,
+                        BoxList{x_.size(), [&](std::size_t i) {
+                                  return Aabb{x_[i], x_[i]}.inflated(wider * influence(i, widest));
+                                }});
 
   const bool rate = kind == LayerWeights::DensityRate;
   std::vector<std::vector<Neighbour>> made(points.size());

@@ -20,21 +20,51 @@ constexpr double kShareOfThickness = 0.25;
 /// [voxels] of a part whose thickness is not known: voxels are chosen so that two fit.
 constexpr double kLeastThickness = 2.0;
 
-/// An upper bound of the pieces without looking at pairs: those of the two fastest parts, met at the finest step.
-/// Infinite where a part is looked at in clusters.
-double most_pieces(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
-                   const WorldOptions& options, double time, double change) {
-  double fastest = 0.0, second = 0.0, h = std::numeric_limits<double>::infinity();
+/// The speeds of the two fastest parts, [m/s]: together no two may be faster.
+class FastestTwo {
+ public:
+  void add(double speed) {
+    second_ = std::max(second_, std::min(first_, speed));
+    first_ = std::max(first_, speed);
+  }
+  double sum() const { return first_ + second_; }
+
+ private:
+  double first_ = 0.0, second_ = 0.0;
+};
+
+/// An upper bound of the pieces without looking at pairs: the two fastest parts met at the finest step.
+double most_pieces(const FastestTwo& speeds, std::span<const WorldPart> parts, const WorldOptions& options,
+                   double time) {
+  double h = std::numeric_limits<double>::infinity();
+  for (const WorldPart& part : parts) h = std::min(h, part.h);
+  return speeds.sum() * time / (options.max_motion_voxels * h);
+}
+
+/// The same before parts are looked at in clusters; infinite where one of them is.
+double most_pieces_of_whole(std::span<const WorldPart> parts, std::span<const double> v,
+                            std::span<const std::size_t> first_v, const WorldOptions& options, double time,
+                            double change) {
+  FastestTwo speeds;
   for (const WorldPart& part : parts) {
     if (dynamic_cast<const MotionClusters*>(part.body) != nullptr) return std::numeric_limits<double>::infinity();
     const auto vb = v.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
-    const double speed = part.body->mean_velocity(part.index, vb).norm() +
-                         part.body->relative_speed_bound(part.index, vb) + (is_fixed(part) ? 0.0 : change);
-    second = std::max(second, std::min(fastest, speed));
-    fastest = std::max(fastest, speed);
-    h = std::min(h, part.h);
+    speeds.add(part.body->mean_velocity(part.index, vb).norm() + part.body->relative_speed_bound(part.index, vb) +
+               (is_fixed(part) ? 0.0 : change));
   }
-  return (fastest + second) * time / (options.max_motion_voxels * h);
+  return most_pieces(speeds, parts, options, time);
+}
+
+double most_pieces_of_clusters(std::span<const std::vector<MotionCluster>> clusters, std::span<const WorldPart> parts,
+                               const WorldOptions& options, double time) {
+  FastestTwo speeds;
+  for (const auto& of_part : clusters) {
+    double most = 0.0;
+    for (const MotionCluster& c : of_part)
+      most = std::max(most, c.velocity.lo.cwiseAbs().cwiseMax(c.velocity.hi.cwiseAbs()).norm() + c.deviation);
+    speeds.add(most);
+  }
+  return most_pieces(speeds, parts, options, time);
 }
 
 /// Clusters of one piece of work, and pairs of them.
@@ -66,7 +96,7 @@ double motion_limit(const WorldPart& a, const WorldPart& b, const WorldOptions& 
 
 double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
                      const WorldOptions& options, double time, double change) {
-  if (most_pieces(parts, v, first_v, options, time, change) <= 1.0) return 1.0;
+  if (most_pieces_of_whole(parts, v, first_v, options, time, change) <= 1.0) return 1.0;
   std::vector<std::vector<MotionCluster>> clusters(parts.size());
   std::vector<std::vector<Aabb>> swept(parts.size());
   const double wide = std::ldexp(0.5 * options.ramp_voxels, coarsest_level(parts));
@@ -85,9 +115,13 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
       clusters[p].push_back(
           {part.body->bounds(part.index), {mean, mean}, part.body->relative_speed_bound(part.index, vb)});
     }
-    for (MotionCluster& c : clusters[p]) {
+    for (MotionCluster& c : clusters[p])
       if (!is_fixed(part)) c.deviation += change;
-      const Aabb now = c.box.inflated(wide * part.h + c.deviation * time);
+  });
+  if (most_pieces_of_clusters(clusters, parts, options, time) <= 1.0) return 1.0;
+  parallel_for(parts.size(), [&](std::size_t p) {
+    for (const MotionCluster& c : clusters[p]) {
+      const Aabb now = c.box.inflated(wide * parts[p].h + c.deviation * time);
       Aabb box = now;
       box.extend(Aabb{now.lo + time * c.velocity.lo, now.hi + time * c.velocity.hi});
       swept[p].push_back(box);

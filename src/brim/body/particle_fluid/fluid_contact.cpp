@@ -68,7 +68,7 @@ void FluidContact::presence(double h, const Aabb& region, std::vector<TileKey>& 
   for (const Vec3& p : x) box.extend(p);
   auto workspace = workspace_.borrow();
   workspace->cover.begin(box.inflated(H).intersection(region), h);
-  workspace->cover.add(x.size(), [&](std::size_t i) { return Aabb{x[i], x[i]}.inflated(H); });
+  workspace->cover.add(BoxList{x.size(), [&](std::size_t i) { return Aabb{x[i], x[i]}.inflated(H); }});
   workspace->cover.append_to(out);
 }
 
@@ -85,9 +85,9 @@ void FluidContact::rasterize(double h, std::span<const TileKey> tiles, std::span
   const double H = kernel_.support();
   auto workspace = workspace_.borrow();
   workspace->index.build(tiles);
-  workspace->bins.build(workspace->index, tiles.size(), h, x.size(), [&](std::size_t i) {
-    return Aabb{x[i], x[i]}.inflated(H);
-  });
+  workspace->bins.build(workspace->index, tiles.size(), h, BoxList{x.size(), [&](std::size_t i) {
+                                                                     return Aabb{x[i], x[i]}.inflated(H);
+                                                                   }});
   const TileBins& bins = workspace->bins;
   parallel_for(tiles.size(), [&](std::size_t t) {
     DensityBlock& block = out[t];

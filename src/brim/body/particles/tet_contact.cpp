@@ -13,6 +13,8 @@ TetContact::TetContact(const TetMesh& mesh) : tets_(mesh.tets), fallback_(tets_)
   TetSurface surface = tet_surface(mesh);
   surface_ = std::move(surface.triangles);
   owner_ = std::move(surface.owner);
+  groups_.tets.build(std::span<const Tetrahedron>(tets_));
+  groups_.surface.build(std::span<const Triangle>(surface_));
 }
 
 void TetContact::presence(std::span<const Vec3> x, double h, double w, const Aabb& region,

@@ -31,12 +31,13 @@ class TetContact final : public ParticleContact {
   PartInfo part_info(std::span<const Vec3> x, double volume, double density) const;
 
  private:
-  TetSolid solid(std::span<const Vec3> x) const { return {x, tets_, surface_, owner_}; }
+  TetSolid solid(std::span<const Vec3> x) const { return {x, tets_, surface_, owner_, &groups_}; }
 
   std::vector<Tetrahedron> tets_;
   ElementFallback<4> fallback_;
   std::vector<Triangle> surface_;
   std::vector<std::int32_t> owner_;
+  TetGroups groups_;
   mutable WorkspacePool<TetRasterWorkspace> workspace_;
 };
 
