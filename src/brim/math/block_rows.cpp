@@ -32,8 +32,9 @@ void multiply_rows(const BlockRows& K, std::size_t begin, std::size_t end, doubl
 
 namespace {
 
-/// [floats] by which values are asked for ahead, 40 blocks: the product waits for memory.
-constexpr std::size_t kAhead = 360;
+/// [floats] by which values are asked for ahead, 128 blocks: the product waits for memory, and a machine by itself does
+/// not look past a page.
+constexpr std::size_t kAhead = 1152;
 
 /// Adds slots [from, to) to the sums of one row; the fourth lane is not used.
 __attribute__((target("avx2"), always_inline)) inline void add_slots(const BlockRows& K, std::int32_t from,

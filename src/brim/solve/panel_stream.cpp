@@ -12,6 +12,16 @@ namespace {
 
 /// Blocks of a stream whose squares are asked for before they are used.
 constexpr std::ptrdiff_t kAhead = 2;
+/// Bytes by which the stream itself is asked for ahead: a machine by itself does not look past a page of 4096.
+constexpr std::size_t kBytesAhead = 4096;
+constexpr std::size_t kLine = 64;
+
+/// Asks for n numbers from a place on, which need not be there.
+template <class T>
+BRIM_INLINE void ask_for(const T* at, std::size_t n) {
+  const char* byte = reinterpret_cast<const char*>(at);
+  for (std::size_t l = 0; l < n * sizeof(T); l += kLine) __builtin_prefetch(byte + l);
+}
 /// Steps from zero to the largest number of a column in ten bits.
 constexpr std::int32_t kSteps = 511;
 /// Makes all of them positive, and a half more.
@@ -178,6 +188,7 @@ BRIM_INLINE void subtract_product(const T* stream, const float* x, std::size_t n
       const T* at = stream + chunk_size<T>(static_cast<std::size_t>(k));
       return decode_two(at, at + kChunk);
     };
+    ask_for(stream + kBytesAhead / sizeof(T), 2 * kChunk);
     store_lanes(y, WidestFloats(load_widest(y) - sum_of(two)));
   }
   if (n == 0) return;
@@ -190,8 +201,10 @@ BRIM_INLINE void subtract_product(const T* stream, const float* x, std::size_t n
 template <int N, class T>
 BRIM_INLINE void transposed_product(const T* stream, const float* y, std::size_t n, float (&t)[kBlock]) {
   WideFloats sum[N] = {};
+  const std::size_t before = n * chunk_size<T>(N);  // what follows lies before it in memory
   for (std::size_t c = 0; c < n; ++c, y += kWideLanes) {
     const WideFloats v = load_wide(y);
+    ask_for(stream - before, chunk_size<T>(N));
     for (int k = 0; k < N; k += 3, stream += chunk_size<T>(3)) {
       const Three b = decode(stream);
       for (int i = 0; i < 3; ++i) sum[k + i] += b.column[i] * v;
@@ -203,8 +216,8 @@ BRIM_INLINE void transposed_product(const T* stream, const float* y, std::size_t
 /// Squares are read one after another, some blocks apart in time: too far for a machine to see that they follow.
 /// Asks for that of another block. @param blocks  how far it is
 BRIM_INLINE void ask_for_square(const float* square, std::ptrdiff_t blocks) {
-  constexpr std::ptrdiff_t kSize = kBlock * kSquare, kLine = 16;
-  for (std::ptrdiff_t k = 0; k < kSize; k += kLine) __builtin_prefetch(square + blocks * kSize + k);
+  constexpr std::ptrdiff_t kSize = kBlock * kSquare;
+  ask_for(square + blocks * kSize, kSize);
 }
 
 template <int N, class T>

@@ -1,11 +1,14 @@
 #include "brim/world/coarse_space.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
+#include <cstring>
 #include <optional>
 
 #include "brim/body/filling.h"
 #include "brim/body/walled.h"
 #include "brim/core/parallel.h"
+#include "brim/core/simd.h"
 #include "brim/math/block_matrix.h"
 
 namespace brim {
@@ -14,6 +17,8 @@ namespace {
 
 /// Share of a mode that must be left beside the others for it to count.
 constexpr double kIndependentMode = 1e-6;
+/// Contacts of one piece of work.
+constexpr std::size_t kContactsOfPatch = 4096;
 
 }  // namespace
 
@@ -95,7 +100,7 @@ void CoarseSpace::begin(std::span<const std::unique_ptr<Body>> bodies, std::span
 
 void CoarseSpace::see(const ContactMaps& maps, std::size_t n) {
   seen_ = true;
-  seen_a_.resize(n), seen_b_.resize(n), velocity_a_.resize(n), velocity_b_.resize(n);
+  seen_a_.assign(n, Seen::Zero()), seen_b_.assign(n, Seen::Zero()), velocity_a_.resize(n), velocity_b_.resize(n);
   column_.resize(first_v_.back());
   for (int k = 0; k < kModes; ++k) {
     std::fill(column_.begin(), column_.end(), 0.0);
@@ -115,30 +120,68 @@ void CoarseSpace::add_block(const Block& block, const Modes& a, const Modes& b) 
       entries_.emplace_back(static_cast<int>(a.row) + i, static_cast<int>(b.row) + j, block(i, j));
 }
 
+namespace {
+
+typedef double Row __attribute__((vector_size(8 * sizeof(double))));
+
+BRIM_INLINE Row load_row(const double* at) {
+  Row r;
+  std::memcpy(&r, at, sizeof r);
+  return r;
+}
+
+/// Rows of Σ Sᵀ K S of two sides; their first six columns mean something.
+struct RowSums {
+  alignas(64) Row aa[6] = {}, bb[6] = {}, ab[6] = {};
+};
+
+/// @param a, b  rows of eight, three each  @param K  symmetric
+BRIM_WIDE void add_contact(const double* a, const double* b, const double* K, RowSums& sum) {
+  Row Ka[3], Kb[3];
+  for (int r = 0; r < 3; ++r) {
+    Ka[r] = K[r] * load_row(a) + K[3 + r] * load_row(a + 8) + K[6 + r] * load_row(a + 16);
+    Kb[r] = K[r] * load_row(b) + K[3 + r] * load_row(b + 8) + K[6 + r] * load_row(b + 16);
+  }
+  for (int i = 0; i < 6; ++i) {
+    sum.aa[i] += a[i] * Ka[0] + a[8 + i] * Ka[1] + a[16 + i] * Ka[2];
+    sum.bb[i] += b[i] * Kb[0] + b[8 + i] * Kb[1] + b[16 + i] * Kb[2];
+    sum.ab[i] -= a[i] * Kb[0] + a[8 + i] * Kb[1] + a[16 + i] * Kb[2];
+  }
+}
+
+}  // namespace
+
+void CoarseSpace::sum_contacts(std::span<const Seen> a, std::span<const Seen> b, const Penalty& response,
+                               Patch& patch) {
+  RowSums sum;
+  for (std::size_t c = patch.begin; c < patch.end; ++c) {
+    if (!response.acting()[c]) continue;
+    const Mat3 K = response.block(c);
+    add_contact(a[c].data(), b[c].data(), K.data(), sum);
+  }
+  for (int i = 0; i < kModes; ++i)
+    for (int j = 0; j < kModes; ++j)
+      patch.sum[0](i, j) = sum.aa[i][j], patch.sum[1](i, j) = sum.bb[i][j], patch.sum[2](i, j) = sum.ab[i][j];
+}
+
 bool CoarseSpace::factor(const ContactMaps& maps, const ContactSet& contacts, const Penalty& response) {
   if (!seen_) see(maps, contacts.size());
-  pair_blocks_.resize(contacts.pairs.size());
-  parallel_for(contacts.pairs.size(), [&](std::size_t p) {
-    std::array<Block, 3>& sum = pair_blocks_[p];
-    sum.fill(Block::Zero());
-    for (std::size_t c = contacts.pairs[p].begin; c < contacts.pairs[p].end; ++c) {
-      if (!response.acting()[c]) continue;
-      const Mat3 K = response.block(c);
-      const Seen Ka = K * seen_a_[c], Kb = K * seen_b_[c];
-      sum[0] += seen_a_[c].transpose() * Ka;
-      sum[1] += seen_b_[c].transpose() * Kb;
-      sum[2] -= seen_a_[c].transpose() * Kb;
+  patches_.clear();
+  for (std::size_t p = 0; p < contacts.pairs.size(); ++p)
+    for (std::size_t c = contacts.pairs[p].begin; c < contacts.pairs[p].end; c += kContactsOfPatch) {
+      Patch& patch = patches_.emplace_back();
+      patch.pair = p, patch.begin = c, patch.end = std::min(c + kContactsOfPatch, contacts.pairs[p].end);
     }
-  });
+  parallel_for(patches_.size(), [&](std::size_t i) { sum_contacts(seen_a_, seen_b_, response, patches_[i]); });
   entries_.clear();
   for (const Modes& m : modes_) add_block(m.system, m, m);
-  for (std::size_t p = 0; p < contacts.pairs.size(); ++p) {
-    const Modes &a = modes_[body_of_part_[contacts.pairs[p].part_a]],
-                &b = modes_[body_of_part_[contacts.pairs[p].part_b]];
-    add_block(pair_blocks_[p][0], a, a);
-    add_block(pair_blocks_[p][1], b, b);
-    add_block(pair_blocks_[p][2], a, b);
-    add_block(pair_blocks_[p][2].transpose(), b, a);
+  for (const Patch& patch : patches_) {
+    const ContactPair& pair = contacts.pairs[patch.pair];
+    const Modes &a = modes_[body_of_part_[pair.part_a]], &b = modes_[body_of_part_[pair.part_b]];
+    add_block(patch.sum[0], a, a);
+    add_block(patch.sum[1], b, b);
+    add_block(patch.sum[2], a, b);
+    add_block(patch.sum[2].transpose(), b, a);
   }
   if (coarse_.size() == 0) return true;
   matrix_.resize(coarse_.size(), coarse_.size());

@@ -41,7 +41,13 @@ class CoarseSpace {
  private:
   static constexpr int kModes = 6;
   using Block = Eigen::Matrix<double, kModes, kModes>;
-  using Seen = Eigen::Matrix<double, 3, kModes>;  ///< velocities of the modes at a contact
+  /// Velocities of the modes at a contact; two columns more than there are modes, so that rows are wide registers.
+  using Seen = Eigen::Matrix<double, 3, 8, Eigen::RowMajor>;
+  /// Some contacts of a pair, and their part of its blocks (a, a), (b, b) and (a, b).
+  struct Patch {
+    std::size_t pair = 0, begin = 0, end = 0;
+    std::array<Block, 3> sum = {Block::Zero(), Block::Zero(), Block::Zero()};
+  };
 
   struct Modes {
     int count = 0;                ///< modes that are kept
@@ -57,6 +63,8 @@ class CoarseSpace {
   /// Rᵀ r of one body, and z += R c.
   static Eigen::VectorXd restricted(const Modes& m, std::span<const double> r);
   static void add_prolonged(const Modes& m, const Eigen::VectorXd& c, std::span<double> z);
+  /// Σ Sᵀ K S over the acting contacts of a patch.
+  static void sum_contacts(std::span<const Seen> a, std::span<const Seen> b, const Penalty& response, Patch& patch);
   /// What each contact sees of the motions.
   void see(const ContactMaps& maps, std::size_t contacts);
   void take_modes(const Body& body, std::size_t n, Modes& m) const;
@@ -68,7 +76,7 @@ class CoarseSpace {
   std::vector<std::int32_t> body_of_part_;
   bool seen_ = false;                  ///< since begin
   std::vector<Seen> seen_a_, seen_b_;  ///< per contact
-  std::vector<std::array<Block, 3>> pair_blocks_;
+  std::vector<Patch> patches_;
   std::vector<Eigen::Triplet<double>> entries_;
   Eigen::SparseMatrix<double> matrix_;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
