@@ -94,7 +94,7 @@ TEST(BallsMap, RowsSelectionAndDiagonalAreThoseOfTheMap) {
   for (std::size_t p = 0; p < u.size(); ++p) {
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
     for (std::int32_t e = rows.first[p]; e < rows.first[p + 1]; ++e)
-      sum += rows.block[e] * Eigen::Map<const Vec3>(v.data() + 3 * rows.column[e]).cast<float>();
+      sum += rows.blocks[e] * Eigen::Map<const Vec3>(v.data() + 3 * rows.column[e]).cast<float>();
     EXPECT_LT((sum.cast<double>() - u[p]).norm(), 1e-6) << "single precision";
   }
   std::unique_ptr<Map> some;

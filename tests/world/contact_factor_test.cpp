@@ -62,15 +62,13 @@ struct Problem {
     std::normal_distribution<float> normal;
     std::uniform_int_distribution<std::int32_t> node(0, static_cast<std::int32_t>(first_v[1]) / 3 - 1);
     rows.first = {0};
-    const auto add = [&](std::int32_t offset, const Eigen::Matrix3f& J) {
-      rows.offset.push_back(offset), rows.block.push_back(J);
-    };
+    const auto add = [&](std::int32_t offset, const auto& J) { rows.offset.push_back(offset), rows.blocks.add(J); };
     for (int c = 0; c < contacts; ++c) {
       const int rigid = c % 2 + 1;
-      for (int k = 0; k < 4; ++k) add(3 * node(rng), 0.25f * Eigen::Matrix3f::Identity());
+      for (int k = 0; k < 4; ++k) add(3 * node(rng), 0.25f);
       const Vec3 arm(normal(rng), normal(rng), normal(rng));
-      add(static_cast<std::int32_t>(first_v[rigid]), -Eigen::Matrix3f::Identity());
-      add(static_cast<std::int32_t>(first_v[rigid]) + 3, skew(arm).cast<float>());
+      add(static_cast<std::int32_t>(first_v[rigid]), -1.0f);
+      add(static_cast<std::int32_t>(first_v[rigid]) + 3, Eigen::Matrix3f(skew(arm).cast<float>()));
       const Eigen::Vector3f n = Eigen::Vector3f(normal(rng), normal(rng), normal(rng)).normalized();
       rows.contact.push_back(static_cast<std::uint32_t>(c));
       rows.point.push_back(Eigen::Vector3f(normal(rng), normal(rng), normal(rng)));
@@ -80,7 +78,7 @@ struct Problem {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3, A.cols());
       for (std::int32_t e = rows.first[i]; e < rows.first[i + 1]; ++e)
-        J.middleCols<3>(rows.offset[e]) += rows.block[e].cast<double>();
+        J.middleCols<3>(rows.offset[e]) += rows.blocks[e].cast<double>();
       A += J.transpose() * rows.stiffness[i].cast<double>() * J;
     }
   }

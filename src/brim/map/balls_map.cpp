@@ -29,8 +29,8 @@ void BallsMap::apply_transpose(std::span<const Vec3> f, std::span<double> Q) con
 
 bool BallsMap::append_rows(MapRows& out) const {
   for (std::size_t p = 0; p < arm_.size(); ++p) {
-    out.add(2 * ball_[p], Eigen::Matrix3f::Identity());
-    out.add(2 * ball_[p] + 1, -skew(arm_[p]).cast<float>());
+    out.add(2 * ball_[p], 1.0f);
+    out.add(2 * ball_[p] + 1, Eigen::Matrix3f(-skew(arm_[p]).cast<float>()));
     out.end_row();
   }
   return true;

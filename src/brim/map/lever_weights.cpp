@@ -87,7 +87,8 @@ void LeverWeightsMap::apply_transpose(std::span<const Vec3> f, std::span<double>
 bool LeverWeightsMap::append_rows(MapRows& out) const {
   for (std::size_t p = 0; p < points(); ++p) {
     for (std::int32_t e = row_start_[p]; e < row_start_[p + 1]; ++e)
-      out.add(particle_[e], (weight_[e] * Mat3::Identity() + lever_[e] * direction_[p].transpose()).cast<float>());
+      out.add(particle_[e],
+              Eigen::Matrix3f((weight_[e] * Mat3::Identity() + lever_[e] * direction_[p].transpose()).cast<float>()));
     out.end_row();
   }
   return true;

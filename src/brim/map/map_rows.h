@@ -1,8 +1,9 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
+
+#include "brim/map/row_blocks.h"
 
 namespace brim {
 
@@ -11,13 +12,17 @@ namespace brim {
 struct MapRows {
   std::vector<std::int32_t> first{0};  ///< shape (points + 1)
   std::vector<std::int32_t> column;    ///< shape (entries)
-  std::vector<Eigen::Matrix3f> block;  ///< shape (entries)
+  RowBlocks blocks;                    ///< J, shape (entries)
 
   void clear() {
     first.assign(1, 0);
-    column.clear(), block.clear();
+    column.clear(), blocks.clear();
   }
-  void add(std::int32_t c, const Eigen::Matrix3f& b) { column.push_back(c), block.push_back(b); }
+  /// Appends an entry. @param J  a block, or a float times the identity
+  template <class J>
+  void add(std::int32_t c, const J& j) {
+    column.push_back(c), blocks.add(j);
+  }
   void end_row() { first.push_back(static_cast<std::int32_t>(column.size())); }
 };
 

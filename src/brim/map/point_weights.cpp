@@ -91,7 +91,7 @@ bool PointWeightsMap::select(std::span<const std::uint32_t> rows, std::unique_pt
 bool PointWeightsMap::append_rows(MapRows& out) const {
   for (std::size_t p = 0; p < points(); ++p) {
     for (std::int32_t e = row_start_[p]; e < row_start_[p + 1]; ++e)
-      if (weight_[e] != 0.0) out.add(particle_[e], static_cast<float>(weight_[e]) * Eigen::Matrix3f::Identity());
+      if (weight_[e] != 0.0) out.add(particle_[e], static_cast<float>(weight_[e]));
     out.end_row();
   }
   return true;

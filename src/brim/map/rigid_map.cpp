@@ -36,8 +36,8 @@ bool RigidMap::append_rows(MapRows& out) const {
   if (first_ % 3 != 0) return false;
   const auto column = static_cast<std::int32_t>(first_ / 3);
   for (const Vec3& arm : arm_) {
-    out.add(column, Eigen::Matrix3f::Identity());
-    out.add(column + 1, -skew(arm).cast<float>());
+    out.add(column, 1.0f);
+    out.add(column + 1, Eigen::Matrix3f(-skew(arm).cast<float>()));
     out.end_row();
   }
   return true;

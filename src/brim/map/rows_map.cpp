@@ -47,9 +47,12 @@ void RowsMap::apply_transpose(std::span<const Vec3> f, std::span<double> Q) cons
 bool RowsMap::append_rows(MapRows& out) const {
   for (std::size_t p = 0; p < points(); ++p) {
     for (std::int32_t e = rows_.first[p]; e < rows_.first[p + 1]; ++e) {
-      Mat3 J = rows_.weight[e] * Mat3::Identity();
-      if (!rows_.lever.empty()) J += rows_.normal[p] * rows_.lever[e].transpose();
-      out.add(rows_.source[e], J.cast<float>());
+      const double w = rows_.weight[e];
+      if (rows_.lever.empty())
+        out.add(rows_.source[e], static_cast<float>(w));
+      else
+        out.add(rows_.source[e],
+                Eigen::Matrix3f((w * Mat3::Identity() + rows_.normal[p] * rows_.lever[e].transpose()).cast<float>()));
     }
     out.end_row();
   }

@@ -7,6 +7,18 @@
 
 namespace brim {
 
+namespace {
+
+// Runs of rows, often of one block: shorter than what a call costs.
+inline void add(const float* __restrict from, std::int32_t n, float* __restrict to) {
+  for (std::int32_t i = 0; i < n; i += 3) to[i] += from[i], to[i + 1] += from[i + 1], to[i + 2] += from[i + 2];
+}
+inline void copy(const float* __restrict from, std::int32_t n, float* __restrict to) {
+  for (std::int32_t i = 0; i < n; i += 3) to[i] = from[i], to[i + 1] = from[i + 1], to[i + 2] = from[i + 2];
+}
+
+}  // namespace
+
 template <class F>
 void BlockCholesky::with_stream(const Supernode& s, const F& f) {
   const std::size_t column = 3 * static_cast<std::size_t>(s.begin);
@@ -126,12 +138,10 @@ void BlockCholesky::solve_forward(Task& task) {
     std::fill(y + 3 * width, y + 3 * rows + panel::kPad, 0.0f);
     with_stream(s, [&](const auto& stream) { panel::solve_forward(stream, 3 * rows, 3 * width, y); });
     std::copy(y, y + 3 * width, x);
-    const std::int32_t* row = row_.data() + s.row;
-    for (std::size_t i = width; i < rows; ++i) {
-      const std::int32_t place = task.above.empty() ? -1 : top_place_[row[i]];
-      float* to = place < 0 ? x_.data() + 3 * static_cast<std::size_t>(row[i])
-                            : task.above.data() + 3 * static_cast<std::size_t>(place);
-      to[0] += y[3 * i], to[1] += y[3 * i + 1], to[2] += y[3 * i + 2];
+    const float* below = y + 3 * width;
+    for (const RowRun& run : runs_of(k)) {
+      add(below, run.floats, run.above < 0 ? x_.data() + run.place : task.above.data() + run.above);
+      below += run.floats;
     }
   }
 }
@@ -141,8 +151,12 @@ void BlockCholesky::solve_backward(Task& task) {
   for (std::size_t n = task.supernode.size(); n-- > 0;) {
     const Supernode& s = supernode_[task.supernode[n]];
     const std::size_t width = static_cast<std::size_t>(s.end - s.begin), rows = static_cast<std::size_t>(s.rows);
-    const std::int32_t* row = row_.data() + s.row;
-    for (std::size_t i = 0; i < rows; ++i) std::copy_n(x_.data() + 3 * static_cast<std::size_t>(row[i]), 3, y + 3 * i);
+    std::copy_n(x_.data() + 3 * static_cast<std::size_t>(s.begin), 3 * width, y);
+    float* below = y + 3 * width;
+    for (const RowRun& run : runs_of(task.supernode[n])) {
+      copy(x_.data() + run.place, run.floats, below);
+      below += run.floats;
+    }
     std::fill_n(y + 3 * rows, panel::kPad, 0.0f);
     with_stream(s, [&](const auto& stream) { panel::solve_backward(stream, 3 * rows, 3 * width, y); });
     std::copy(y, y + 3 * width, x_.data() + 3 * static_cast<std::size_t>(s.begin));

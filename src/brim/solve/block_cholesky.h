@@ -49,6 +49,12 @@ class BlockCholesky {
     std::size_t panel = 0;            ///< of its floats in panel_
     std::size_t stride = 0;           ///< of a column
     std::size_t stream = 0;           ///< of its numbers in the stream
+    std::size_t runs = 0;             ///< end of its runs in row_run_, after those of the supernode before
+  };
+  /// Rows below a supernode's own columns that follow one another in x, and in what a task adds for the top.
+  struct RowRun {
+    std::int32_t place, above;  ///< of floats; above −1 where they are no rows of the top, or the top's own
+    std::int32_t floats;
   };
   /// Supernodes that one thread works through: whole subtrees, children first.
   struct Task {
@@ -63,6 +69,11 @@ class BlockCholesky {
   void find_order(std::span<const std::int32_t> first, std::span<const std::int32_t> column);
   void find_structure(std::span<const std::int32_t> first, std::span<const std::int32_t> column);
   void find_tasks();
+  void find_runs();
+  std::span<const RowRun> runs_of(std::int32_t supernode) const {
+    const std::size_t first = supernode == 0 ? 0 : supernode_[supernode - 1].runs;
+    return std::span(row_run_).subspan(first, supernode_[supernode].runs - first);
+  }
   void load(const Supernode& s, std::span<const Block> value, Task& task);
   void take_updates(std::size_t s, Task& task);
   void factor(Task& task, std::span<const Block> value);
@@ -85,6 +96,7 @@ class BlockCholesky {
   std::vector<Entry> entry_;
   std::vector<Supernode> supernode_;
   std::vector<std::int32_t> row_, supernode_of_;
+  std::vector<RowRun> row_run_;
   std::vector<float> panel_;
   // The same as solves read it (panel::Stream): of large factors in ten bits, of small ones as floats.
   bool compressed_ = false;

@@ -226,6 +226,7 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
   scale_.resize(3 * static_cast<std::size_t>(n));
   x_.resize(3 * static_cast<std::size_t>(n));
   find_tasks();
+  find_runs();
 }
 
 void BlockCholesky::find_tasks() {
@@ -295,6 +296,31 @@ void BlockCholesky::find_tasks() {
     // An update is as tall as where it comes from, and at most as wide as where it goes.
     grow(t.product, (is_top ? tallest : rows) * width + 2 * panel::kPad);
     grow(t.local, order_.size());
+  }
+}
+
+void BlockCholesky::find_runs() {
+  row_run_.clear();
+  const auto top = static_cast<std::int32_t>(task_.size()) - 1;
+  for (std::size_t k = 0; k < supernode_.size(); ++k) {
+    Supernode& s = supernode_[k];
+    const std::size_t first = row_run_.size();
+    for (std::int32_t i = s.end - s.begin; i < s.rows; ++i) {
+      const std::int32_t row = row_[s.row + static_cast<std::size_t>(i)];
+      const bool hands_up = task_of_[k] != top && top_place_[row] >= 0;
+      const RowRun one{3 * row, hands_up ? 3 * top_place_[row] : -1, 3};
+      if (row_run_.size() > first) {
+        RowRun& last = row_run_.back();
+        const bool follows = one.place == last.place + last.floats &&
+                             (hands_up ? last.above >= 0 && one.above == last.above + last.floats : last.above < 0);
+        if (follows) {
+          last.floats += 3;
+          continue;
+        }
+      }
+      row_run_.push_back(one);
+    }
+    s.runs = row_run_.size();
   }
 }
 

@@ -122,9 +122,9 @@ void ContactFactor::add_row(const ContactRows& rows, std::size_t row, const Add&
   });
   for (std::int32_t k = incidence_first_[row]; k < incidence_first_[row + 1]; ++k) {
     const auto [i, mine] = incidence_[k];
-    const Block left = rows.block[mine].transpose() * rows.stiffness[i];
+    const Block left = rows.blocks.transposed_times(mine, rows.stiffness[i]);
     for (std::int32_t e = rows.first[i]; e < rows.first[i + 1]; ++e)
-      if (const std::int32_t u = local_[rows.offset[e]]; inside(u)) add(u, left * rows.block[e]);
+      if (const std::int32_t u = local_[rows.offset[e]]; inside(u)) add(u, rows.blocks.times(left, e));
   }
 }
 

@@ -24,7 +24,7 @@ void ContactFactor::find_touched(const ContactRows& rows, std::size_t whole) {
   contact_trace_.assign(prescribed_.size(), 0.0f);
   for (std::size_t i = 0; i < rows.size(); ++i)
     for (std::int32_t e = rows.first[i]; e < rows.first[i + 1]; ++e)
-      contact_trace_[rows.offset[e]] += (rows.stiffness[i] * rows.block[e]).cwiseProduct(rows.block[e]).sum();
+      contact_trace_[rows.offset[e]] += rows.blocks.trace(e, rows.stiffness[i]);
   for (std::size_t b = 0; b < owner_.size(); ++b) {
     const Owner& o = owner_[b];
     for (std::size_t v = o.first_v; v < end_of(b); v += 3) {

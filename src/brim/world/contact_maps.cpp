@@ -155,7 +155,7 @@ void ContactMaps::gather_rows(ContactRows& out) const {
   out.contact.assign(chosen_.begin(), chosen_.end());
   out.point.resize(n), out.stiffness.resize(n);
   out.first.assign(1, 0);
-  out.offset.clear(), out.block.clear();
+  out.offset.clear(), out.blocks.clear();
   const auto add_side = [&](std::int32_t part, std::uint32_t row, float sign) {
     if (!known[part]) return;
     const Side& s = side_[part];
@@ -163,7 +163,7 @@ void ContactMaps::gather_rows(ContactRows& out) const {
     const std::size_t r = row - s.begin;
     for (std::int32_t e = m.first[r]; e < m.first[r + 1]; ++e) {
       out.offset.push_back(static_cast<std::int32_t>(s.first_v) + 3 * m.column[e]);
-      out.block.push_back(sign * m.block[e]);
+      out.blocks.add(m.blocks, e, sign);
     }
   };
   for (std::size_t i = 0; i < n; ++i) {

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "brim/map/row_blocks.h"
+
 namespace brim {
 
 /// Contacts as rows over the velocities of all bodies: Δ_c = Σ_e J_e v[offset_e .. + 3), the relative velocity of the
@@ -14,7 +16,7 @@ struct ContactRows {
   std::vector<Eigen::Vector3f> point;  ///< [m] where it is, shape (n)
   std::vector<std::int32_t> first;     ///< shape (n + 1)
   std::vector<std::int32_t> offset;    ///< first of three velocities, world numbering; shape (entries)
-  std::vector<Eigen::Matrix3f> block;  ///< J, negative on side b; shape (entries)
+  RowBlocks blocks;                    ///< J, negative on side b; shape (entries)
   /// [kg] dt (dt + β) K + dt C, what a contact adds to the system of velocities; shape (n)
   std::vector<Eigen::Matrix3f> stiffness;
 

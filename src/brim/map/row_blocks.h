@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+namespace brim {
+
+/// The 3x3 blocks J of sparse rows. Most are multiples of the identity, of which one number is kept, and multiplied
+/// with. In single precision.  Tests: tests/map/row_blocks_test.cpp
+class RowBlocks {
+ public:
+  using Block = Eigen::Matrix3f;
+
+  std::size_t size() const { return weight_.size(); }
+  void clear() { weight_.clear(), general_.clear(), block_.clear(); }
+  /// Appends weight times the identity.
+  void add(float weight) { weight_.push_back(weight), general_.push_back(-1); }
+  void add(const Block& J) {
+    weight_.push_back(0.0f), general_.push_back(static_cast<std::int32_t>(block_.size()));
+    block_.push_back(J);
+  }
+  /// Appends a block of another list, times `sign`.
+  void add(const RowBlocks& from, std::size_t e, float sign) {
+    if (from.general_[e] < 0)
+      add(sign * from.weight_[e]);
+    else
+      add(Block(sign * from.block_[from.general_[e]]));
+  }
+
+  Block operator[](std::size_t e) const {
+    return general_[e] < 0 ? Block(weight_[e] * Block::Identity()) : block_[general_[e]];
+  }
+  /// Jᵀ K
+  Block transposed_times(std::size_t e, const Block& K) const {
+    return general_[e] < 0 ? Block(weight_[e] * K) : Block(block_[general_[e]].transpose() * K);
+  }
+  /// K J
+  Block times(const Block& K, std::size_t e) const {
+    return general_[e] < 0 ? Block(weight_[e] * K) : Block(K * block_[general_[e]]);
+  }
+  /// tr(Jᵀ K J)
+  float trace(std::size_t e, const Block& K) const {
+    if (general_[e] >= 0) return (K * block_[general_[e]]).cwiseProduct(block_[general_[e]]).sum();
+    const float w = weight_[e];
+    return K(0, 0) * w * w + (K(1, 1) * w * w + K(2, 2) * w * w);
+  }
+
+ private:
+  std::vector<float> weight_;
+  std::vector<std::int32_t> general_;  ///< place in block_, −1 for multiples of the identity
+  std::vector<Block> block_;
+};
+
+}  // namespace brim
