@@ -96,6 +96,27 @@ TEST(FemBody, UnprojectedStiffnessIsTheDerivativeOfForcesAnywhere) {
   }
 }
 
+TEST(FemBody, EnergyThatComesWithTheForcesIsThatOfTheState) {
+  const TetMesh mesh = testing::block(2, 3, 2, 0.1);
+  for (const ElasticLaw law : kLaws) {
+    const FemBody body(mesh, options(law));
+    TetElements elements(mesh, law, Lame::from(1e4, 0.3));
+    BlockMatrix K;
+    K.begin(mesh.vertices.size());
+    K.add_elements(elements.nodes(), 4);
+    K.finish();
+    elements.find_pairs(K);
+    for (const double turned : {0.3, 3.0}) {  // the second turns elements inside out
+      const std::vector<double> q = deformed(body, turned);
+      std::vector<Vec3> x(mesh.vertices.size()), f(x.size(), Vec3::Zero());
+      for (std::size_t i = 0; i < x.size(); ++i) x[i] = Vec3(q[3 * i], q[3 * i + 1], q[3 * i + 2]);
+      const std::optional<double> energy = elements.add(x, f, K);
+      EXPECT_EQ(energy.has_value(), gives_energy(law));
+      EXPECT_EQ(energy.value_or(elements.energy(x)), elements.energy(x));
+    }
+  }
+}
+
 TEST(FemBody, StiffnessIsSymmetricAndDefiniteAlsoWhenInverted) {
   for (const ElasticLaw law : kLaws) {
     FemBody body(testing::block(2, 2, 2, 0.1), options(law));

@@ -38,7 +38,10 @@ TEST(ElementGroups, HoldTheNodesOfTheirElements) {
     for (std::size_t i = 0; i < line.edges.size(); ++i) {
       const NodeSpan own = line.of(i).grown(more),
                      group = line.groups.around(line.nodes, i / ElementGroups::kSize, more);
-      for (int a = 0; a < 3; ++a) EXPECT_LE(group.lo[a], own.lo[a]), EXPECT_GE(group.hi[a], own.hi[a]);
+      for (int a = 0; a < 3; ++a) {
+        EXPECT_LE(group.lo[a], own.lo[a]);
+        EXPECT_GE(group.hi[a], own.hi[a]);
+      }
     }
 }
 

@@ -134,12 +134,13 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
     for_lower([&](std::int32_t i, std::int32_t j) { lower.column[next[i]++] = j; });
   };
   arrange();
-  const std::vector<std::int32_t> post = postorder(elimination_tree(lower));
-  std::vector<std::int32_t> renewed(n);
-  for (std::int32_t i = 0; i < n; ++i) renewed[i] = order_[post[i]];
+  const std::vector<std::int32_t> tree = elimination_tree(lower), post = postorder(tree);
+  std::vector<std::int32_t> renewed(n), after(n), parent(n);
+  for (std::int32_t i = 0; i < n; ++i) renewed[i] = order_[post[i]], after[post[i]] = i;
+  // The tree stays the same, with other numbers.
+  for (std::int32_t i = 0; i < n; ++i) parent[i] = tree[post[i]] < 0 ? -1 : after[tree[post[i]]];
   order_ = renewed;
   arrange();
-  const std::vector<std::int32_t> parent = elimination_tree(lower);
 
   // Entries by columns.
   entry_first_.assign(n + 1, 0);

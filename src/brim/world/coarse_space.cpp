@@ -2,14 +2,13 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <cstring>
 #include <optional>
 
 #include "brim/body/filling.h"
 #include "brim/body/walled.h"
 #include "brim/core/parallel.h"
-#include "brim/core/simd.h"
 #include "brim/math/block_matrix.h"
+#include "brim/world/coarse_lanes.h"
 
 namespace brim {
 
@@ -120,44 +119,13 @@ void CoarseSpace::add_block(const Block& block, const Modes& a, const Modes& b) 
       entries_.emplace_back(static_cast<int>(a.row) + i, static_cast<int>(b.row) + j, block(i, j));
 }
 
-namespace {
-
-typedef double Row __attribute__((vector_size(8 * sizeof(double))));
-
-BRIM_INLINE Row load_row(const double* at) {
-  Row r;
-  std::memcpy(&r, at, sizeof r);
-  return r;
-}
-
-/// Rows of Σ Sᵀ K S of two sides; their first six columns mean something.
-struct RowSums {
-  alignas(64) Row aa[6] = {}, bb[6] = {}, ab[6] = {};
-};
-
-/// @param a, b  rows of eight, three each  @param K  symmetric
-BRIM_WIDE void add_contact(const double* a, const double* b, const double* K, RowSums& sum) {
-  Row Ka[3], Kb[3];
-  for (int r = 0; r < 3; ++r) {
-    Ka[r] = K[r] * load_row(a) + K[3 + r] * load_row(a + 8) + K[6 + r] * load_row(a + 16);
-    Kb[r] = K[r] * load_row(b) + K[3 + r] * load_row(b + 8) + K[6 + r] * load_row(b + 16);
-  }
-  for (int i = 0; i < 6; ++i) {
-    sum.aa[i] += a[i] * Ka[0] + a[8 + i] * Ka[1] + a[16 + i] * Ka[2];
-    sum.bb[i] += b[i] * Kb[0] + b[8 + i] * Kb[1] + b[16 + i] * Kb[2];
-    sum.ab[i] -= a[i] * Kb[0] + a[8 + i] * Kb[1] + a[16 + i] * Kb[2];
-  }
-}
-
-}  // namespace
-
 void CoarseSpace::sum_contacts(std::span<const Seen> a, std::span<const Seen> b, const Penalty& response,
                                Patch& patch) {
-  RowSums sum;
+  coarse_lanes::PairSums sum;
   for (std::size_t c = patch.begin; c < patch.end; ++c) {
     if (!response.acting()[c]) continue;
     const Mat3 K = response.block(c);
-    add_contact(a[c].data(), b[c].data(), K.data(), sum);
+    coarse_lanes::add_contact(a[c].data(), b[c].data(), K.data(), sum);
   }
   for (int i = 0; i < kModes; ++i)
     for (int j = 0; j < kModes; ++j)
@@ -208,12 +176,8 @@ Eigen::VectorXd CoarseSpace::restricted(const Modes& m, std::span<const double> 
   if (m.place.empty())
     return Eigen::Map<const Eigen::MatrixXd>(m.columns.data(), n, m.count).transpose() *
            Eigen::Map<const Eigen::VectorXd>(r.data(), n);
-  Eigen::Vector<double, kModes> sum = Eigen::Vector<double, kModes>::Zero();
-  for (std::size_t i = 0; i < m.place.size(); ++i) {
-    const Vec3 f(r[3 * i], r[3 * i + 1], r[3 * i + 2]);
-    sum.head<3>() += f;
-    sum.tail<3>() += (m.place[i] - m.center).cross(f);
-  }
+  Eigen::Vector<double, kModes> sum;
+  coarse_lanes::sum_wrench(m.place, m.center, r, sum.data());
   return m.basis.leftCols(m.count).transpose() * sum;
 }
 
@@ -227,7 +191,7 @@ void CoarseSpace::add_prolonged(const Modes& m, const Eigen::VectorXd& c, std::s
   const Eigen::Vector<double, kModes> motion = m.basis.leftCols(m.count) * c;
   const Vec3 w = motion.tail<3>(), t = motion.head<3>() - w.cross(m.center);
   parallel_blocks(m.place.size(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) Eigen::Map<Vec3>(z.data() + 3 * i) += t + w.cross(m.place[i]);
+    coarse_lanes::add_motion(m.place.subspan(begin, end - begin), t, w, z.subspan(3 * begin));
   });
 }
 

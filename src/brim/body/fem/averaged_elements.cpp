@@ -34,9 +34,12 @@ void AveragedElements::make_pattern(BlockMatrix& matrix) {
   if (domains_) domains_->find_pairs(matrix);
 }
 
-void AveragedElements::add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness) const {
-  tets_.add(x, force, stiffness);
-  if (domains_) domains_->add(x, force, stiffness);
+std::optional<double> AveragedElements::add(std::span<const Vec3> x, std::span<Vec3> force,
+                                            BlockMatrix& stiffness) const {
+  const std::optional<double> energy = tets_.add(x, force, stiffness);
+  if (!domains_) return energy;
+  domains_->add(x, force, stiffness);
+  return std::nullopt;
 }
 
 double AveragedElements::energy(std::span<const Vec3> x) const {

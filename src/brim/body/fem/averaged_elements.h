@@ -26,7 +26,8 @@ class AveragedElements {
   /// Makes the pattern of the stiffness.
   void make_pattern(BlockMatrix& matrix);
   /// force += −∂E/∂x, stiffness += ∂²E/∂x² above the diagonal. Parallel, same bits for any number of threads.
-  void add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness) const;
+  /// @return E where it comes along
+  std::optional<double> add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness) const;
   double energy(std::span<const Vec3> x) const;
   const TetElements& tets() const { return tets_; }
 

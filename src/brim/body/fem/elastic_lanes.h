@@ -220,18 +220,23 @@ BRIM_INLINE WideFloats narrow(const double* x) {
   return f;
 }
 
+/// Energy density of the corotational law. @param R  of F
+BRIM_INLINE Lanes turned_density(const Lame& lame, const Mat3L& F, const Mat3L& R) {
+  Lanes trace = Lanes{} - 3.0, gap = {};
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) {
+      const Lanes d = F[r][c] - R[r][c];
+      trace += R[r][c] * F[r][c], gap += d * d;
+    }
+  return lame.mu * gap + 0.5 * lame.lambda * trace * trace;
+}
+
 /// Energy density.
 BRIM_INLINE Lanes density(ElasticLaw law, const Lame& lame, const Mat3L& F) {
   Mat3L C;
   if (law == ElasticLaw::CorotationalLinear) {
     nearest_rotation(F, C);
-    Lanes trace = Lanes{} - 3.0, gap = {};
-    for (int r = 0; r < 3; ++r)
-      for (int c = 0; c < 3; ++c) {
-        const Lanes d = F[r][c] - C[r][c];
-        trace += C[r][c] * F[r][c], gap += d * d;
-      }
-    return lame.mu * gap + 0.5 * lame.lambda * trace * trace;
+    return turned_density(lame, F, C);
   }
   const StableNeoHookean n(lame);
   cofactor(F, C);
@@ -276,8 +281,7 @@ BRIM_INLINE void principal_frame(ElasticLaw law, const Lame& lame, bool project,
 
 /// R and F Rᵀ of one half of the elements, and P.
 BRIM_INLINE void split(ElasticLaw law, const Lame& lame, const Mat3L& F, int at, double (&rotation)[3][3][kCount],
-                       double (&left)[3][3][kCount], Mat3L& P) {
-  Mat3L R;
+                       double (&left)[3][3][kCount], Mat3L& R, Mat3L& P) {
   nearest_rotation(F, R);
   stress(law, lame, F, R, P);
   for (int r = 0; r < 3; ++r)

@@ -30,7 +30,7 @@ class FemBody final : public ParticleBody {
   FemBody(const TetMesh& mesh, const FemOptions& options);
 
   std::string_view kind() const override { return "finite_elements"; }
-  double elastic_energy() const override { return elements_.energy(x_); }
+  double elastic_energy() const override { return energy_ ? *energy_ : elements_.energy(x_); }
 
   const Display& display() const override { return shown_->display(); }
   void display_positions(std::span<Vec3f> x) const override;
@@ -40,13 +40,14 @@ class FemBody final : public ParticleBody {
   const TetElements& elements() const { return elements_.tets(); }
 
  protected:
-  void add_inner() override { elements_.add(x_, force_, stiffness_); }
+  void add_inner() override { energy_ = elements_.add(x_, force_, stiffness_); }
 
  private:
   FemBody(const TetMesh& mesh, const FemOptions& options, AveragedElements elements);
 
   TetMesh mesh_;
   AveragedElements elements_;
+  std::optional<double> energy_;       ///< of x_, where it came with the forces
   std::span<const Triangle> surface_;  // owned by the contact
   std::optional<TetDisplay> shown_;
 };

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <numeric>
 
 #include "brim/core/error.h"
 
@@ -82,7 +83,7 @@ void TetElements::take_edges(std::size_t at, std::size_t end, std::span<const Ve
 }
 
 void TetElements::add_chunk(std::size_t begin, std::size_t end, std::span<const Vec3> x, std::span<Vec3> force,
-                            BlockMatrix& stiffness, bool project) const {
+                            BlockMatrix& stiffness, bool project, std::span<double> energy) const {
   TetResponse r;
   double edge[3][3][kLaneCount];
   for (std::size_t at = begin; at < end; at += kLaneCount) {
@@ -96,13 +97,18 @@ void TetElements::add_chunk(std::size_t begin, std::size_t end, std::span<const 
         float* to = stiffness.values(pair_[at + lane][p]);
         for (int k = 0; k < 9; ++k) to[k] += r.block[p][k][lane];
       }
+      if (!energy.empty()) energy[at + lane] = r.energy[lane];
     }
   }
 }
 
-void TetElements::add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness, bool project) const {
+std::optional<double> TetElements::add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness,
+                                       bool project) const {
+  std::vector<double> energy(gives_energy(law_) ? size() : 0);
   schedule_.for_chunks(
-      [&](std::size_t begin, std::size_t end) { add_chunk(begin, end, x, force, stiffness, project); });
+      [&](std::size_t begin, std::size_t end) { add_chunk(begin, end, x, force, stiffness, project, energy); });
+  if (!gives_energy(law_)) return std::nullopt;
+  return std::accumulate(energy.begin(), energy.end(), 0.0);
 }
 
 double TetElements::energy(std::span<const Vec3> x) const {
@@ -115,9 +121,7 @@ double TetElements::energy(std::span<const Vec3> x) const {
       std::copy_n(e, std::min<std::size_t>(kLaneCount, end - at), of_element.data() + at);
     }
   });
-  double sum = 0.0;
-  for (const double e : of_element) sum += e;
-  return sum;
+  return std::accumulate(of_element.begin(), of_element.end(), 0.0);
 }
 
 double TetElements::volume() const {

@@ -25,10 +25,11 @@ BRIM_INLINE void forces(ElasticLaw law, const Lame& lame, const TetLanes& tets,
                         const double edge[3][3][TetLanes::kCount], int half, double (&rotation)[3][3][TetLanes::kCount],
                         double (&left)[3][3][TetLanes::kCount], TetResponse& out) {
   const int at = half * kLanes;
-  Mat3L F, P, g;
+  Mat3L F, P, R, g;
   deformation(tets, edge, half, g, F);
-  split(law, lame, F, at, rotation, left, P);
+  split(law, lame, F, at, rotation, left, R, P);
   const Lanes volume = load_lanes(tets.volume + at);
+  if (gives_energy(law)) store_lanes(out.energy + at, Lanes(volume * turned_density(lame, F, R)));
   for (int r = 0; r < 3; ++r) {
     Lanes sum = {};
     for (int i = 0; i < 3; ++i) {

@@ -15,7 +15,11 @@ struct TetLanes {
 struct TetResponse {
   double force[4][3][TetLanes::kCount];  ///< [N] on each corner
   float block[6][9][TetLanes::kCount];   ///< [N/m] K_01, K_02, K_03, K_12, K_13, K_23, column by column
+  double energy[TetLanes::kCount];       ///< [J] where gives_energy(law)
 };
+
+/// True where the energy comes with the forces at no cost.
+inline bool gives_energy(ElasticLaw law) { return law == ElasticLaw::CorotationalLinear; }
 
 /// Elastic forces in double and blocks in single precision (TetElements has the formulas, elastic_lanes.h the way).
 /// @param edge  x_i − x_0 of corners 1 to 3 by coordinate, [m]

@@ -45,9 +45,9 @@ BRIM_WIDE void respond(ElasticLaw law, const Lame& lame, const SampleLanes& samp
   constexpr std::size_t kCount = SampleLanes::kCount;
   double rotation[3][3][kCount], left[3][3][kCount], volume[kCount];
   for (int at = 0; at < kWideLanes; at += kLanes) {
-    Mat3L F, P;
+    Mat3L F, P, R;
     deformation(samples, x, at, F);
-    split(law, lame, F, at, rotation, left, P);
+    split(law, lame, F, at, rotation, left, R, P);
     const Lanes v = load_lanes(samples.volume + at);
     store_lanes(volume + at, v);
     for (std::size_t k = 0; k < samples.frames; ++k) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "brim/body/fem/averaged_elements.h"
@@ -35,11 +36,11 @@ class SoftImageBody final : public CarriedBody {
     info.areal_mass = areal_mass_;
     return info;
   }
-  double elastic_energy() const override { return elements_.energy(x_); }
+  double elastic_energy() const override { return energy_ ? *energy_ : elements_.energy(x_); }
   const TetMesh& mesh() const { return parts_.mesh; }
 
  protected:
-  void add_inner() override { elements_.add(x_, force_, stiffness_); }
+  void add_inner() override { energy_ = elements_.add(x_, force_, stiffness_); }
 
  private:
   struct Parts {
@@ -57,7 +58,8 @@ class SoftImageBody final : public CarriedBody {
 
   Parts parts_;
   AveragedElements elements_;
-  double areal_mass_ = 0.0;  ///< [kg/m²] behind the surface, of what is thinner than the ramp that of its outline
+  std::optional<double> energy_;  ///< of x_, where it came with the forces
+  double areal_mass_ = 0.0;       ///< [kg/m²] behind the surface, of what is thinner than the ramp that of its outline
 };
 
 }  // namespace brim
