@@ -27,6 +27,7 @@ int thread_count() {
 
 void detail::share_out(std::size_t n, std::size_t grain, const void* work,
                        void (*piece)(const void*, std::size_t, std::size_t)) {
+  if (thread_count() == 1) return piece(work, 0, n);
   ForkJoin edges(work);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
                     [&](const tbb::blocked_range<std::size_t>& r) BRIM_UNSEEN {
