@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "brim/solve/contact_cone.h"
+
 namespace brim {
 
 namespace {
@@ -15,15 +17,6 @@ constexpr double kStart = 0.1, kFactor = 3.0, kApart = 5.0;
 constexpr int kAsk = 10;
 /// Over-relaxation; and what keeps the system regular where more rows than velocities are.
 constexpr double kRelaxation = 1.6, kProximal = 1e-6;
-
-/// The nearest place in the cone |t| <= μ n.
-Vec3 project(const Vec3& x, double friction) {
-  const double t = std::hypot(x.y(), x.z());
-  if (t <= friction * x.x()) return x;
-  if (friction * t <= -x.x()) return Vec3::Zero();
-  const double n = (x.x() + friction * t) / (1.0 + friction * friction), share = friction * n / t;
-  return {n, share * x.y(), share * x.z()};
-}
 
 }  // namespace
 
@@ -70,7 +63,7 @@ ContactAdmm::Report ContactAdmm::solve(const Eigen::MatrixXd& W, std::span<const
       const auto i = static_cast<std::size_t>(c);
       if (!(s[i] > 0.0)) continue;
       const Vec3 ahead = kRelaxation * at(x, c) + (1.0 - kRelaxation) * at(y, c);
-      const Vec3 next = project(ahead - at(z, c) / rho, friction[i]);
+      const Vec3 next = project_to_cone(ahead - at(z, c) / rho, friction[i]);
       at(z, c) -= rho * (ahead - next);
       primal = std::max(primal, (at(x, c) - next).cwiseAbs().maxCoeff() / s[i]);
       change = std::max(change, rho * (next - at(y, c)).cwiseAbs().maxCoeff() / s[i]);

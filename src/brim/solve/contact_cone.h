@@ -83,6 +83,26 @@ inline Vec3 solve_contact(const Mat3& W, const Mat3& inverse, double friction, c
   return found;
 }
 
+/// The nearest place in the cone |t| <= μ n.
+inline Vec3 project_to_cone(const Vec3& x, double friction) {
+  const double t = std::hypot(x.y(), x.z());
+  if (t <= friction * x.x()) return x;
+  if (friction * t <= -x.x()) return Vec3::Zero();
+  const double n = (x.x() + friction * t) / (1.0 + friction * friction), share = friction * n / t;
+  return {n, share * x.y(), share * x.z()};
+}
+
+/// How far an impulse within its cone is from a solution of its contact, as a velocity, [m/s]; zero where it is one:
+///   r = w |λ − P(λ − (u + μ |u_t| n) / w)|,   P: to the cone (De Saxcé)
+/// Where the tangents press on the normal a contact may have several solutions, one that slips and one that parts; this
+/// judges the one at hand, and does not look for another.
+/// @param w  [1/kg] of the contact's response
+inline double contact_residual(double w, double friction, const Vec3& u, const Vec3& impulse) {
+  Vec3 apart = u;
+  apart.x() += friction * std::hypot(u.y(), u.z());
+  return w * (impulse - project_to_cone(impulse - apart / w, friction)).cwiseAbs().maxCoeff();
+}
+
 /// Inverse of a response matrix of a contact, or zero where it is singular.
 inline Mat3 invert_response(const Mat3& W) {
   const double scale = W.trace() / 3.0;
