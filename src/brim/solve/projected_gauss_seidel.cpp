@@ -15,7 +15,8 @@ constexpr int kRounds = 2;
 /// Contacts up to which all are solved at once: their responses are a dense matrix. Its iterations at most, and the
 /// share of the tolerance at which they end.
 constexpr std::size_t kMostAtOnce = 400;
-constexpr int kIterations = 1000;
+/// Sweeps that follow.
+constexpr int kIterations = 1000, kLastSweeps = 2;
 constexpr double kAtOnceTolerance = 0.3;
 
 }  // namespace
@@ -183,7 +184,6 @@ void ProjectedGaussSeidel::solve_at_once(std::span<const Vec3> offset, std::span
   const Eigen::MatrixXd W = responses(v.size());
   report.sweeps += ContactAdmm::solve(W, q, mu, kAtOnceTolerance * tolerance * scale, kIterations, impulse).iterations;
   for (std::size_t c = 0; c < n; ++c) add_response(c, impulse[c] - swept[c], v);
-  // More sweeps would not tell how good that is: where a contact has several solutions they may leave this one.
   double worst = 0.0;
   for (std::size_t c = 0; c < n; ++c) {
     const auto at = static_cast<Eigen::Index>(3 * c);
@@ -192,12 +192,24 @@ void ProjectedGaussSeidel::solve_at_once(std::span<const Vec3> offset, std::span
     u.x() -= target[c];
     worst = std::max(worst, contact_residual(W.block<3, 3>(at, at).trace() / 3.0, mu[c], u, impulse[c]));
   }
-  const double residual = worst / scale;
-  if (residual < report.residual) {
-    report.residual = residual, report.converged = residual <= tolerance;
+  const double at_once = worst / scale;
+  // A contact may have several solutions, one that parts and one that jams, and sweeps may leave the one at hand for
+  // the other. Where they stay they are right; where they do not, what was found for all at once is.
+  const std::vector<Vec3> found(impulse.begin(), impulse.end());
+  const std::vector<double> v_found(v.begin(), v.end());
+  const Report last = sweeps(offset, target, tolerance, kLastSweeps, scale, impulse, v, friction);
+  report.sweeps += last.sweeps;
+  const auto take = [&](const std::vector<Vec3>& lambda, const std::vector<double>& velocities) {
+    std::copy(lambda.begin(), lambda.end(), impulse.begin());
+    std::copy(velocities.begin(), velocities.end(), v.begin());
+  };
+  if (last.converged) {
+    report.residual = last.residual, report.converged = true;
+  } else if (at_once < report.residual) {
+    report.residual = at_once, report.converged = at_once <= tolerance;
+    take(found, v_found);
   } else {
-    std::copy(swept.begin(), swept.end(), impulse.begin());
-    std::copy(v_swept.begin(), v_swept.end(), v.begin());
+    take(swept, v_swept);
   }
 }
 

@@ -21,7 +21,8 @@ namespace brim {
 /// pair to the next, the changes of before are followed further as conjugate gradients would (Silcowitz, Niebe and
 /// Erleben 2010), unless the changes grow.
 /// Where some contacts are of the general form and the sweeps end before they agree, all contacts are solved at once
-/// (ContactAdmm), and how far each contact then is from its law is measured: the better of the two is taken.
+/// (ContactAdmm), and swept again. Where those sweeps do not settle either, what is nearest to the law of each contact
+/// is taken (contact_residual).
 class ProjectedGaussSeidel {
  public:
   /// What one velocity has to do with a contact.
