@@ -58,16 +58,22 @@ TEST(FemBody, StiffnessIsTheDerivativeOfForcesWhereNothingIsProjected) {
   }
 }
 
+/// A matrix with room for the blocks of the elements, which know their places in it.
+BlockMatrix matrix_of(TetElements& elements, std::size_t nodes) {
+  BlockMatrix K;
+  K.begin(nodes);
+  K.add_elements(elements.nodes(), 4);
+  K.finish();
+  elements.find_pairs(K);
+  return K;
+}
+
 TEST(FemBody, UnprojectedStiffnessIsTheDerivativeOfForcesAnywhere) {
   const TetMesh mesh = testing::block(2, 2, 2, 0.1);
   for (const ElasticLaw law : kLaws) {
     FemBody body(mesh, options(law));
     TetElements elements(mesh, law, Lame::from(1e4, 0.3));
-    BlockMatrix K;
-    K.begin(mesh.vertices.size());
-    K.add_elements(elements.nodes(), 4);
-    K.finish();
-    elements.find_pairs(K);
+    BlockMatrix K = matrix_of(elements, mesh.vertices.size());
     const std::vector<double> q = deformed(body, 1.0);
     const auto forces = [&](const std::vector<double>& at, BlockMatrix& matrix) {
       std::vector<Vec3> x(mesh.vertices.size()), f(x.size(), Vec3::Zero());
@@ -101,11 +107,7 @@ TEST(FemBody, EnergyThatComesWithTheForcesIsThatOfTheState) {
   for (const ElasticLaw law : kLaws) {
     const FemBody body(mesh, options(law));
     TetElements elements(mesh, law, Lame::from(1e4, 0.3));
-    BlockMatrix K;
-    K.begin(mesh.vertices.size());
-    K.add_elements(elements.nodes(), 4);
-    K.finish();
-    elements.find_pairs(K);
+    BlockMatrix K = matrix_of(elements, mesh.vertices.size());
     for (const double turned : {0.3, 3.0}) {  // the second turns elements inside out
       const std::vector<double> q = deformed(body, turned);
       std::vector<Vec3> x(mesh.vertices.size()), f(x.size(), Vec3::Zero());
