@@ -101,7 +101,7 @@ TEST(ContactFactor, SolvesExactlyWhatContactTouches) {
   const Problem p(12);
   ContactFactor factor;
   factor.begin(p.bodies, p.first_v, p.diagonal, p.first_block, p.sparse);
-  factor.factor(p.rows);
+  factor.factor(p.rows, {});
   const auto t = touched(p);
   ASSERT_EQ(3 * factor.touched(), t.size());
   const Eigen::VectorXd r = Eigen::VectorXd::Random(p.A.rows());
@@ -123,7 +123,7 @@ TEST(ContactFactor, InPiecesItIsTheInverseOfTheirBlocks) {
   const Problem p(40);
   ContactFactor factor;
   factor.begin(p.bodies, p.first_v, p.diagonal, p.first_block, p.sparse);
-  factor.factor(p.rows, 8, 8);
+  factor.factor(p.rows, {.whole = 8, .piece = 8});
   // The answers to unit vectors tell the pieces; each must be the inverse of its part of A.
   const auto t = touched(p);
   const auto n = static_cast<Eigen::Index>(t.size());
@@ -148,14 +148,14 @@ TEST(ContactFactor, InPiecesItIsTheInverseOfTheirBlocks) {
 }
 
 TEST(ContactFactor, FactorsOtherStiffnessAsIfItWereNew) {
-  for (const std::size_t most : {std::size_t{8}, ContactFactor::kWhole}) {
+  for (const std::size_t most : {std::size_t{8}, ContactFactor::Limits{}.whole}) {
     Problem p(40);
     ContactFactor again, anew;
     for (ContactFactor* f : {&again, &anew}) f->begin(p.bodies, p.first_v, p.diagonal, p.first_block, p.sparse);
-    again.factor(p.rows, most, most);
+    again.factor(p.rows, {.whole = most, .piece = most});
     for (std::size_t i = 0; i < p.rows.size(); ++i) p.rows.stiffness[i] *= i % 3 == 0 ? 3.0f : 1.5f;
     again.refactor(p.rows);
-    anew.factor(p.rows, most, most);
+    anew.factor(p.rows, {.whole = most, .piece = most});
     ASSERT_EQ(again.touched(), anew.touched());
     const Eigen::VectorXd r = Eigen::VectorXd::Random(p.A.rows());
     std::vector<double> a(p.first_v.back(), 0.0), b(a);
@@ -170,7 +170,7 @@ TEST(ContactFactor, BodiesWithoutRowsAreLeftOut) {
   std::vector<std::uint8_t> sparse = {0, 1, 1};
   ContactFactor factor;
   factor.begin(p.bodies, p.first_v, p.diagonal, p.first_block, sparse);
-  factor.factor(p.rows);
+  factor.factor(p.rows, {});
   EXPECT_EQ(factor.touched(), 4u);  // two rigid bodies, two blocks each
 }
 

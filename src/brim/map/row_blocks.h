@@ -28,6 +28,9 @@ class RowBlocks {
       add(Block(sign * from.block_[from.general_[e]]));
   }
 
+  /// True where the block is `weight` times the identity.
+  bool plain(std::size_t e) const { return general_[e] < 0; }
+  float weight(std::size_t e) const { return weight_[e]; }
   Block operator[](std::size_t e) const {
     return general_[e] < 0 ? Block(weight_[e] * Block::Identity()) : block_[general_[e]];
   }

@@ -46,6 +46,7 @@ class BlockMatrix {
   void add(std::int32_t pair, const Mat3& K);
   /// The nine numbers of the block at a slot above the diagonal, column by column, to be added to as above.
   float* values(std::int32_t slot) { return value_.data() + kEntries * static_cast<std::size_t>(slot); }
+  const float* values(std::int32_t slot) const { return value_.data() + kEntries * static_cast<std::size_t>(slot); }
   /// Fills the blocks below the diagonal and on it.
   void close();
   /// this = a A + b B, of the same pattern and closed; then closed.

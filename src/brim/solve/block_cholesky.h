@@ -31,7 +31,8 @@ class BlockCholesky {
   /// Takes the pattern of the upper triangle, diagonal included, and finds order and structure of the factor.
   /// @param first   shape (n + 1)
   /// @param column  block columns of each row, ascending from the diagonal on, shape (first[n])
-  void analyze(std::span<const std::int32_t> first, std::span<const std::int32_t> column);
+  /// @param in_turn  factors of this size that are applied in turn: what a cache must hold to be of use
+  void analyze(std::span<const std::int32_t> first, std::span<const std::int32_t> column, std::size_t in_turn = 1);
   /// @param value  blocks in the order of the pattern, shape (first[n]) @return pivots that were lifted
   int factor(std::span<const Block> value);
   /// x := A⁻¹ x. @param x  shape (3 n)
@@ -67,7 +68,7 @@ class BlockCholesky {
     int lifted = 0;
   };
   void find_order(std::span<const std::int32_t> first, std::span<const std::int32_t> column);
-  void find_structure(std::span<const std::int32_t> first, std::span<const std::int32_t> column);
+  void find_structure(std::span<const std::int32_t> first, std::span<const std::int32_t> column, std::size_t in_turn);
   void find_tasks();
   void find_runs();
   std::span<const RowRun> runs_of(std::int32_t supernode) const {

@@ -99,9 +99,10 @@ std::vector<std::int32_t> postorder(std::span<const std::int32_t> parent) {
 
 }  // namespace
 
-void BlockCholesky::analyze(std::span<const std::int32_t> first, std::span<const std::int32_t> column) {
+void BlockCholesky::analyze(std::span<const std::int32_t> first, std::span<const std::int32_t> column,
+                            std::size_t in_turn) {
   find_order(first, column);
-  find_structure(first, column);
+  find_structure(first, column, in_turn);
 }
 
 void BlockCholesky::find_order(std::span<const std::int32_t> first, std::span<const std::int32_t> column) {
@@ -115,7 +116,8 @@ void BlockCholesky::find_order(std::span<const std::int32_t> first, std::span<co
   order_.assign(minimum.indices().data(), minimum.indices().data() + n);
 }
 
-void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::span<const std::int32_t> column) {
+void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::span<const std::int32_t> column,
+                                   std::size_t in_turn) {
   const auto n = static_cast<std::int32_t>(order_.size());
   place_.resize(n);
   LowerRows lower;
@@ -210,7 +212,7 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
     total += s.stride * 3 * static_cast<std::size_t>(s.end - s.begin);
   }
   grow(panel_, total + 2 * panel::kPad);
-  compressed_ = total > kWorthCompressing;
+  compressed_ = in_turn * total > kWorthCompressing;
   for (Supernode& s : supernode_) {
     const std::size_t rows = 3 * static_cast<std::size_t>(s.rows),
                       width = 3 * static_cast<std::size_t>(s.end - s.begin);

@@ -178,17 +178,17 @@ void ContactFactor::assemble_again(const ContactRows& rows) {
   });
 }
 
-void ContactFactor::factor(const ContactRows& rows, std::size_t whole, std::size_t most_in_a_piece) {
-  find_touched(rows, whole);
+void ContactFactor::factor(const ContactRows& rows, const Limits& limits) {
+  find_touched(rows, limits);
   if (touched_.empty()) return;
-  cut(rows, whole, most_in_a_piece);
+  cut(rows, limits);
   find_incidence(rows);
   assemble(rows);
   parallel_for(piece_count_, [&](std::size_t p) {
     Piece& piece = pieces_[p];
     if (piece.pattern.first != piece.before.first || piece.pattern.column != piece.before.column) {
       std::swap(piece.pattern, piece.before);
-      piece.factor.analyze(piece.before.first, piece.before.column);
+      piece.factor.analyze(piece.before.first, piece.before.column, piece_count_);
     }
     piece.factor.factor(piece.value);
   });

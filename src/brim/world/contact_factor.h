@@ -14,19 +14,25 @@
 namespace brim {
 
 /// The part of the system that contact touches, factored across bodies:
-///   T = velocities whose share in contacts that act is a tenth of their own matrix at least,   z_T = (A_TT)⁻¹ r_T
+///   T = velocities whose share in contacts that act is a tenth of their own matrix at least (Limits::touch),   z_T =
+///   (A_TT)⁻¹ r_T
 /// with A the bodies' own matrices and Jᵀ K J of the contacts. It is what block Jacobi misses most: a tenth of the
 /// nodes of a pile, and nearly all of what couples them. Thin bodies (sheets, rods), whose factors have few entries,
-/// take part with all their velocities where T is then still factored whole. Beyond kWhole blocks T is cut in space
-/// into pieces that are factored apart (couplings between them are left out), so that cost and memory grow linearly and
-/// threads share the work. Bodies take part whose matrix is known in blocks (Body::block_system, or one block of six)
-/// and whose maps are sparse. Same bits for any number of threads.  Tests: tests/world/contact_factor_test.cpp
+/// take part with all their velocities where T is then still factored whole. Beyond some thousand blocks T is cut in
+/// space into pieces that are factored apart (couplings between them are left out), so that cost and memory grow
+/// linearly and threads share the work. Bodies take part whose matrix is known in blocks (Body::block_system, or one
+/// block of six) and whose maps are sparse. Same bits for any number of threads.  Tests:
+/// tests/world/contact_factor_test.cpp
 class ContactFactor {
  public:
-  /// [blocks of three velocities] that are factored whole, at most.
-  static constexpr std::size_t kWhole = 4096;
-  /// [blocks] of a piece at most where they are not: more of these cost more than the iterations that they save.
-  static constexpr std::size_t kPiece = 1024;
+  struct Limits {
+    /// [blocks of three velocities] that are factored whole, at most.
+    std::size_t whole = 4096;
+    /// [blocks] of a piece at most where they are not: more of these cost more than the iterations that they save.
+    std::size_t piece = 1024;
+    /// Share of a node's own matrix below which contact does not touch it: block Jacobi knows as much.
+    float touch = 0.1f;
+  };
 
   ContactFactor();
   ~ContactFactor();
@@ -36,7 +42,7 @@ class ContactFactor {
              const BlockDiagonal& diagonal, std::span<const std::size_t> first_block,
              std::span<const std::uint8_t> sparse);
   /// Assembles and factors with the contact stiffness of the rows. The structure is kept where the pattern is the same.
-  void factor(const ContactRows& rows, std::size_t whole = kWhole, std::size_t most_in_a_piece = kPiece);
+  void factor(const ContactRows& rows, const Limits& limits);
   /// The same with the rows of the last call, of which the stiffness alone has changed: what is touched stays.
   void refactor(const ContactRows& rows);
   /// Makes room for the rows of all contacts, so that memory does not follow which of them act.
@@ -85,9 +91,9 @@ class ContactFactor {
   std::size_t end_of(std::size_t body) const {
     return body + 1 < owner_.size() ? owner_[body + 1].first_v : local_.size();
   }
-  void find_touched(const ContactRows& rows, std::size_t whole);
+  void find_touched(const ContactRows& rows, const Limits& limits);
   void take_thin_whole(std::size_t most);
-  void cut(const ContactRows& rows, std::size_t whole, std::size_t most);
+  void cut(const ContactRows& rows, const Limits& limits);
   void find_incidence(const ContactRows& rows);
   /// Calls add(column, block) for what a row of the upper triangle is made of, within its piece.
   template <class Add>

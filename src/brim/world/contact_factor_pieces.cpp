@@ -4,13 +4,6 @@
 
 namespace brim {
 
-namespace {
-
-/// Share of a node's own matrix below which contact does not touch it: block Jacobi knows as much.
-constexpr float kTouch = 0.1f;
-
-}  // namespace
-
 template <class F>
 void ContactFactor::for_entries(const ContactRows& rows, const F& f) const {
   for (std::size_t i = 0; i < rows.size(); ++i)
@@ -18,7 +11,7 @@ void ContactFactor::for_entries(const ContactRows& rows, const F& f) const {
       if (const std::int32_t t = local_[rows.offset[e]]; t >= 0) f(t, static_cast<std::int32_t>(i), e);
 }
 
-void ContactFactor::find_touched(const ContactRows& rows, std::size_t whole) {
+void ContactFactor::find_touched(const ContactRows& rows, const Limits& limits) {
   local_.assign(prescribed_.size(), -1);
   touched_.clear();
   contact_trace_.assign(prescribed_.size(), 0.0f);
@@ -30,12 +23,13 @@ void ContactFactor::find_touched(const ContactRows& rows, std::size_t whole) {
     for (std::size_t v = o.first_v; v < end_of(b); v += 3) {
       if (prescribed_[v] || !(contact_trace_[v] > 0.0f)) continue;
       const bool strong =
-          !o.system || contact_trace_[v] >
-                           kTouch * static_cast<float>(diagonal_->block(o.first_block + (v - o.first_v) / 3).trace());
+          !o.system ||
+          contact_trace_[v] >
+              limits.touch * static_cast<float>(diagonal_->block(o.first_block + (v - o.first_v) / 3).trace());
       if (strong) local_[v] = 0;
     }
   }
-  take_thin_whole(whole);
+  take_thin_whole(limits.whole);
   for (std::size_t b = 0; b < owner_.size(); ++b) {
     const Owner& o = owner_[b];
     const std::size_t end = end_of(b);
@@ -68,9 +62,9 @@ void ContactFactor::take_thin_whole(std::size_t most) {
       if (!prescribed_[v]) local_[v] = 0;
 }
 
-void ContactFactor::cut(const ContactRows& rows, std::size_t whole, std::size_t most) {
+void ContactFactor::cut(const ContactRows& rows, const Limits& limits) {
   piece_count_ = 1;
-  if (touched_.size() > whole) {
+  if (touched_.size() > limits.whole) {
     std::vector<float> count(touched_.size(), 0.0f);
     for_entries(rows, [&](std::int32_t t, std::int32_t i, std::int32_t) {
       touched_[t].place += rows.point[i];
@@ -91,7 +85,7 @@ void ContactFactor::cut(const ContactRows& rows, std::size_t whole, std::size_t 
       const auto [begin, end] = open.back();
       open.pop_back();
       const auto part = std::span(touched_).subspan(begin, end - begin);
-      if (part.size() <= most) {
+      if (part.size() <= limits.piece) {
         for (Touched& t : part) t.piece = static_cast<std::int32_t>(piece_count_);
         ++piece_count_;
         continue;

@@ -1,6 +1,7 @@
 #include "brim/world/contact_preconditioner.h"
 
 #include <algorithm>
+#include <map>
 
 #include "brim/core/profile.h"
 
@@ -36,6 +37,34 @@ std::size_t count_changed(const ContactRows& rows, std::span<const std::uint8_t>
   return changed;
 }
 
+void ContactPreconditioner::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
+                                  const BlockDiagonal& diagonal, std::span<const std::size_t> first_block,
+                                  std::span<const std::uint8_t> sparse, std::span<const std::int32_t> island,
+                                  std::span<const std::uint8_t> asleep) {
+  factor_.begin(bodies, first_v, diagonal, first_block, sparse);
+  std::map<std::int32_t, std::vector<CoarseGrid::Member>> members;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (bodies[b]->immobile() || (!asleep.empty() && asleep[b])) continue;
+    if (first_v[b + 1] - first_v[b] < 3 * kLarge || !sparse[b]) continue;
+    if (const auto system = bodies[b]->block_system(); system && !system->place.empty())
+      members[island[b]].push_back({first_v[b], *system});
+  }
+  const ProfileScope scope("coarse grid, made");
+  grids_.resize(members.size());
+  std::size_t g = 0;
+  for (const auto& [_, list] : members) grids_[g++].begin(list, first_v.back());
+}
+
+void ContactPreconditioner::apply(std::span<const double> r, std::span<double> z) {
+  {
+    const ProfileScope scope("contact factor, applied");
+    factor_.apply(r, z);
+  }
+  if (grids_.empty() || factor_.complete()) return;
+  const ProfileScope scope("coarse grid, applied");
+  for (CoarseGrid& grid : grids_) grid.add(r, z);
+}
+
 void ContactPreconditioner::reserve(const ContactMaps& all) {
   all.gather_rows(rows_);
   factor_.reserve(rows_);
@@ -49,12 +78,19 @@ void ContactPreconditioner::make(const ContactMaps& acting, const Penalty& respo
     const ProfileScope scope("contact rows");
     acting.gather_rows(rows_);
   }
+  make_factor(response, known);
+  if (grids_.empty() || factor_.complete()) return;
+  const ProfileScope scope("coarse grid, factored");
+  for (CoarseGrid& grid : grids_) grid.factor(rows_);
+}
+
+void ContactPreconditioner::make_factor(const Penalty& response, bool known) {
   const ProfileScope scope("contact factor, made");
   for (std::size_t i = 0; i < rows_.size(); ++i) rows_.stiffness[i] = response.block(rows_.contact[i]).cast<float>();
   if (known)
     factor_.refactor(rows_);
   else
-    factor_.factor(rows_);
+    factor_.factor(rows_, grids_.empty() ? ContactFactor::Limits{} : kBesideGrid);
   profile_count("blocks that contact touches", static_cast<double>(factor_.touched()));
   profile_count("floats of the contact factor", static_cast<double>(factor_.entries()));
 }

@@ -168,7 +168,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     const ScopedSeconds contact_timer(contact_seconds);
     sparse_.resize(bodies.size());
     for (std::size_t b = 0; b < bodies.size(); ++b) sparse_[b] = maps.sparse_rows(b);
-    preconditioner_.begin(bodies, first_v, bodies_diagonal_, first_block_, sparse_);
+    preconditioner_.begin(bodies, first_v, bodies_diagonal_, first_block_, sparse_, island_, settings.asleep);
   }
   // Where every velocity belongs to a rigid body the factor is the whole system, but for rounding in single precision:
   // one iteration more makes the solution exact.
@@ -199,10 +199,7 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
     });
     if (contacts == 0) return;
     const ScopedSeconds contact_timer(contact_seconds);
-    {
-      const ProfileScope scope("contact factor, applied");
-      preconditioner_.apply(r, z);
-    }
+    preconditioner_.apply(r, z);
     const ProfileScope scope("coarse modes, applied");
     if (coarse) modes_.add(r, z);
   };
