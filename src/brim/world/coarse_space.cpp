@@ -22,7 +22,7 @@ constexpr std::size_t kContactsOfPatch = 4096;
 }  // namespace
 
 void CoarseSpace::take_modes(const Body& body, std::size_t n, Modes& m) const {
-  m.count = 0;
+  m.count = m.coupled = 0;
   m.free = true;
   m.columns.resize(kModes * n);
   m.system.setZero();
@@ -72,6 +72,8 @@ void CoarseSpace::take_modes(const Body& body, std::size_t n, Modes& m) const {
     for (int j = 0; j < m.count; ++j)
       m.system(j, k) = y.dot(Eigen::Map<const Eigen::VectorXd>(m.columns.data() + j * n, y.size()));
   }
+  // What a fluid does as a whole follows from its pressure in as many iterations.
+  m.coupled = fluid ? 0 : m.count;
 }
 
 void CoarseSpace::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
@@ -84,15 +86,15 @@ void CoarseSpace::begin(std::span<const std::unique_ptr<Body>> bodies, std::span
   for (std::size_t p = 0; p < parts.size(); ++p) body_of_part_[p] = parts[p].body_index;
   parallel_for(bodies.size(), [&](std::size_t b) {
     if (without[b])
-      modes_[b].count = 0;
+      modes_[b].count = modes_[b].coupled = 0;
     else
       take_modes(*bodies[b], first_v[b + 1] - first_v[b], modes_[b]);
   });
   std::size_t rows = 0;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     modes_[b].row = rows;
-    rows += modes_[b].count;
-    complete_[b] = !without[b] && static_cast<std::size_t>(modes_[b].count) == first_v[b + 1] - first_v[b];
+    rows += modes_[b].coupled;
+    complete_[b] = !without[b] && static_cast<std::size_t>(modes_[b].coupled) == first_v[b + 1] - first_v[b];
   }
   coarse_.resize(static_cast<Eigen::Index>(rows));
 }
@@ -104,7 +106,7 @@ void CoarseSpace::see(const ContactMaps& maps, std::size_t n) {
   for (int k = 0; k < kModes; ++k) {
     std::fill(column_.begin(), column_.end(), 0.0);
     for (std::size_t b = 0; b < modes_.size(); ++b)
-      if (k < modes_[b].count) {
+      if (k < modes_[b].coupled) {
         const std::size_t size = first_v_[b + 1] - first_v_[b];
         std::copy_n(modes_[b].columns.data() + k * size, size, column_.data() + first_v_[b]);
       }
@@ -114,8 +116,8 @@ void CoarseSpace::see(const ContactMaps& maps, std::size_t n) {
 }
 
 void CoarseSpace::add_block(const Block& block, const Modes& a, const Modes& b) {
-  for (int j = 0; j < b.count; ++j)
-    for (int i = 0; i < a.count; ++i)
+  for (int j = 0; j < b.coupled; ++j)
+    for (int i = 0; i < a.coupled; ++i)
       entries_.emplace_back(static_cast<int>(a.row) + i, static_cast<int>(b.row) + j, block(i, j));
 }
 
@@ -133,6 +135,7 @@ void CoarseSpace::sum_contacts(std::span<const Seen> a, std::span<const Seen> b,
 }
 
 bool CoarseSpace::factor(const ContactMaps& maps, const ContactSet& contacts, const Penalty& response) {
+  if (coarse_.size() == 0) return false;
   if (!seen_) see(maps, contacts.size());
   patches_.clear();
   for (std::size_t p = 0; p < contacts.pairs.size(); ++p)
@@ -151,7 +154,6 @@ bool CoarseSpace::factor(const ContactMaps& maps, const ContactSet& contacts, co
     add_block(patch.sum[2], a, b);
     add_block(patch.sum[2].transpose(), b, a);
   }
-  if (coarse_.size() == 0) return true;
   matrix_.resize(coarse_.size(), coarse_.size());
   matrix_.setFromTriplets(entries_.begin(), entries_.end());
   solver_.compute(matrix_);
@@ -197,14 +199,14 @@ void CoarseSpace::add_prolonged(const Modes& m, const Eigen::VectorXd& c, std::s
 
 void CoarseSpace::add(std::span<const double> r, std::span<double> z) {
   if (coarse_.size() == 0) return;
-  const auto segment = [&](const Modes& m) { return coarse_.segment(static_cast<Eigen::Index>(m.row), m.count); };
+  const auto segment = [&](const Modes& m) { return coarse_.segment(static_cast<Eigen::Index>(m.row), m.coupled); };
   const auto slice = [&](auto x, std::size_t b) { return x.subspan(first_v_[b], first_v_[b + 1] - first_v_[b]); };
   parallel_for(modes_.size(), [&](std::size_t b) {
-    if (modes_[b].count > 0) segment(modes_[b]) = restricted(modes_[b], slice(r, b));
+    if (modes_[b].coupled > 0) segment(modes_[b]) = restricted(modes_[b], slice(r, b));
   });
   coarse_ = solver_.solve(coarse_);
   parallel_for(modes_.size(), [&](std::size_t b) {
-    if (modes_[b].count > 0) add_prolonged(modes_[b], segment(modes_[b]), slice(z, b));
+    if (modes_[b].coupled > 0) add_prolonged(modes_[b], segment(modes_[b]), slice(z, b));
   });
 }
 

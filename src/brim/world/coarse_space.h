@@ -27,7 +27,7 @@ class CoarseSpace {
   void begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
              std::span<const WorldPart> parts, std::span<const std::uint8_t> without);
   /// Assembles and factors Rᵀ A R with the contact stiffness in force.
-  /// @param maps  of all contacts, the same ones until begin @return false when it is not definite
+  /// @param maps  of all contacts, the same ones until begin @return false when it is not definite, or empty
   bool factor(const ContactMaps& maps, const ContactSet& contacts, const Penalty& response);
 
   /// True when the modes span everything that the body can do.
@@ -51,6 +51,7 @@ class CoarseSpace {
 
   struct Modes {
     int count = 0;                ///< modes that are kept
+    int coupled = 0;              ///< of these, in the coarse system: all or none
     bool free = true;             ///< nothing of the body is prescribed
     std::size_t row = 0;          ///< first unknown in the coarse system
     std::vector<double> columns;  ///< orthonormal, one after the other, shape (count, v_size)
