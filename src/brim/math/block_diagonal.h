@@ -37,7 +37,7 @@ class BlockDiagonal {
  private:
   std::vector<int> size_;
   std::vector<std::size_t> offset_, row_;
-  std::vector<double> value_;
+  std::vector<double> value_;  ///< and one more, which wide loads reach
   std::size_t rows_ = 0;
 };
 
