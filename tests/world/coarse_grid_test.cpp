@@ -80,7 +80,6 @@ struct Problem {
         }
       const Eigen::Vector3f n = Eigen::Vector3f(normal(rng), normal(rng), normal(rng)).normalized();
       rows.contact.push_back(static_cast<std::uint32_t>(c));
-      rows.point.push_back(x.cast<float>());
       rows.stiffness.push_back(300.0f * n * n.transpose() + 20.0f * Eigen::Matrix3f::Identity());
       rows.first.push_back(static_cast<std::int32_t>(rows.offset.size()));
     }

@@ -33,15 +33,15 @@ class ContactFactor::RowSum {
     }
   }
   /// Makes room for these columns alone, which get their sums at `value`; forget takes the room back.
-  void expect(std::span<const std::int32_t> column, std::int32_t from, Block* value) {
+  void expect(std::span<const std::int32_t> column, Block* value) {
     for (std::size_t k = 0; k < column.size(); ++k) {
-      slot_[from + column[k]] = static_cast<std::int32_t>(k);
+      slot_[column[k]] = static_cast<std::int32_t>(k);
       value[k].setZero();
     }
   }
   void add_expected(std::int32_t column, const Block& block, Block* value) const { value[slot_[column]] += block; }
-  void forget(std::span<const std::int32_t> column, std::int32_t from) {
-    for (const std::int32_t c : column) slot_[from + c] = -1;
+  void forget(std::span<const std::int32_t> column) {
+    for (const std::int32_t c : column) slot_[c] = -1;
   }
   /// Appends the row in ascending columns and forgets it. @return its length
   std::size_t take(std::vector<std::int32_t>& column, std::vector<Block>& value) {
@@ -113,18 +113,16 @@ void ContactFactor::add_own_blocks(std::int32_t t, const Add& add) const {
   }
 }
 
-template <class Add>
-void ContactFactor::add_row(const ContactRows& rows, std::size_t row, const Add& add) const {
-  const auto t = static_cast<std::int32_t>(row), end = static_cast<std::int32_t>(pieces_[touched_[row].piece].end);
-  const auto inside = [&](std::int32_t u) { return u >= t && u < end; };
-  add_own_blocks(t, [&](std::int32_t u, const Block& b) {
-    if (inside(u)) add(u, b);
+template <class Counts, class Add>
+void ContactFactor::add_row(const ContactRows& rows, std::size_t row, const Counts& counts, const Add& add) const {
+  add_own_blocks(static_cast<std::int32_t>(row), [&](std::int32_t u, const Block& b) {
+    if (counts(u)) add(u, b);
   });
   for (std::int32_t k = incidence_first_[row]; k < incidence_first_[row + 1]; ++k) {
     const auto [i, mine] = incidence_[k];
     const Block left = rows.blocks.transposed_times(mine, rows.stiffness[i]);
     for (std::int32_t e = rows.first[i]; e < rows.first[i + 1]; ++e)
-      if (const std::int32_t u = local_[rows.offset[e]]; inside(u)) add(u, rows.blocks.times(left, e));
+      if (const std::int32_t u = local_[rows.offset[e]]; counts(u)) add(u, rows.blocks.times(left, e));
   }
 }
 
@@ -144,46 +142,58 @@ void ContactFactor::assemble(const ContactRows& rows) {
   for (Chunk& c : chunks_) c.column.clear(), c.value.clear();
   length_.resize(n);
   for_rows([&](std::size_t c, std::size_t row, RowSum& sum) {
-    add_row(rows, row, [&](std::int32_t u, const Block& b) { sum.add(u, b); });
+    const auto t = static_cast<std::int32_t>(row);
+    add_row(
+        rows, row, [t](std::int32_t u) { return u >= t; }, [&](std::int32_t u, const Block& b) { sum.add(u, b); });
     length_[row] = static_cast<std::int32_t>(sum.take(chunks_[c].column, chunks_[c].value));
   });
-  // Rows lie one after another in the chunks; a piece is a run of them.
-  std::size_t chunk = 0, at = 0;
-  for (std::size_t p = 0; p < piece_count_; ++p) {
+}
+
+void ContactFactor::fill_pieces() {
+  // Where each row begins in its chunk.
+  std::vector<std::size_t> begin(touched_.size());
+  for (std::size_t t = 0; t < touched_.size(); ++t)
+    begin[t] = t % kRows == 0 ? 0 : begin[t - 1] + static_cast<std::size_t>(length_[t - 1]);
+  parallel_for(piece_count_, [&](std::size_t p) {
     Piece& piece = pieces_[p];
     Pattern& now = piece.pattern;
     now.first.assign(1, 0), now.column.clear(), piece.value.clear();
-    for (std::size_t t = piece.begin; t < piece.end; ++t) {
-      if (t / kRows != chunk) chunk = t / kRows, at = 0;
-      const Chunk& c = chunks_[chunk];
-      for (std::int32_t k = 0; k < length_[t]; ++k, ++at) {
-        now.column.push_back(c.column[at] - static_cast<std::int32_t>(piece.begin));
-        piece.value.push_back(c.value[at]);
+    for (const std::int32_t t : piece.touched) {
+      const Chunk& c = chunks_[static_cast<std::size_t>(t) / kRows];
+      for (std::size_t k = begin[t]; k < begin[t] + static_cast<std::size_t>(length_[t]); ++k) {
+        const Touched& u = touched_[c.column[k]];
+        if (u.cluster != touched_[t].cluster) continue;
+        now.column.push_back(u.at);
+        piece.value.push_back(c.value[k]);
       }
       now.first.push_back(static_cast<std::int32_t>(now.column.size()));
     }
-  }
+  });
 }
 
 void ContactFactor::assemble_again(const ContactRows& rows) {
   for_rows([&](std::size_t, std::size_t row, RowSum& sum) {
-    Piece& piece = pieces_[touched_[row].piece];
-    const std::int32_t from = piece.before.first[row - piece.begin], to = piece.before.first[row - piece.begin + 1];
+    const Touched& mine = touched_[row];
+    const auto t = static_cast<std::int32_t>(row);
+    Piece& piece = pieces_[mine.piece];
+    const std::int32_t from = piece.before.first[mine.at], to = piece.before.first[mine.at + 1];
     const auto column = std::span(piece.before.column).subspan(from, to - from);
-    const auto first = static_cast<std::int32_t>(piece.begin);
     Block* const value = piece.value.data() + from;
-    sum.expect(column, first, value);
-    add_row(rows, row, [&](std::int32_t u, const Block& b) { sum.add_expected(u, b, value); });
-    sum.forget(column, first);
+    sum.expect(column, value);
+    add_row(
+        rows, row, [&](std::int32_t u) { return u >= t && touched_[u].cluster == mine.cluster; },
+        [&](std::int32_t u, const Block& b) { sum.add_expected(touched_[u].at, b, value); });
+    sum.forget(column);
   });
 }
 
 void ContactFactor::factor(const ContactRows& rows, const Limits& limits) {
   find_touched(rows, limits);
   if (touched_.empty()) return;
-  cut(rows, limits);
   find_incidence(rows);
   assemble(rows);
+  cut(limits);
+  fill_pieces();
   parallel_for(piece_count_, [&](std::size_t p) {
     Piece& piece = pieces_[p];
     if (piece.pattern.first != piece.before.first || piece.pattern.column != piece.before.column) {
@@ -204,13 +214,17 @@ void ContactFactor::apply(std::span<const double> r, std::span<double> z) {
   if (empty()) return;
   parallel_for(piece_count_, [&](std::size_t p) {
     Piece& piece = pieces_[p];
-    const auto mine = std::span(touched_).subspan(piece.begin, piece.end - piece.begin);
-    piece.x.resize(3 * mine.size());
-    for (std::size_t i = 0; i < mine.size(); ++i)
-      for (int a = 0; a < 3; ++a) piece.x[3 * i + a] = static_cast<float>(r[mine[i].velocity + a]);
+    const std::size_t n = piece.touched.size();
+    piece.x.resize(3 * n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::int32_t v = touched_[piece.touched[i]].velocity;
+      for (int a = 0; a < 3; ++a) piece.x[3 * i + a] = static_cast<float>(r[v + a]);
+    }
     piece.factor.solve(piece.x);
-    for (std::size_t i = 0; i < mine.size(); ++i)
-      for (int a = 0; a < 3; ++a) z[mine[i].velocity + a] = piece.x[3 * i + a];
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::int32_t v = touched_[piece.touched[i]].velocity;
+      for (int a = 0; a < 3; ++a) z[v + a] = piece.x[3 * i + a];
+    }
   });
 }
 

@@ -14,22 +14,21 @@
 namespace brim {
 
 /// The part of the system that contact touches, factored across bodies:
-///   T = velocities whose share in contacts that act is a tenth of their own matrix at least (Limits::touch),   z_T =
-///   (A_TT)⁻¹ r_T
+///   T = velocities whose share in contacts that act is a tenth of their own matrix at least,   z_T = (A_TT)⁻¹ r_T
 /// with A the bodies' own matrices and Jᵀ K J of the contacts. It is what block Jacobi misses most: a tenth of the
 /// nodes of a pile, and nearly all of what couples them. Thin bodies (sheets, rods), whose factors have few entries,
-/// take part with all their velocities where T is then still factored whole. Beyond some thousand blocks T is cut in
-/// space into pieces that are factored apart (couplings between them are left out), so that cost and memory grow
-/// linearly and threads share the work. Bodies take part whose matrix is known in blocks (Body::block_system, or one
-/// block of six) and whose maps are sparse. Same bits for any number of threads.  Tests:
-/// tests/world/contact_factor_test.cpp
+/// take part with all their velocities where T is then still factored whole. Beyond some thousand blocks T is cut where
+/// A couples it least (strong_clusters) into clusters, and what couples these is left out, so that cost and memory grow
+/// linearly; pieces of some clusters each are factored side by side. Bodies take part whose matrix is known in blocks
+/// (Body::block_system, or one block of six) and whose maps are sparse. Same bits for any number of threads.
+/// Tests: tests/world/contact_factor_test.cpp
 class ContactFactor {
  public:
   struct Limits {
     /// [blocks of three velocities] that are factored whole, at most.
     std::size_t whole = 4096;
-    /// [blocks] of a piece at most where they are not: more of these cost more than the iterations that they save.
-    std::size_t piece = 1024;
+    /// [blocks] of a cluster at most where they are not: more of these cost more than the iterations that they save.
+    std::size_t cluster = 128;
     /// Share of a node's own matrix below which contact does not touch it: block Jacobi knows as much.
     float touch = 0.1f;
   };
@@ -69,15 +68,15 @@ class ContactFactor {
   struct Touched {
     std::int32_t velocity;  ///< first of three
     std::int32_t body;
-    std::int32_t piece;
-    Eigen::Vector3f place;  ///< [m] mean of its contacts
+    std::int32_t cluster = 0;
+    std::int32_t piece = 0, at = 0;  ///< its place in the piece
   };
-  /// Rows of the upper triangle of a piece, columns numbered from its begin.
+  /// Rows of the upper triangle of a piece.
   struct Pattern {
     std::vector<std::int32_t> first, column;
   };
   struct Piece {
-    std::size_t begin = 0, end = 0;  ///< in touched_
+    std::vector<std::int32_t> touched;  ///< by cluster, then by velocity
     Pattern pattern, before;
     std::vector<BlockCholesky::Block> value;
     BlockCholesky factor;
@@ -93,16 +92,20 @@ class ContactFactor {
   }
   void find_touched(const ContactRows& rows, const Limits& limits);
   void take_thin_whole(std::size_t most);
-  void cut(const ContactRows& rows, const Limits& limits);
+  /// Finds clusters, and deals them to pieces.
+  void cut(const Limits& limits);
+  std::vector<std::int32_t> find_clusters(const Limits& limits) const;
   void find_incidence(const ContactRows& rows);
-  /// Calls add(column, block) for what a row of the upper triangle is made of, within its piece.
-  template <class Add>
-  void add_row(const ContactRows& rows, std::size_t row, const Add& add) const;
+  /// Calls add(u, block) for what a row of the upper triangle of A_TT is made of, where counts(u) holds.
+  template <class Counts, class Add>
+  void add_row(const ContactRows& rows, std::size_t row, const Counts& counts, const Add& add) const;
   /// Calls f(chunk, row, sum) for all rows, those of a chunk in order.
   template <class F>
   void for_rows(const F& f);
-  /// Finds patterns and values of the pieces.
+  /// The upper triangle of A_TT.
   void assemble(const ContactRows& rows);
+  /// Patterns and values of the pieces, of what was assembled.
+  void fill_pieces();
   /// The values alone, in the patterns as they are.
   void assemble_again(const ContactRows& rows);
   template <class Add>
@@ -118,7 +121,7 @@ class ContactFactor {
   std::vector<std::uint8_t> prescribed_;  ///< per velocity
   std::vector<float> contact_trace_;      ///< [kg] of each node's block of Jᵀ K J, per velocity
   std::vector<std::int32_t> local_;       ///< per velocity: the touched block that starts there, or -1
-  std::vector<Touched> touched_;          ///< by piece, then by velocity
+  std::vector<Touched> touched_;          ///< by velocity
   struct Incidence {
     std::int32_t contact, entry;  ///< place in the rows
   };

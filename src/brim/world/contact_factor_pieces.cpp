@@ -1,8 +1,17 @@
 #include <algorithm>
+#include <cmath>
 
+#include "brim/solve/strong_clusters.h"
 #include "brim/world/contact_factor.h"
 
 namespace brim {
+
+namespace {
+
+/// [blocks] that one thread works on at a time: clusters are dealt to pieces until they have as many.
+constexpr std::size_t kPiece = 1024;
+
+}  // namespace
 
 template <class F>
 void ContactFactor::for_entries(const ContactRows& rows, const F& f) const {
@@ -39,7 +48,7 @@ void ContactFactor::find_touched(const ContactRows& rows, const Limits& limits) 
     for (std::size_t v = o.first_v; v < end; ++v) {
       if (local_[v] < 0) continue;
       local_[v] = o.known ? static_cast<std::int32_t>(touched_.size()) : -1;
-      if (o.known) touched_.push_back({static_cast<std::int32_t>(v), static_cast<std::int32_t>(b), 0, {0, 0, 0}});
+      if (o.known) touched_.push_back({static_cast<std::int32_t>(v), static_cast<std::int32_t>(b)});
     }
   }
 }
@@ -62,58 +71,52 @@ void ContactFactor::take_thin_whole(std::size_t most) {
       if (!prescribed_[v]) local_[v] = 0;
 }
 
-void ContactFactor::cut(const ContactRows& rows, const Limits& limits) {
-  piece_count_ = 1;
-  if (touched_.size() > limits.whole) {
-    std::vector<float> count(touched_.size(), 0.0f);
-    for_entries(rows, [&](std::int32_t t, std::int32_t i, std::int32_t) {
-      touched_[t].place += rows.point[i];
-      count[t] += 1.0f;
-    });
-    for (std::size_t t = 0; t < touched_.size(); ++t) {
-      const Owner& o = owner_[touched_[t].body];
-      if (o.system && !o.system->place.empty())
-        touched_[t].place =
-            o.system->place[(static_cast<std::size_t>(touched_[t].velocity) - o.first_v) / 3].cast<float>();
-      else
-        touched_[t].place /= std::max(count[t], 1.0f);
-    }
-    // Halves across the longest side, until they are small enough.
-    std::vector<std::pair<std::size_t, std::size_t>> open = {{0, touched_.size()}};
-    piece_count_ = 0;
-    while (!open.empty()) {
-      const auto [begin, end] = open.back();
-      open.pop_back();
-      const auto part = std::span(touched_).subspan(begin, end - begin);
-      if (part.size() <= limits.piece) {
-        for (Touched& t : part) t.piece = static_cast<std::int32_t>(piece_count_);
-        ++piece_count_;
-        continue;
+std::vector<std::int32_t> ContactFactor::find_clusters(const Limits& limits) const {
+  if (touched_.size() <= limits.whole) return std::vector<std::int32_t>(touched_.size(), 0);
+  std::vector<Coupling> couplings, joined;
+  std::vector<float> share(touched_.size());  // 1/√|A_tt|
+  const auto for_rows_of_chunks = [&](const auto& f) {
+    std::size_t t = 0;
+    for (const Chunk& c : chunks_)
+      for (std::size_t k = 0; k < c.column.size(); ++t) {
+        f(t, c, k, k + static_cast<std::size_t>(length_[t]));
+        k += static_cast<std::size_t>(length_[t]);
       }
-      Eigen::Vector3f lo = part[0].place, hi = lo;
-      for (const Touched& t : part) lo = lo.cwiseMin(t.place), hi = hi.cwiseMax(t.place);
-      Eigen::Index axis = 0;
-      (hi - lo).maxCoeff(&axis);
-      const std::size_t half = part.size() / 2;
-      std::nth_element(part.begin(), part.begin() + static_cast<std::ptrdiff_t>(half), part.end(),
-                       [axis](const Touched& a, const Touched& b) {
-                         return a.place[axis] != b.place[axis] ? a.place[axis] < b.place[axis]
-                                                               : a.velocity < b.velocity;
-                       });
-      open.emplace_back(begin, begin + half);
-      open.emplace_back(begin + half, end);
-    }
-    std::sort(touched_.begin(), touched_.end(), [](const Touched& a, const Touched& b) {
-      return a.piece != b.piece ? a.piece < b.piece : a.velocity < b.velocity;
-    });
-    for (std::size_t t = 0; t < touched_.size(); ++t) local_[touched_[t].velocity] = static_cast<std::int32_t>(t);
-  }
-  if (pieces_.size() < piece_count_) pieces_.resize(piece_count_);
-  for (std::size_t p = 0; p < piece_count_; ++p) pieces_[p].begin = pieces_[p].end = 0;
+  };
+  for_rows_of_chunks([&](std::size_t t, const Chunk& c, std::size_t begin, std::size_t) {
+    const float size = c.value[begin].norm();  // a row begins with its diagonal
+    share[t] = size > 0.0f ? 1.0f / std::sqrt(size) : 0.0f;
+  });
+  for_rows_of_chunks([&](std::size_t t, const Chunk& c, std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin + 1; k < end; ++k)
+      couplings.push_back(
+          {static_cast<std::int32_t>(t), c.column[k], c.value[k].norm() * share[t] * share[c.column[k]]});
+  });
+  for (std::size_t t = 0; t + 1 < touched_.size(); ++t)
+    if (!owner_[touched_[t].body].system && touched_[t].body == touched_[t + 1].body)
+      joined.push_back({static_cast<std::int32_t>(t), static_cast<std::int32_t>(t + 1), 0.0f});
+  return strong_clusters(touched_.size(), couplings, limits.cluster, joined);
+}
+
+void ContactFactor::cut(const Limits& limits) {
+  const std::vector<std::int32_t> cluster = find_clusters(limits);
+  std::vector<std::vector<std::int32_t>> members(
+      static_cast<std::size_t>(*std::max_element(cluster.begin(), cluster.end())) + 1);
   for (std::size_t t = 0; t < touched_.size(); ++t) {
-    Piece& p = pieces_[touched_[t].piece];
-    if (p.end == 0) p.begin = t;
-    p.end = t + 1;
+    touched_[t].cluster = cluster[t];
+    members[cluster[t]].push_back(static_cast<std::int32_t>(t));
+  }
+  for (Piece& p : pieces_) p.touched.clear();
+  piece_count_ = 0;
+  for (const auto& list : members) {
+    if (piece_count_ == 0 || pieces_[piece_count_ - 1].touched.size() >= kPiece) ++piece_count_;
+    if (pieces_.size() < piece_count_) pieces_.resize(piece_count_);
+    Piece& piece = pieces_[piece_count_ - 1];
+    for (const std::int32_t t : list) {
+      touched_[t].piece = static_cast<std::int32_t>(piece_count_ - 1);
+      touched_[t].at = static_cast<std::int32_t>(piece.touched.size());
+      piece.touched.push_back(t);
+    }
   }
 }
 

@@ -153,7 +153,7 @@ void ContactMaps::gather_rows(ContactRows& out) const {
   });
   const std::size_t n = chosen_.size();
   out.contact.assign(chosen_.begin(), chosen_.end());
-  out.point.resize(n), out.stiffness.resize(n);
+  out.stiffness.resize(n);
   out.first.assign(1, 0);
   out.offset.clear(), out.blocks.clear();
   const auto add_side = [&](std::int32_t part, std::uint32_t row, float sign) {
@@ -169,7 +169,6 @@ void ContactMaps::gather_rows(ContactRows& out) const {
   for (std::size_t i = 0; i < n; ++i) {
     add_side(part_a_[i], row_a_[i], 1.0f);
     add_side(part_b_[i], row_b_[i], -1.0f);
-    out.point[i] = point_[row_a_[i]].cast<float>();
     out.first.push_back(static_cast<std::int32_t>(out.offset.size()));
   }
 }

@@ -90,7 +90,7 @@ void ContactPreconditioner::make_factor(const Penalty& response, bool known) {
   if (known)
     factor_.refactor(rows_);
   else
-    factor_.factor(rows_, grids_.empty() ? ContactFactor::Limits{} : kBesideGrid);
+    factor_.factor(rows_, {});
   profile_count("blocks that contact touches", static_cast<double>(factor_.touched()));
   profile_count("floats of the contact factor", static_cast<double>(factor_.entries()));
 }

@@ -28,8 +28,6 @@ class ContactPreconditioner {
   static constexpr std::size_t kMayDiffer = 16, kFew = 32;
   /// Nodes from which on a body is large: a motion of the whole takes many iterations to come through.
   static constexpr std::size_t kLarge = 8192;
-  /// Where a coarse grid knows what pieces have in common, they may be small.
-  static constexpr ContactFactor::Limits kBesideGrid = {.piece = 512, .touch = 0.5f};
 
   /// As ContactFactor has it. @param island  of each body, as its solver has them  @param asleep  per body, or empty
   void begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,

@@ -13,7 +13,6 @@ namespace brim {
 /// factors contact across bodies.
 struct ContactRows {
   std::vector<std::uint32_t> contact;  ///< of the contact set, shape (n)
-  std::vector<Eigen::Vector3f> point;  ///< [m] where it is, shape (n)
   std::vector<std::int32_t> first;     ///< shape (n + 1)
   std::vector<std::int32_t> offset;    ///< first of three velocities, world numbering; shape (entries)
   RowBlocks blocks;                    ///< J, negative on side b; shape (entries)
