@@ -36,6 +36,7 @@ void CoarseSpace::take_modes(const Body& body, std::size_t n, Modes& m) const {
   m.place = blocks ? blocks->place : std::span<const Vec3>();
   m.center = center;
   m.basis.setZero();
+  int translations = 0;  // of the modes that are kept; they come first
   for (int k = 0; k < kModes; ++k) {
     const Vec3 w = k < 3 ? Vec3::Zero() : Vec3(Vec3::Unit(k - 3));
     const Vec3 t = k < 3 ? Vec3(Vec3::Unit(k)) : Vec3(-w.cross(center));
@@ -58,14 +59,17 @@ void CoarseSpace::take_modes(const Body& body, std::size_t n, Modes& m) const {
     if (!(left > kIndependentMode * length)) continue;
     x /= left, basis /= left;
     ++m.count;
+    if (k < 3) translations = m.count;
   }
   std::vector<double> image(n);
   for (int k = 0; k < m.count; ++k) {
     const std::span<const double> x(m.columns.data() + k * n, n);
     std::fill(image.begin(), image.end(), 0.0);
-    // Nothing within it resists a rigid motion.
+    // Nothing within a fluid resists a rigid motion, and nothing within any body one that only carries it along.
     if (fluid)
       body.apply_mass(x, image);
+    else if (blocks && m.free && k < translations)
+      for (std::size_t i = 0; i < n; ++i) image[i] = blocks->mass_share * blocks->mass[i / 3] * x[i];
     else
       body.apply_system(x, image);
     const Eigen::Map<const Eigen::VectorXd> y(image.data(), static_cast<Eigen::Index>(n));
