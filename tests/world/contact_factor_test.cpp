@@ -6,6 +6,7 @@
 #include <random>
 
 #include "brim/body/fem/fem_body.h"
+#include "support/dense_contacts.h"
 #include "support/soft_worlds.h"
 #include "support/solids.h"
 
@@ -74,12 +75,7 @@ struct Problem {
       rows.stiffness.push_back(200.0f * n * n.transpose() + Eigen::Matrix3f::Identity());
       rows.first.push_back(static_cast<std::int32_t>(rows.offset.size()));
     }
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      Eigen::MatrixXd J = Eigen::MatrixXd::Zero(3, A.cols());
-      for (std::int32_t e = rows.first[i]; e < rows.first[i + 1]; ++e)
-        J.middleCols<3>(rows.offset[e]) += rows.blocks[e].cast<double>();
-      A += J.transpose() * rows.stiffness[i].cast<double>() * J;
-    }
+    add_contact_stiffness(rows, A);
   }
 };
 

@@ -17,9 +17,10 @@ namespace brim {
 /// these bodies,
 ///   z += W (Wᵀ A W)⁻¹ Wᵀ r,   W_iI: weight of corner I of its cell at the place of node i
 /// with A the bodies' own matrices and Jᵀ K J of the contacts. Surfaces that stiff contact holds together move as one
-/// in such a motion, however little their meshes match: that is what neither pieces of the contact factor nor coarse
+/// in such a motion, however little their meshes match: that is what neither clusters of the contact factor nor coarse
 /// motions of each body apart have (Galerkin's coarse level; Smith, Bjørstad and Gropp 1996, chapter 2).
-/// Cells are some edges of the meshes wide. Same bits for any number of threads.
+/// Cells are some edges of the meshes wide; a contact that reaches past the next cell is left to the rest of the
+/// preconditioner. Same bits for any number of threads.
 /// Tests: tests/world/coarse_grid_test.cpp
 class CoarseGrid {
  public:
