@@ -58,6 +58,26 @@ TEST(DirectRows, TheFactoredInverseOfASheetUndoesItsSystem) {
   }
 }
 
+TEST(DirectRows, ManyRightHandSidesAreAnsweredAsEachByItself) {
+  SCOPED_TRACE(kSeed);
+  std::mt19937 random(kSeed);
+  const Sheet s;
+  const auto n = static_cast<Eigen::Index>(s.size());
+  BodyInverses::Together x(n, BodyInverses::kTogether);
+  for (int k = 0; k < BodyInverses::kTogether; ++k) {
+    const std::vector<double> b = filtered_random(s, random);
+    x.col(k) = Eigen::Map<const Eigen::VectorXd>(b.data(), n);
+  }
+  BodyInverses::Together together = x;
+  s.inverses.solve_together(0, together);
+  for (int k = 0; k < BodyInverses::kTogether; ++k) {
+    const Eigen::VectorXd b = x.col(k);
+    Eigen::VectorXd alone(n);
+    s.inverses.local(0, {b.data(), s.size()}, {alone.data(), s.size()});
+    EXPECT_LT((together.col(k) - alone).norm(), 1e-12 * alone.norm()) << k;
+  }
+}
+
 TEST(DirectRows, CoordinatesAnswerAsTheBodyItselfWould) {
   SCOPED_TRACE(kSeed);
   std::mt19937 random(kSeed);

@@ -5,13 +5,11 @@
 #include <cmath>
 
 #include "brim/response/cut_model.h"
-#include "brim/response/friction_radius.h"
 
 namespace brim {
 
 namespace {
 
-using Vec2 = Eigen::Vector2d;
 using Mat2 = Eigen::Matrix2d;
 
 /// [h] distance of the parted solids, and the least that is enough.
@@ -30,8 +28,6 @@ constexpr double kSameNormal = 1.0 - 2e-5;
 constexpr double kSlopeLeft = 0.03, kMostSlopeLeft = 0.2;
 /// [h] overlap above which other normals are tried as well.
 constexpr double kDeep = 0.03;
-/// Least cosine of a surface's normal to that of an end.
-constexpr double kAlike = 0.7;
 /// [1/h] largest curvature of a row's surface: that of an edge.
 constexpr double kSharp = 1.0;
 /// [h] farthest from what nodes tell that the least gap is sought.
@@ -41,20 +37,6 @@ constexpr int kProjections = 16;
 constexpr double kStill = 0.05;
 /// [1/h] mean curvature of the gap of what is round: less is flat; largest skew of it, as a share.
 constexpr double kRound = 0.05, kSkew = 0.1;
-/// [h] ring on which flat directions are sought; rise of the gap up to there, and change of slope on a little way on,
-/// at which a direction is flat.
-constexpr double kRing = 0.5, kRise = 0.15, kOn = 0.1, kTurn = 2e-4;
-/// Rise on the ring, over kRise, next to which an edge may lie; bisections of the angle to it.
-constexpr double kMostTip = 4.0;
-constexpr int kValleySteps = 6;
-/// [h] departure of the gap from its tangent at an edge; how well the edge is found; farthest that one is sought.
-constexpr double kDeparture = 0.005, kFound = 0.1, kFarthestEdge = 1000.0;
-/// [h] so far beside an edge the way goes along it.
-constexpr double kBeside = 0.15;
-/// Sine of the angle between two edges above which they meet in a corner.
-constexpr double kLeastAngle = 0.3;
-/// [h] ends nearer to each other are one; gap, above the least, beyond which an end says nothing yet.
-constexpr double kOneEnd = 0.75, kTooFar = 0.3;
 /// [h] how much nearer than its ends the least gap must be to have a row besides them.
 constexpr double kDeeper = 0.01;
 
@@ -198,166 +180,6 @@ bool SolidGap::find_least(RowPoint& row, double reach) {
     }
   }
   return false;
-}
-
-bool SolidGap::walk(const Reading& flat, const Vec3& from, const Vec3& way, Edge& edge) const {
-  const Vec3 slope = flat.slope();
-  const auto departs = [&](const Reading& r) {
-    return r.sum() - flat.sum() - slope.dot(r.x - flat.x) > kDeparture * h_;
-  };
-  double in = 0.0, out = h_;
-  Reading far = read(from + out * way);
-  while (!departs(far)) {
-    if (out > kFarthestEdge * h_) return false;
-    in = out;
-    far = read(from + (out *= 2.0) * way);
-  }
-  while (out - in > kFound * h_) {
-    const double t = 0.5 * (in + out);
-    const Reading r = read(from + t * way);
-    if (departs(r))
-      out = t, far = r;
-    else
-      in = t;
-  }
-  // What lies beyond an edge has its nearest point on it.
-  const Vec3 turn_a = far.away_a - flat.away_a, turn_b = far.away_b - flat.away_b;
-  const bool of_a = turn_a.squaredNorm() > turn_b.squaredNorm();
-  const auto across = [&](const Vec3& x) { return Vec3(x - parting_.normal * parting_.normal.dot(x)); };
-  edge.x = far.x - across(of_a ? far.a * far.away_a : far.b * far.away_b);
-  edge.along = parting_.normal.cross(across(of_a ? turn_a : turn_b)).normalized();
-  return edge.x.allFinite() && edge.along.allFinite();
-}
-
-void SolidGap::add_end(const Reading& flat, const Vec3& x, const RowPoint& like) {
-  RowPoint row = like;
-  const Vec3& normal = like.normal;
-  // The surfaces are flat up to there: the ways along the normal to both.
-  const Vec3 d = x - flat.x;
-  const double a = (flat.a + flat.away_a.dot(d)) / std::max(kAlike, -flat.away_a.dot(normal)),
-               b = (flat.b + flat.away_b.dot(d)) / std::max(kAlike, flat.away_b.dot(normal));
-  row.gap = a + b - parting_.part.dot(row.normal);
-  row.point = x + 0.5 * (a - b) * row.normal - 0.5 * parting_.part;
-  for (const RowPoint& other : ends_)
-    if ((other.point - row.point).norm() < kOneEnd * h_) return;
-  ends_.push_back(row);
-}
-
-Vec3 SolidGap::add_edge(const Reading& flat, const Edge& edge, const RowPoint& like) {
-  // Beside the edge, where the sum has not left its tangent.
-  Vec3 middle = Vec3::Zero(), in = parting_.normal.cross(edge.along);
-  in *= in.dot(flat.x - edge.x) > 0.0 ? kBeside * h_ : -kBeside * h_;
-  for (const double sign : {1.0, -1.0}) {
-    Edge end{edge.x + in, edge.along};
-    if (!walk(flat, edge.x + in, sign * edge.along, end)) continue;
-    // Where the two edges meet.
-    const Vec3 out = parting_.normal.cross(end.along);
-    const double rate = out.dot(edge.along), t = out.dot(end.x - edge.x) / rate;
-    const Vec3 x = std::abs(rate) > kLeastAngle ? Vec3(edge.x + t * edge.along) : end.x;
-    add_end(flat, x, like);
-    middle += 0.5 * x;
-  }
-  return middle;
-}
-
-bool SolidGap::find_valley(double& angle, Reading& ring) const {
-  const auto way = [&](double a) { return Vec3(parting_.across * Vec2(std::cos(a), std::sin(a))); };
-  double lo = angle - 0.25 * M_PI, hi = angle + 0.25 * M_PI;
-  for (int i = 0; i < kValleySteps; ++i) {
-    angle = 0.5 * (lo + hi);
-    ring = read(parting_.least.x + kRing * h_ * way(angle));
-    (ring.slope().dot(way(angle + 0.5 * M_PI)) < 0.0 ? lo : hi) = angle;
-  }
-  // Along an edge, exactly: across it the gradient changes.
-  const Vec3 across = kRing * h_ * way(angle + 0.5 * M_PI);
-  const Vec2 change = parting_.across.transpose() * (read(ring.x + across).slope() - read(ring.x - across).slope());
-  if (!(change.norm() > kTurn)) return false;
-  const double along = std::atan2(change.x(), -change.y());
-  angle = std::cos(along - angle) > 0.0 ? along : along + M_PI;
-  ring = read(parting_.least.x + kRing * h_ * way(angle));
-  const Reading on = read(ring.x + kOn * h_ * way(angle));
-  return ring.sum() - parting_.least.sum() < kRise * h_ &&
-         std::abs((on.slope() - ring.slope()).dot(way(angle))) < kTurn;
-}
-
-void SolidGap::find_ends(const RowPoint& least) {
-  constexpr int kDirections = 8;
-  const auto way = [&](double angle) { return Vec3(parting_.across * Vec2(std::cos(angle), std::sin(angle))); };
-  const auto beside = [&](double angle, double size) { return read(parting_.least.x + size * h_ * way(angle)); };
-  // The direction in which the gap rises least: the second harmonic of its rise around.
-  double c = 0.0, s = 0.0;
-  for (int k = 0; k < kDirections; ++k) {
-    const double angle = 2.0 * M_PI * k / kDirections, rise = beside(angle, kRing).sum() - parting_.least.sum();
-    c += rise * std::cos(2.0 * angle), s += rise * std::sin(2.0 * angle);
-  }
-  double axis = 0.5 * std::atan2(-s, -c);
-  // Along an edge, exactly: across it the gradient changes.
-  const Vec2 change = parting_.across.transpose() *
-                      (beside(axis + 0.5 * M_PI, 0.5 * kRing).slope() - beside(axis - 0.5 * M_PI, 0.5 * kRing).slope());
-  if (change.norm() > 1e-3) axis = std::atan2(change.x(), -change.y());
-  // Directions in which both surfaces are flat.
-  double best = 2.0, side = 0.0, lowest = kMostTip, valley = 0.0;
-  Reading face;
-  bool flat[2] = {false, false};
-  Reading along[2];
-  for (int k = 0; k < kDirections; ++k) {
-    const double angle = axis + 2.0 * M_PI * k / kDirections;
-    const Reading ring = beside(angle, kRing);
-    const double rise = (ring.sum() - parting_.least.sum()) / (kRise * h_);
-    if (rise < lowest) lowest = rise, valley = angle;
-    if (rise > 1.0) continue;
-    // An edge is flat along itself only, a face across as well.
-    const bool line = k % 4 == 0;
-    const auto slope_change = [&](double turn) {
-      const Vec3 on = way(angle) + turn * way(angle + 0.5 * M_PI),
-                 d = read(ring.x + kOn * h_ * on).slope() - ring.slope();
-      return (turn == 0.0 ? std::abs(d.dot(on)) : d.norm()) / kTurn;
-    };
-    const double turn = std::min(slope_change(0.4), slope_change(-0.4));
-    if (turn <= 1.0) {
-      if (rise + turn < best) best = rise + turn, side = angle, face = ring;
-    } else if (line && slope_change(0.0) <= 1.0) {
-      flat[k / 4] = true, along[k / 4] = ring;
-    }
-  }
-  if (best == 2.0 && !flat[0] && !flat[1] && lowest < kMostTip && find_valley(valley, along[0]))
-    flat[0] = true, axis = valley;
-  Edge edge;
-  RowPoint on_face;
-  on_face.normal = least.normal;
-  face_ = face, face_found_ = best < 2.0;
-  if (face_found_) {
-    // A face: one edge, and the one across from its middle; of what is round, places to the left and right besides.
-    if (walk(face, face.x, way(side), edge)) {
-      const Vec3 first = add_edge(face, edge, on_face);
-      Vec3 in = parting_.normal.cross(edge.along);
-      if (in.dot(way(side)) > 0.0) in = -in;
-      if (walk(face, first, in, edge)) {
-        const Vec3 middle = 0.5 * (first + add_edge(face, edge, on_face));
-        const bool few = ends_.size() < 4;
-        for (const double sign : {1.0, -1.0})
-          if (few && walk(face, middle, sign * parting_.normal.cross(in), edge)) add_end(face, edge.x, on_face);
-      }
-    }
-  }
-  // An edge, to both sides of the least gap.
-  for (int k = 0; k < 2 && (flat[0] || flat[1]); ++k) {
-    const Reading& line = along[flat[0] ? 0 : 1];
-    if (walk(line, flat[k] ? along[k].x : parting_.least.x, way(axis + k * M_PI), edge)) add_end(line, edge.x, least);
-  }
-  std::erase_if(ends_, [&](const RowPoint& r) { return r.gap > least.gap + kTooFar * h_; });
-}
-
-void SolidGap::place_friction(const Vec3& normal) {
-  const auto rim = [&](const Vec3& center, const Vec3& way) {
-    const Vec3 from = center + 0.5 * parting_.part;
-    Edge edge;
-    return walk(face_, from, way, edge) ? way.dot(edge.x - from) : 0.0;
-  };
-  if (face_found_)
-    place_grips(ends_, normal, rim);
-  else
-    place_grips(ends_, normal, {});
 }
 
 bool SolidGap::round(const RowPoint& least) const {

@@ -51,6 +51,7 @@ class SolidGap {
   };
   using Mat2 = Eigen::Matrix2d;
   using Vec2 = Eigen::Vector2d;
+  static constexpr double kOneEnd = 0.75;  ///< [h] ends nearer to each other are one
   Reading read(const Vec3& x) const;
   /// Reading at a row's place, with a parted from b as far as it takes, and by more, [m].
   Reading part_at(const RowPoint& row, double more);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "brim/solve/contact_cone.h"
+#include "brim/solve/dense_factor.h"
 
 namespace brim {
 
@@ -17,6 +18,107 @@ constexpr double kStart = 0.1, kFactor = 3.0, kApart = 5.0;
 constexpr int kAsk = 10;
 /// Over-relaxation; and what keeps the system regular where more rows than velocities are.
 constexpr double kRelaxation = 1.6, kProximal = 1e-6;
+/// Change of the iterates over the tolerance, from which on the contacts themselves are asked.
+constexpr double kNear = 10.0;
+/// Tolerance down to which single precision does, over the largest velocity.
+constexpr double kSingle = 1e-5;
+/// Share of the tolerance that it works to, so that what it finds holds in double as well.
+constexpr double kStricter = 0.5;
+
+/// The same to double precision.
+class DoubleFactor {
+ public:
+  bool factor(const Eigen::MatrixXd& A, double shift) {
+    Eigen::MatrixXd shifted = A;
+    shifted.diagonal().array() += shift;
+    factor_.compute(shifted);
+    return true;
+  }
+  void solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) { x = factor_.solve(b); }
+
+ private:
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+};
+
+template <class V>
+auto at(V& x, std::size_t c) {
+  return x.template segment<3>(static_cast<Eigen::Index>(3 * c));
+}
+
+/// Contacts scaled by their own responses: λ = s y, û = z / s.
+struct Scaled {
+  std::vector<double> s;  ///< 0 where nothing moves
+  std::span<const double> friction;
+  Eigen::MatrixXd G;
+  Eigen::VectorXd g;
+  Eigen::VectorXd x, y, z;
+  double rho = kStart;
+
+  std::size_t size() const { return s.size(); }
+  /// û of the impulses y.
+  Eigen::VectorXd velocities() const {
+    Eigen::VectorXd u = G * y + g;
+    for (std::size_t c = 0; c < size(); ++c) add_correction(u, c);
+    return u;
+  }
+  void add_correction(Eigen::VectorXd& u, std::size_t c) const {
+    const auto i = static_cast<Eigen::Index>(3 * c);
+    u[i] += friction[c] * std::hypot(u[i + 1], u[i + 2]);
+  }
+  /// Largest miss of a contact at the impulses y, [m/s].
+  double miss() const {
+    const Eigen::VectorXd u = velocities();
+    double worst = 0.0;
+    for (std::size_t c = 0; c < size(); ++c)
+      if (s[c] > 0.0) {
+        const Vec3 own = at(y, c);
+        worst = std::max(worst, (own - project_to_cone(own - at(u, c), friction[c])).cwiseAbs().maxCoeff() / s[c]);
+      }
+    return worst;
+  }
+};
+
+/// Iterates until the impulses change no more, or the factor is none.
+template <class Factor>
+void iterate(Scaled& a, double tolerance, int max_iterations, ContactAdmm::Report& report) {
+  Factor factor;
+  Eigen::VectorXd rhs;
+  report.converged = false;
+  if (!factor.factor(a.G, a.rho + kProximal)) return;
+  while (report.iterations < max_iterations) {
+    rhs = a.g - a.z;
+    for (std::size_t c = 0; c < a.size(); ++c) {
+      const auto i = static_cast<Eigen::Index>(3 * c);
+      rhs[i] += a.friction[c] * std::hypot(a.z[i + 1], a.z[i + 2]);
+    }
+    rhs = kProximal * a.x + a.rho * a.y - rhs;
+    factor.solve(rhs, a.x);
+    double primal = 0.0, change = 0.0;  // [m/s]
+    for (std::size_t c = 0; c < a.size(); ++c) {
+      if (!(a.s[c] > 0.0)) continue;
+      const Vec3 ahead = kRelaxation * at(a.x, c) + (1.0 - kRelaxation) * at(a.y, c);
+      const Vec3 next = project_to_cone(ahead - at(a.z, c) / a.rho, a.friction[c]);
+      at(a.z, c) -= a.rho * (ahead - next);
+      primal = std::max(primal, (at(a.x, c) - next).cwiseAbs().maxCoeff() / a.s[c]);
+      change = std::max(change, a.rho * (next - at(a.y, c)).cwiseAbs().maxCoeff() / a.s[c]);
+      at(a.y, c) = next;
+    }
+    ++report.iterations;
+    const double left = std::max(primal, change);
+    report.converged = left <= tolerance;
+    if (report.converged || !std::isfinite(left)) return;
+    if (report.iterations % kAsk != 0) continue;
+    // What is left of the iterates says more than what it means for the contacts.
+    if (left <= kNear * tolerance && a.miss() <= tolerance) {
+      report.converged = true;
+      return;
+    }
+    const double factor_of = primal > kApart * change ? kFactor : change > kApart * primal ? 1.0 / kFactor : 1.0;
+    if (factor_of == 1.0) continue;
+    a.rho *= factor_of;
+    if (!factor.factor(a.G, a.rho + kProximal)) return;
+  }
+}
 
 }  // namespace
 
@@ -24,63 +126,34 @@ ContactAdmm::Report ContactAdmm::solve(const Eigen::MatrixXd& W, std::span<const
                                        std::span<const double> friction, double tolerance, int max_iterations,
                                        std::span<Vec3> impulse) {
   Report report;
-  const auto n = static_cast<Eigen::Index>(q.size());
-  const auto at = [](auto& x, Eigen::Index c) { return x.template segment<3>(3 * c); };
-  // λ = s y with s² the inverse of the contact's own response; what nothing moves takes no part.
-  std::vector<double> s(q.size(), 0.0);
-  Eigen::VectorXd scale = Eigen::VectorXd::Zero(3 * n), g = scale;
-  for (Eigen::Index c = 0; c < n; ++c) {
-    const auto i = static_cast<std::size_t>(c);
-    const double own = W.block<3, 3>(3 * c, 3 * c).trace() / 3.0;
-    if (!(W(3 * c, 3 * c) > 0.0)) continue;
-    s[i] = 1.0 / std::sqrt(own);
-    at(scale, c).setConstant(s[i]);
-    at(g, c) = s[i] * q[i];
+  const std::size_t n = q.size();
+  const auto rows = static_cast<Eigen::Index>(3 * n);
+  Scaled a{std::vector<double>(n, 0.0), friction, {}, Eigen::VectorXd::Zero(rows), {}, Eigen::VectorXd::Zero(rows), {}};
+  Eigen::VectorXd scale = Eigen::VectorXd::Zero(rows);
+  for (std::size_t c = 0; c < n; ++c) {
+    const auto i = static_cast<Eigen::Index>(3 * c);
+    if (!(W(i, i) > 0.0)) continue;
+    a.s[c] = 1.0 / std::sqrt(W.block<3, 3>(i, i).trace() / 3.0);
+    at(scale, c).setConstant(a.s[c]);
+    at(a.g, c) = a.s[c] * q[c];
+    at(a.y, c) = impulse[c] / a.s[c];
   }
-  const Eigen::MatrixXd G = scale.asDiagonal() * (0.5 * (W + W.transpose())) * scale.asDiagonal();
-  Eigen::VectorXd y = Eigen::VectorXd::Zero(3 * n);
-  for (Eigen::Index c = 0; c < n; ++c)
-    if (const auto i = static_cast<std::size_t>(c); s[i] > 0.0) at(y, c) = impulse[i] / s[i];
-  Eigen::VectorXd x = y, z = G * y + g, rhs(3 * n);  // z: û, scaled
-  const auto correction = [&](Eigen::Index c) {
-    return friction[static_cast<std::size_t>(c)] * std::hypot(z[3 * c + 1], z[3 * c + 2]);
-  };
-  for (Eigen::Index c = 0; c < n; ++c) z[3 * c] += correction(c);
-  double rho = kStart;
-  Eigen::LLT<Eigen::MatrixXd> factor;
-  const auto factorize = [&] {
-    Eigen::MatrixXd A = G;
-    A.diagonal().array() += rho + kProximal;
-    factor.compute(A);
-  };
-  factorize();
-  while (report.iterations < max_iterations) {
-    rhs = z - g + kProximal * x + rho * y;
-    for (Eigen::Index c = 0; c < n; ++c) rhs[3 * c] -= correction(c);
-    x = factor.solve(rhs);
-    double primal = 0.0, change = 0.0;  // [m/s]
-    for (Eigen::Index c = 0; c < n; ++c) {
-      const auto i = static_cast<std::size_t>(c);
-      if (!(s[i] > 0.0)) continue;
-      const Vec3 ahead = kRelaxation * at(x, c) + (1.0 - kRelaxation) * at(y, c);
-      const Vec3 next = project_to_cone(ahead - at(z, c) / rho, friction[i]);
-      at(z, c) -= rho * (ahead - next);
-      primal = std::max(primal, (at(x, c) - next).cwiseAbs().maxCoeff() / s[i]);
-      change = std::max(change, rho * (next - at(y, c)).cwiseAbs().maxCoeff() / s[i]);
-      at(y, c) = next;
-    }
-    ++report.iterations;
-    report.converged = std::max(primal, change) <= tolerance;
-    if (report.converged || !std::isfinite(primal + change)) break;
-    if (report.iterations % kAsk != 0) continue;
-    if (primal > kApart * change)
-      rho *= kFactor, factorize();
-    else if (change > kApart * primal)
-      rho /= kFactor, factorize();
-  }
-  if (!y.allFinite()) return report;
-  for (Eigen::Index c = 0; c < n; ++c)
-    if (const auto i = static_cast<std::size_t>(c); s[i] > 0.0) impulse[i] = s[i] * at(y, c);
+  a.G = scale.asDiagonal() * (0.5 * (W + W.transpose())) * scale.asDiagonal();
+  a.x = a.y, a.z = a.velocities();
+  double fastest = 0.0;
+  for (std::size_t c = 0; c < n; ++c)
+    if (a.s[c] > 0.0) fastest = std::max(fastest, at(a.z, c).cwiseAbs().maxCoeff() / a.s[c]);
+  // In single precision first: what it finds is judged in double.
+  const Eigen::VectorXd first = a.y;
+  iterate<DenseFactor>(a, std::max(kStricter * tolerance, kSingle * fastest), max_iterations, report);
+  if (!a.y.allFinite()) a.y = first, a.rho = kStart;
+  report.converged = a.miss() <= tolerance;
+  a.x = a.y, a.z = a.velocities();
+  if (!report.converged && report.iterations < max_iterations)
+    iterate<DoubleFactor>(a, tolerance, max_iterations, report);
+  if (!a.y.allFinite()) return report;
+  for (std::size_t c = 0; c < n; ++c)
+    if (a.s[c] > 0.0) impulse[c] = a.s[c] * at(a.y, c);
   return report;
 }
 

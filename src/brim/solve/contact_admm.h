@@ -15,6 +15,8 @@ namespace brim {
 /// contacts, nor on how a load is passed on: it ends where projected Gauss-Seidel sweeps go round in circles (many
 /// contacts that slip on one sheet) or crawl (contacts of unlike mass on one chain).
 /// Every contact is scaled by its own response; ρ follows the ratio of the two residuals, and is factored anew then.
+/// Iterations run on a factor in single precision (DenseFactor); where what they find misses the tolerance in double,
+/// others follow on one in double.
 /// Same bits for any number of threads.  Tests: tests/solve/contact_admm_test.cpp
 struct ContactAdmm {
   struct Report {

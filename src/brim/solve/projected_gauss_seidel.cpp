@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brim/core/simd.h"
 #include "brim/solve/contact_admm.h"
 #include "brim/solve/contact_cone.h"
 
@@ -15,16 +16,23 @@ constexpr int kRounds = 2;
 /// Contacts up to which all are solved at once: their responses are a dense matrix. Its iterations at most, and the
 /// share of the tolerance at which they end.
 constexpr std::size_t kMostAtOnce = 400;
-/// Sweeps that follow.
-constexpr int kIterations = 1000, kLastSweeps = 2;
+/// Sweeps before that, and after: what few do not settle, many hardly do.
+constexpr int kIterations = 1000, kFewSweeps = 60, kLastSweeps = 2;
 constexpr double kAtOnceTolerance = 0.3;
+
+/// v += x a + y b + z c. @param x  followed by y and z, n of each
+BRIM_WIDE void add_run(const double* __restrict x, std::size_t n, double a, double b, double c, double* __restrict v) {
+  const double *y = x + n, *z = y + n;
+  for (std::size_t i = 0; i < n; ++i) v[i] += x[i] * a + y[i] * b + z[i] * c;
+}
 
 }  // namespace
 
 void ProjectedGaussSeidel::clear() {
   place_.clear(), group_.clear(), pairs_.clear();
-  entries_.clear(), friction_.clear(), local_.clear(), local_inverse_.clear();
-  first_.assign(1, 0);
+  shares_.clear(), runs_.clear(), response_.clear();
+  friction_.clear(), local_.clear(), local_inverse_.clear();
+  first_share_.assign(1, 0), first_run_.assign(1, 0);
 }
 
 void ProjectedGaussSeidel::add(std::span<const Entry> entries, double friction) {
@@ -32,8 +40,21 @@ void ProjectedGaussSeidel::add(std::span<const Entry> entries, double friction) 
   for (const Entry& e : entries) W += e.row * e.response.transpose();
   group_.push_back({size(), size() + 1, false, friction_.size()});
   place_.push_back({false, friction_.size()});
-  entries_.insert(entries_.end(), entries.begin(), entries.end());
-  first_.push_back(entries_.size());
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    const Entry& e = entries[i];
+    if (e.row != Vec3::Zero()) shares_.push_back({e.index, e.row});
+    if (i == 0 || e.index != entries[i - 1].index + 1) runs_.push_back({e.index, 0, 0});
+    ++runs_.back().size;
+  }
+  std::size_t i = 0;
+  for (std::size_t k = first_run_.back(); k < runs_.size(); ++k) {
+    Run& run = runs_[k];
+    run.begin = response_.size();
+    for (int axis = 0; axis < 3; ++axis)
+      for (std::size_t j = i; j < i + run.size; ++j) response_.push_back(entries[j].response[axis]);
+    i += run.size;
+  }
+  first_share_.push_back(shares_.size()), first_run_.push_back(runs_.size());
   friction_.push_back(friction);
   local_.push_back(W);
   local_inverse_.push_back(invert_response(W));
@@ -49,12 +70,14 @@ void ProjectedGaussSeidel::add_pair(const RigidPairRows::Side& a, const RigidPai
 
 Vec3 ProjectedGaussSeidel::row_velocity(std::size_t r, std::span<const double> v) const {
   Vec3 u = Vec3::Zero();
-  for (std::size_t i = first_[r]; i < first_[r + 1]; ++i) u += entries_[i].row * v[entries_[i].index];
+  for (std::size_t i = first_share_[r]; i < first_share_[r + 1]; ++i) u += shares_[i].row * v[shares_[i].index];
   return u;
 }
 
 void ProjectedGaussSeidel::add_row_response(std::size_t r, const Vec3& impulse, std::span<double> v) const {
-  for (std::size_t i = first_[r]; i < first_[r + 1]; ++i) v[entries_[i].index] += entries_[i].response.dot(impulse);
+  for (std::size_t k = first_run_[r]; k < first_run_[r + 1]; ++k)
+    add_run(response_.data() + runs_[k].begin, runs_[k].size, impulse.x(), impulse.y(), impulse.z(),
+            v.data() + runs_[k].index);
 }
 
 Vec3 ProjectedGaussSeidel::velocity(std::size_t c, std::span<const double> v) const {
@@ -70,8 +93,8 @@ void ProjectedGaussSeidel::add_response(std::size_t c, const Vec3& impulse, std:
 void ProjectedGaussSeidel::add_force(std::size_t c, const Vec3& impulse, std::span<double> Q) const {
   const Place& p = place_[c];
   if (p.rigid) return pairs_.add_force(p.row, impulse, Q);
-  for (std::size_t i = first_[p.row]; i < first_[p.row + 1]; ++i)
-    if (entries_[i].index < Q.size()) Q[entries_[i].index] += entries_[i].row.dot(impulse);
+  for (std::size_t i = first_share_[p.row]; i < first_share_[p.row + 1]; ++i)
+    if (shares_[i].index < Q.size()) Q[shares_[i].index] += shares_[i].row.dot(impulse);
 }
 
 double ProjectedGaussSeidel::relax(std::size_t r, double friction, const Vec3& offset, double target, Vec3& impulse,
@@ -113,8 +136,8 @@ void ProjectedGaussSeidel::solve_alone(std::size_t g, std::span<const Vec3> offs
 
 ProjectedGaussSeidel::Report ProjectedGaussSeidel::solve(std::span<const Vec3> offset, std::span<const double> target,
                                                          double tolerance, int max_sweeps, double scale,
-                                                         std::span<Vec3> impulse, std::span<double> v,
-                                                         double friction) {
+                                                         std::span<Vec3> impulse, std::span<double> v, double friction,
+                                                         bool may_at_once) {
   Report report;
   const std::size_t n = size();
   for (std::size_t c = 0; c < n; ++c) {
@@ -122,9 +145,11 @@ ProjectedGaussSeidel::Report ProjectedGaussSeidel::solve(std::span<const Vec3> o
     if (u.x() < target[c] || impulse[c].x() > 0.0) scale = std::max(scale, std::abs(u.x() - target[c]));
   }
   if (n == 0 || !(scale > 0.0)) return report;
-  report = sweeps(offset, target, tolerance, max_sweeps, scale, impulse, v, friction);
-  if (!report.converged && !friction_.empty() && n <= kMostAtOnce)
-    solve_at_once(offset, target, tolerance, scale, impulse, v, friction, report);
+  const bool at_once = may_at_once && !friction_.empty() && n <= kMostAtOnce;
+  report = sweeps(offset, target, tolerance, at_once ? std::min(max_sweeps, kFewSweeps) : max_sweeps, scale, impulse, v,
+                  friction);
+  if (!report.converged && at_once)
+    solve_at_once(offset, target, tolerance, max_sweeps - report.sweeps, scale, impulse, v, friction, report);
   return report;
 }
 
@@ -168,8 +193,8 @@ ProjectedGaussSeidel::Report ProjectedGaussSeidel::sweeps(std::span<const Vec3> 
 }
 
 void ProjectedGaussSeidel::solve_at_once(std::span<const Vec3> offset, std::span<const double> target, double tolerance,
-                                         double scale, std::span<Vec3> impulse, std::span<double> v, double friction,
-                                         Report& report) {
+                                         int sweeps_left, double scale, std::span<Vec3> impulse, std::span<double> v,
+                                         double friction, Report& report) {
   const std::size_t n = size();
   const std::vector<Vec3> swept(impulse.begin(), impulse.end());
   const std::vector<double> v_swept(v.begin(), v.end());
@@ -197,14 +222,17 @@ void ProjectedGaussSeidel::solve_at_once(std::span<const Vec3> offset, std::span
   // the other. Where they stay they are right; where they do not, what was found for all at once is.
   const std::vector<Vec3> found(impulse.begin(), impulse.end());
   const std::vector<double> v_found(v.begin(), v.end());
-  const Report last = sweeps(offset, target, tolerance, kLastSweeps, scale, impulse, v, friction);
-  report.sweeps += last.sweeps;
   const auto take = [&](const std::vector<Vec3>& lambda, const std::vector<double>& velocities) {
     std::copy(lambda.begin(), lambda.end(), impulse.begin());
     std::copy(velocities.begin(), velocities.end(), v.begin());
   };
-  if (last.converged) {
-    report.residual = last.residual, report.converged = true;
+  const bool found_all = at_once <= tolerance;
+  if (!found_all && !(at_once < report.residual)) take(swept, v_swept);
+  const Report last = sweeps(offset, target, tolerance, found_all ? kLastSweeps : std::max(kLastSweeps, sweeps_left),
+                             scale, impulse, v, friction);
+  report.sweeps += last.sweeps;
+  if (last.converged || (!found_all && last.residual < std::min(at_once, report.residual))) {
+    report.residual = last.residual, report.converged = last.converged;
   } else if (at_once < report.residual) {
     report.residual = at_once, report.converged = at_once <= tolerance;
     take(found, v_found);
@@ -217,21 +245,12 @@ Eigen::MatrixXd ProjectedGaussSeidel::responses(std::size_t width) const {
   const std::size_t n = size();
   Eigen::MatrixXd W(3 * n, 3 * n);
   std::vector<double> answer(width);
-  // Of the velocities that answer a contact, few are its own.
-  std::vector<std::vector<Entry>> own(n);
-  for (std::size_t c = 0; c < n; ++c)
-    for (std::size_t i = first_[place_[c].row]; !place_[c].rigid && i < first_[place_[c].row + 1]; ++i)
-      if (entries_[i].row != Vec3::Zero()) own[c].push_back(entries_[i]);
   for (std::size_t c = 0; c < n; ++c)
     for (int k = 0; k < 3; ++k) {
       std::fill(answer.begin(), answer.end(), 0.0);
       add_response(c, Vec3::Unit(k), answer);
       const auto column = static_cast<Eigen::Index>(3 * c) + k;
-      for (std::size_t d = 0; d < n; ++d) {
-        Vec3 u = place_[d].rigid ? velocity(d, answer) : Vec3(Vec3::Zero());
-        for (const Entry& e : own[d]) u += e.row * answer[e.index];
-        W.block<3, 1>(static_cast<Eigen::Index>(3 * d), column) = u;
-      }
+      for (std::size_t d = 0; d < n; ++d) W.block<3, 1>(static_cast<Eigen::Index>(3 * d), column) = velocity(d, answer);
     }
   return W;
 }

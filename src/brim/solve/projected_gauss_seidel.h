@@ -20,9 +20,9 @@ namespace brim {
 /// Contacts are swept serially in a fixed order, forward and back: same bits for any number of threads. From one such
 /// pair to the next, the changes of before are followed further as conjugate gradients would (Silcowitz, Niebe and
 /// Erleben 2010), unless the changes grow.
-/// Where some contacts are of the general form and the sweeps end before they agree, all contacts are solved at once
-/// (ContactAdmm), and swept again. Where those sweeps do not settle either, what is nearest to the law of each contact
-/// is taken (contact_residual).
+/// Where some contacts are of the general form, few enough, and some sweeps do not make them agree, all contacts are
+/// solved at once (ContactAdmm), and swept again. Where those sweeps do not settle either, what is nearest to the law
+/// of each contact is taken (contact_residual).
 class ProjectedGaussSeidel {
  public:
   /// What one velocity has to do with a contact.
@@ -55,9 +55,11 @@ class ProjectedGaussSeidel {
   /// @param impulse λ as (n, t1, t2), first guess on entry (already in v), solution on return, [N s], shape (size)
   /// @param v       velocities, changed along with λ
   /// @param friction times that of every contact: 0 for a solve along the normals alone
+  /// @param may_at_once  false for sweeps alone
   /// The scale of the residual is `scale` or, where larger, the worst miss of any contact at the start, [m/s].
   Report solve(std::span<const Vec3> offset, std::span<const double> target, double tolerance, int max_sweeps,
-               double scale, std::span<Vec3> impulse, std::span<double> v, double friction = 1.0);
+               double scale, std::span<Vec3> impulse, std::span<double> v, double friction = 1.0,
+               bool may_at_once = true);
 
   /// The contacts that are relaxed together, [begin, end): those of one rigid pair, or one of the general form.
   std::size_t groups() const { return group_.size(); }
@@ -88,9 +90,10 @@ class ProjectedGaussSeidel {
   /// The sweeps of solve. @param scale  [m/s] of the residual
   Report sweeps(std::span<const Vec3> offset, std::span<const double> target, double tolerance, int max_sweeps,
                 double scale, std::span<Vec3> impulse, std::span<double> v, double friction);
-  /// Solves all contacts at once from where the sweeps ended. @param report  of those; of what was taken on return
-  void solve_at_once(std::span<const Vec3> offset, std::span<const double> target, double tolerance, double scale,
-                     std::span<Vec3> impulse, std::span<double> v, double friction, Report& report);
+  /// Solves all contacts at once from where the sweeps ended. @param sweeps_left  made where that does not settle
+  /// @param report  of the sweeps before; of what was taken on return
+  void solve_at_once(std::span<const Vec3> offset, std::span<const double> target, double tolerance, int sweeps_left,
+                     double scale, std::span<Vec3> impulse, std::span<double> v, double friction, Report& report);
   /// R P Rᵀ of all contacts, [1/kg], shape (3 size, 3 size). @param width  number of velocities
   Eigen::MatrixXd responses(std::size_t width) const;
   double sweep(bool backward, double friction, std::span<const Vec3> offset, std::span<const double> target,
@@ -98,15 +101,28 @@ class ProjectedGaussSeidel {
   /// Corrects the general row r. @return largest change of u by it, [m/s]
   double relax(std::size_t r, double friction, const Vec3& offset, double target, Vec3& impulse,
                std::span<double> v) const;
+  /// Velocities that follow one another and answer a contact: v_i += x_i λ_n + y_i λ_t1 + z_i λ_t2.
+  struct Run {
+    std::size_t index = 0;  ///< of the first velocity
+    std::size_t begin = 0;  ///< in response_: all x, then all y, then all z
+    std::size_t size = 0;
+  };
+  /// What one velocity has to do with the contact's own.
+  struct Share {
+    std::size_t index = 0;
+    Vec3 row;
+  };
   Vec3 row_velocity(std::size_t r, std::span<const double> v) const;
   void add_row_response(std::size_t r, const Vec3& impulse, std::span<double> v) const;
 
   std::vector<Place> place_;
   std::vector<Group> group_;
   RigidPairRows pairs_;
-  // Rows of the general form:
-  std::vector<Entry> entries_;
-  std::vector<std::size_t> first_{0};
+  // Rows of the general form, where the shares and the runs of each start:
+  std::vector<Share> shares_;
+  std::vector<Run> runs_;
+  std::vector<double> response_;
+  std::vector<std::size_t> first_share_{0}, first_run_{0};
   std::vector<double> friction_;
   std::vector<Mat3> local_;          ///< W = R P Rᵀ
   std::vector<Mat3> local_inverse_;  ///< zero where W is singular

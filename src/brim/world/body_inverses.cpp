@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "brim/core/parallel.h"
+#include "brim/core/simd.h"
 
 namespace brim {
 
@@ -10,6 +11,37 @@ namespace {
 
 /// Velocities up to which a body's system is inverted exactly: rigid bodies, and trees of a dozen links.
 constexpr std::size_t kDense = 48;
+
+/// A factor L D Lᵀ as Eigen keeps it: columns of L below the diagonal.
+struct Columns {
+  const int *first, *row;
+  const double *value, *d;
+  std::size_t n;
+};
+
+/// x := L⁻ᵀ D⁻¹ L⁻¹ x. @param x  shape (n, N), row after row
+template <int N>
+BRIM_INLINE void solve_columns(const Columns& L, double* x) {
+  for (std::size_t j = 0; j < L.n; ++j) {
+    const double* own = x + j * N;
+    for (int k = L.first[j]; k < L.first[j + 1]; ++k) {
+      double* other = x + static_cast<std::size_t>(L.row[k]) * N;
+      for (int l = 0; l < N; ++l) other[l] -= L.value[k] * own[l];
+    }
+  }
+  for (std::size_t j = L.n; j-- > 0;) {
+    double* own = x + j * N;
+    double sum[N];
+    for (int l = 0; l < N; ++l) sum[l] = own[l] / L.d[j];
+    for (int k = L.first[j]; k < L.first[j + 1]; ++k) {
+      const double* other = x + static_cast<std::size_t>(L.row[k]) * N;
+      for (int l = 0; l < N; ++l) sum[l] -= L.value[k] * other[l];
+    }
+    for (int l = 0; l < N; ++l) own[l] = sum[l];
+  }
+}
+
+BRIM_WIDE void solve_together_wide(const Columns& L, double* x) { solve_columns<BodyInverses::kTogether>(L, x); }
 
 std::span<double> view(Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
@@ -129,6 +161,16 @@ void BodyInverses::local(std::size_t body, std::span<const double> b, std::span<
     }
   }
   bodies_[body]->filter(x);
+}
+
+void BodyInverses::solve_together(std::size_t body, Together& x) const {
+  const auto& solver = *sparse_[body];
+  const Eigen::VectorXd d = solver.vectorD();
+  const auto& L = solver.matrixL().nestedExpression();
+  Together y = solver.permutationP() * x;
+  solve_together_wide(
+      {L.outerIndexPtr(), L.innerIndexPtr(), L.valuePtr(), d.data(), static_cast<std::size_t>(x.rows())}, y.data());
+  x = solver.permutationPinv() * y;
 }
 
 Eigen::VectorXd BodyInverses::to_modes(std::size_t body, std::span<const double> b) const {

@@ -25,6 +25,11 @@ class BodyInverses {
 
   /// x = P b for the local part of P, filtered. @param b, x  slices of the body
   void local(std::size_t body, std::span<const double> b, std::span<double> x) const;
+  /// Right-hand sides that a factor takes at once, and their numbers one row after the other.
+  static constexpr int kTogether = 24;
+  using Together = Eigen::Matrix<double, Eigen::Dynamic, kTogether, Eigen::RowMajor>;
+  /// x := A⁻¹ x, of a factored body. @param x  filtered, shape (nv of the body, kTogether)
+  void solve_together(std::size_t body, Together& x) const;
   /// True when local is A⁻¹.
   bool exact(std::size_t body) const { return dense_[body] != 0 || factored(body); }
   /// True when the body's matrix is factored, though it has more than few velocities.

@@ -29,6 +29,9 @@ constexpr double kLeastWay = 0.02;
 constexpr double kIndependent = 1e-8;
 /// Their tolerance over that of the sweeps.
 constexpr double kRefined = 30.0;
+/// Tolerance of the sweeps that find a direction for them, over what is left; sweeps at most.
+constexpr double kRough = 0.1;
+constexpr int kRoughSweeps = 30;
 /// Residual over the tolerance that is worth a warning.
 constexpr double kWarn = 100.0;
 /// [voxels] gap up to which an impact is passed on; rounds of one impact, and impacts of one pair in a step.
@@ -231,7 +234,8 @@ void ConstraintStep::refine(const ImplicitStep::Respond& solve, std::span<const 
     for (std::size_t c = 0; c < n; ++c) offset[c] = offset_[c] + sweep_.velocity(c, delta);
     next = lambda;
     change.assign(width_, 0.0);
-    const auto r = sweep_.solve(offset, target, 0.1 * settings_.tolerance, settings_.max_sweeps, scale, next, change);
+    const auto r = sweep_.solve(offset, target, kRough * std::max(settings_.tolerance, i == 0 ? 0.0 : residual),
+                                std::min(settings_.max_sweeps, kRoughSweeps), scale, next, change, 1.0, false);
     report.sweeps += r.sweeps;
 
     double worst = 0.0;

@@ -91,6 +91,8 @@ class ContactStage {
     double roundness = 1.0;  ///< ContactPair::roundness
   };
 
+  /// @throws InputError  what there is too much of, and the limit of memory, [bytes]
+  [[noreturn]] static void refuse_crowd(const char* what, double most, double limit);
   void access(std::span<const WorldPart> parts);
   void find_candidates(std::span<const WorldPart> parts, std::span<const double> v,
                        std::span<const std::size_t> first_v, double dt, const WorldOptions& options);

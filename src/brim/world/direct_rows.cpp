@@ -32,19 +32,26 @@ void DirectRows::solve(const BodyInverses& inverses, std::span<const std::size_t
     rows.first = first_ + size_;
     size_ += 3 * n;
     rows.response.assign(n * n, Mat3::Zero());
-    parallel_for(n, [&](std::size_t c) {
-      const Touch& from = rows.touch[c];
-      std::vector<double> force(nv), answer(nv);
-      for (int axis = 0; axis < 3; ++axis) {
-        std::fill(force.begin(), force.end(), 0.0);
-        for (std::size_t i = 0; i < from.index.size(); ++i) force[from.index[i]] = from.row[i][axis];
-        inverses.local(b, force, answer);
-        for (std::size_t d = 0; d < n; ++d) {
-          const Touch& to = rows.touch[d];
-          Vec3 y = Vec3::Zero();
-          for (std::size_t i = 0; i < to.index.size(); ++i) y += answer[to.index[i]] * to.row[i];
-          rows.response[d + n * c].col(axis) = y;
-        }
+    constexpr std::size_t kContacts = BodyInverses::kTogether / 3;
+    parallel_for((n + kContacts - 1) / kContacts, [&](std::size_t piece) {
+      const std::size_t begin = piece * kContacts, end = std::min(n, begin + kContacts);
+      BodyInverses::Together x = BodyInverses::Together::Zero(static_cast<Eigen::Index>(nv), BodyInverses::kTogether);
+      for (std::size_t c = begin; c < end; ++c) {
+        const Touch& from = rows.touch[c];
+        for (std::size_t i = 0; i < from.index.size(); ++i)
+          x.row(static_cast<Eigen::Index>(from.index[i])).segment<3>(static_cast<Eigen::Index>(3 * (c - begin))) =
+              from.row[i].transpose();
+      }
+      inverses.solve_together(b, x);
+      for (std::size_t d = 0; d < n; ++d) {
+        const Touch& to = rows.touch[d];
+        Eigen::Matrix<double, 3, BodyInverses::kTogether, Eigen::RowMajor> y =
+            Eigen::Matrix<double, 3, BodyInverses::kTogether, Eigen::RowMajor>::Zero();
+        for (std::size_t i = 0; i < to.index.size(); ++i)
+          for (int axis = 0; axis < 3; ++axis)
+            y.row(axis) += to.row[i][axis] * x.row(static_cast<Eigen::Index>(to.index[i]));
+        for (std::size_t c = begin; c < end; ++c)
+          rows.response[d + n * c] = y.middleCols<3>(static_cast<Eigen::Index>(3 * (c - begin)));
       }
     });
   }

@@ -1,0 +1,184 @@
+#include <algorithm>
+#include <cmath>
+
+#include "brim/core/parallel.h"
+#include "brim/response/penalty.h"
+
+// What solves of one sub-step tell each other: which nodes let go, and how much friction their slip calls for.
+
+namespace brim {
+
+namespace {
+
+/// Difference of friction between two solves, over the most there may be, from which it tells how the slip answers.
+constexpr double kTellingFriction = 0.02;
+/// [m/s] no speed at all.
+constexpr double kNone = 1e-300;
+/// Least share of a pair's mass that friction can feel, as its inverse: 3.5 of a ball that slides.
+constexpr double kLightest = 8.0;
+/// Share of what lies between two slips, of which one is too small and one too large, that the next is away from both.
+constexpr double kLeastShare = 0.1;
+
+}  // namespace
+
+void Penalty::set_friction(std::size_t c, double load, const Vec3& tangential, double stick) {
+  friction_viscosity_[c] = mu_[c] * std::max(0.0, load) / std::max(tangential.norm(), stick) + drag_[c];
+}
+
+void Penalty::set_load(std::size_t c, double load) {
+  load_[c] = load;
+  set_friction(c, load, slip_after(c, {}), options_.friction_speed);
+  action_[c] = {normal_[c], -options_.dt * friction_viscosity_[c], options_.dt * friction_viscosity_[c]};
+}
+
+void Penalty::set_bonds(std::vector<Bond> bonds) {
+  bonds_ = std::move(bonds);
+  for (std::size_t i = 0; i < bonds_.size(); ++i) {
+    active_[first_bond() + i] = !bonds_[i].waits;
+    settled_ = settled_ && !bonds_[i].one_way;
+  }
+  idle_ = idle_ && bonds_.empty();
+  settle_actions();
+}
+
+Vec3 Penalty::bond_force(std::size_t i, const Vec3& delta) const {
+  const Bond& b = bonds_[i];
+  return b.force - (b.across * b.n.dot(delta) * b.n + b.along * delta) / options_.dt;
+}
+
+void Penalty::update_bonds(std::span<const Vec3> delta, double& changed, double& total) {
+  for (std::size_t i = 0; i < bonds_.size(); ++i) {
+    Bond& bond = bonds_[i];
+    const std::size_t c = first_bond() + i;
+    if (!bond.one_way || !(active_[c] || bond.waits)) continue;
+    const double load = bond_force(i, delta[c]).dot(bond.n);
+    if (active_[c] || load > 0.0) total += std::abs(load);
+    if ((load > 0.0) == static_cast<bool>(active_[c])) continue;
+    active_[c] = !active_[c];
+    bond.waits = false;  // what is let go stays so for the step
+    changed += std::abs(load);
+  }
+}
+
+double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> delta) {
+  std::vector<double> change(contacts.pairs.size(), 0.0), total(contacts.pairs.size(), 0.0);
+  parallel_for(contacts.pairs.size(), [&](std::size_t p) {
+    const ContactPair& pair = contacts.pairs[p];
+    // Nodes that pull are let go; until the next solve they still carry part of the net load, and those that come will
+    // share it, so friction is scaled to the net.
+    double net = 0.0, push = 0.0, come = 0.0;
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      const Vec3& n = normal_[c];
+      const bool was_active = active_[c];
+      const double separation = std::max(n.dot(relative_[c] + delta[c]), n.dot(relative_[c]));
+      // Loads of filled pairs are told, and their friction follows once: a fluid's is small, and its last load near.
+      if (!filled_[p])
+        load_[c] = scale_[c] * (contacts.overlap[c] - implicit_time_[c] * rate_[c]) -
+                   implicit_time_[c] * stiffness_[c] * n.dot(delta[c]);
+      if (was_active) net += load_[c];
+      if (was_active && load_[c] > 0.0) push += load_[c];
+      if (filled_[p]) continue;
+      if (contacts.overlap[c] <= 0.0)
+        active_[c] = load_[c] > 0.0;  // scale 0: no load
+      else if (load_[c] < 0.0 && separation > options_.release_speed)
+        active_[c] = 0;
+      if (was_active != static_cast<bool>(active_[c])) change[p] += std::abs(load_[c]);
+      if (!was_active && active_[c]) come += load_[c];
+    }
+    total[p] = push;
+    const double share = push > 0.0 ? std::max(0.0, net) / (push + come) : 1.0;
+    const SlipForecast next = expected_slip(pair, p, delta, share);
+    double load = 0.0, assumed = 0.0;
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      const Vec3 slip = slip_after(c, delta);
+      const double before = friction_viscosity_[c];
+      const Vec3 expected = slip + (next.ratio - 1.0) * (rigid_[p] ? next.mean : slip);
+      const Vec3 tangential = expected - normal_[c] * normal_[c].dot(expected);
+      set_friction(c, share * load_[c], tangential, slip_[p].stick);
+      load += std::max(0.0, load_[c]), assumed += std::max(0.0, load_[c]) * tangential.norm();
+      if (active_[c] && !filled_[p]) change[p] += std::abs(friction_viscosity_[c] - before) * slip.norm();
+    }
+    slip_[p].assumed = std::max(slip_[p].stick, load > 0.0 ? assumed / load : 0.0);
+  });
+  double changed = 0.0, load = 0.0;
+  update_bonds(delta, changed, load);
+  settle_actions();
+  for (std::size_t p = 0; p < contacts.pairs.size(); ++p) changed += change[p], load += total[p];
+  return load > 0.0 ? changed / load : changed > 0.0 ? 1.0 : 0.0;
+}
+
+void Penalty::keep_loads() { kept_active_ = active_, kept_viscosity_ = friction_viscosity_; }
+
+void Penalty::take_back_loads() {
+  active_.swap(kept_active_), friction_viscosity_.swap(kept_viscosity_);
+  settle_actions();
+}
+
+Vec3 Penalty::slip_after(std::size_t c, std::span<const Vec3> delta) const {
+  const Vec3 after = delta.empty() ? relative_[c] : Vec3(relative_[c] + delta[c]);
+  return after - normal_[c] * normal_[c].dot(after);
+}
+
+Vec3 Penalty::mean_slip(const ContactPair& pair, std::span<const Vec3> delta) const {
+  double load = 0.0;
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    if (!active_[c] || !(load_[c] > 0.0)) continue;
+    load += load_[c];
+    sum += load_[c] * slip_after(c, delta);
+  }
+  return load > 0.0 ? Vec3(sum / load) : Vec3::Zero();
+}
+
+double Penalty::SlipHistory::keep_between(double next, double found, bool too_much) {
+  if (!(assumed > 0.0)) return next;
+  const double excess = std::log(found / assumed);
+  // As long as friction is less than there may be, what slips is a few nodes that jump: the patch may stick.
+  if (excess > 0.0 && !too_much && !(tight.assumed > 0.0)) return next;
+  (excess > 0.0 ? tight : loose) = {assumed, excess};
+  if (!(tight.assumed > 0.0 && loose.assumed > 0.0)) return next;
+  if (tight.assumed >= loose.assumed) {  // loads have changed: what was seen before tells nothing
+    (excess > 0.0 ? loose : tight) = {};
+    return next;
+  }
+  if (next > tight.assumed && next < loose.assumed) return next;
+  const double share = std::clamp(tight.excess / (tight.excess - loose.excess), kLeastShare, 1.0 - kLeastShare);
+  return tight.assumed * std::pow(loose.assumed / tight.assumed, share);
+}
+
+Penalty::SlipForecast Penalty::expected_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta,
+                                             double share) {
+  SlipHistory& h = slip_[p];
+  // Friction changes the slip of rigid parts as a whole, and what they turn stays; where one deforms, each node's own.
+  SlipForecast f;
+  if (rigid_[p]) f.mean = mean_slip(pair, delta);
+  const double size = f.mean.norm();
+  double found = size, friction = 0.0, most = 0.0;  // [m/s]; [N] what has acted against the slip, and what may
+  double load = 0.0, slip = 0.0;
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    const Vec3 after = slip_after(c, delta);
+    const double speed = after.norm();
+    if (action_[c].viscosity > 0.0)
+      friction += friction_viscosity_[c] * (rigid_[p] ? f.mean.dot(after) / std::max(size, kNone) : speed);
+    if (!active_[c] || !(load_[c] > 0.0)) continue;
+    most += mu_[c] * share * load_[c];
+    load += load_[c], slip += load_[c] * speed;
+  }
+  if (!rigid_[p]) found = load > 0.0 ? slip / load : 0.0;
+  if (!(found > 0.0)) return f;
+  // What slides is left with v = A − b F by the friction F. Two solves whose friction differs tell b, which is never
+  // less than for whole masses; the law's own friction then leaves A − b µN where that is above zero; else it sticks.
+  const double whole = options_.dt * inverse_mass_[p], less = h.friction_before - friction;
+  const double secant = (found - h.found_before) / less;
+  const bool tells = h.solves > 0 && std::abs(less) > kTellingFriction * most && secant > whole;
+  const double b = tells ? std::min(secant, kLightest * whole) : whole;
+  // Where a part deforms and both move, masses alone tell too little: pressed between heavy bodies, a sheet would stick
+  // and slip by turns.
+  if (tells || rigid_[p] || fixed_[p]) f.ratio = std::max(0.0, 1.0 + b * (friction - most) / found);
+  // Where a part deforms, some nodes of a patch stick while others slide, and friction does not fall in a line.
+  if (!rigid_[p]) f.ratio = h.keep_between(f.ratio * found, found, friction > most) / found;
+  h.friction_before = friction, h.found_before = found, ++h.solves;
+  return f;
+}
+
+}  // namespace brim

@@ -1,0 +1,174 @@
+#include <algorithm>
+#include <cmath>
+
+#include "brim/core/error.h"
+#include "brim/core/parallel.h"
+#include "brim/world/contact_parameters.h"
+#include "brim/world/contact_stage.h"
+#include "brim/world/fill_stage.h"
+#include "brim/world/part_filter.h"
+
+// Which pairs of parts may touch, and on which layers they are looked at.
+
+namespace brim {
+
+namespace {
+
+/// Least margin of pairs that rows hold apart. At touch the nodes next to a ball of two voxels, or to an edge, are up
+/// to a quarter of a voxel away from both surfaces together, which the ramp, 3 voxels wide, shows as 0.1.
+constexpr double kRowMargin = 0.1;
+/// The same where a part deforms: it moves farther in a step than its speed tells where a load on it ends. From 0.01 to
+/// 0.05 balls and cubes that are pressed have the force that they should; at 0 rows come and go, and at 0.1 nodes that
+/// are too far from the surfaces have a say in their patches.
+constexpr double kSoftRowMargin = 0.03;
+
+/// What a step keeps of a pair whose boxes overlap, [bytes].
+constexpr double kPairBytes = 300.0;
+
+/// Tiles are counted in 32 bits, and beyond 1e9 steps positions in double precision are rough against a step.
+/// @throws InputError  when what two parts share is farther from the origin
+void require_near(const WorldPart& a, const WorldPart& b, const Aabb& region, double h) {
+  const double far = std::max(region.lo.cwiseAbs().maxCoeff(), region.hi.cwiseAbs().maxCoeff());
+  if (far > 1e9 * h)
+    throw InputError(
+        fmt::format("world: '{}' and '{}' meet {:.3g} m from the origin, too far for steps of {} m (at most 1e9 of "
+                    "them); look for a speed, a position or a size that is too large",
+                    a.body->name(), b.body->name(), far, h));
+}
+
+/// Most tiles that presence may have to look at in the region of one part: seconds of work.
+constexpr double kMostTiles = 2e8;
+
+/// @throws InputError  when what touches a part lies so far apart that looking for it would not end
+void require_few(const WorldPart& part, const Aabb& region, double h) {
+  const Vec3 tiles = region.extent() / (kTileSize * h) + Vec3::Constant(2.0);
+  if (tiles.prod() > kMostTiles)
+    throw InputError(fmt::format(
+        "world: what touches '{}' lies up to {:.3g} m apart, {:.1g} tiles at steps of {} m (at most {:.0g}); "
+        "look for a speed or a position that is too large, or use a larger voxel_size",
+        part.body->name(), region.extent().maxCoeff(), tiles.prod(), h, kMostTiles));
+}
+
+}  // namespace
+
+void ContactStage::refuse_crowd(const char* what, double most, double limit) {
+  throw InputError(
+      fmt::format("world: more than {:.3g} {} at one time, more than memory_limit = {:.1f} GB has room for; look for "
+                  "bodies that lie "
+                  "in one place, or use a larger voxel_size",
+                  most, what, 1e-9 * limit));
+}
+
+void ContactStage::outline(std::span<const WorldPart> parts, std::span<const double> v,
+                           std::span<const std::size_t> first_v, double ramp) {
+  if (rigid_.any()) rigid_.follow(coarsest_level(parts));
+  outline_.resize(parts.size());
+  const double wide = std::ldexp(0.5 * ramp, coarsest_level(parts));
+  parallel_for(
+      parts.size(),
+      [&](std::size_t p) {
+        const WorldPart& part = parts[p];
+        const auto vb = v.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
+        Outline& o = outline_[p];
+        o.box = part.body->bounds(part.index).inflated(wide * part.h);
+        o.swept = o.box;
+        if (rigid_.any() && rigid_.follows(static_cast<std::int32_t>(p)))
+          o.swept.extend(rigid_.box(static_cast<std::int32_t>(p)));
+        o.velocity = part.body->mean_velocity(part.index, vb);
+        o.spread = part.body->relative_speed_bound(part.index, vb);
+      },
+      64);
+}
+
+void ContactStage::sweep_boxes(double memory_limit) {
+  const double most = memory_limit / kPairBytes;
+  const std::size_t n = outline_.size();
+  swept_.clear();
+  for (const Outline& o : outline_) swept_.push_back(o.swept);
+  sweep_.build(swept_);
+  near_.clear();
+  first_touch_.assign(n + 1, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::int32_t own = sweep_.at(i);
+    partners_.clear();
+    sweep_.partners(i, partners_);
+    for (const std::int32_t other : partners_) {
+      if (static_cast<double>(near_.size()) > most) refuse_crowd("pairs of bodies that may touch", most, memory_limit);
+      near_.emplace_back(std::min(own, other), std::max(own, other));
+      ++first_touch_[near_.back().first + 1];
+    }
+  }
+  // Ordered: sorted by the first part by counting, then each part's own.
+  for (std::size_t p = 0; p < n; ++p) first_touch_[p + 1] += first_touch_[p];
+  touching_.resize(near_.size());
+  std::vector<std::int32_t> next(first_touch_.begin(), first_touch_.end() - 1);
+  for (const auto& pair : near_) touching_[next[pair.first]++] = pair;
+  for (std::size_t p = 0; p < n; ++p)
+    std::sort(touching_.begin() + first_touch_[p], touching_.begin() + first_touch_[p + 1]);
+}
+
+void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<const double> v,
+                                   std::span<const std::size_t> first_v, double dt, const WorldOptions& options) {
+  const double ramp = options.ramp_voxels;
+  const double fall = options.environment.gravity.norm() * dt;
+  for (std::size_t l = 0; l < layer_count_; ++l) {
+    layers_[l].present.clear();
+    layers_[l].needed.clear();
+  }
+  layer_count_ = candidate_count_ = 0;
+  held_.clear();
+
+  // The root of the hierarchy: boxes of whole parts.
+  outline(parts, v, first_v, ramp);
+  sweep_boxes(options.memory_limit);
+  for (const auto& [pa, pb] : touching_) {
+    const WorldPart &a = parts[pa], &b = parts[pb];
+    if (!may_touch(a, b) || fills(a, b)) continue;
+    const bool held = rigid_.any() && rigid_.holds(pa, pb) && !PartFilter::concerns(a, b);
+    const Aabb &box_a = held ? rigid_.box(pa) : outline_[pa].box, &box_b = held ? rigid_.box(pb) : outline_[pb].box;
+    if (!box_a.overlaps(box_b)) continue;
+    const Aabb region = box_a.intersection(box_b);
+    const int level = meeting_level(a, b);
+    const double h = meeting_step(a, b);  // the finer of their two, seen at that level
+    // Nodes whose gap may close within the step count as contacts that wait.
+    const double speed =
+        (outline_[pa].velocity - outline_[pb].velocity).norm() + outline_[pa].spread + outline_[pb].spread;
+    const double least = held || meet_by_rigid_rows(a, b, options) ? kRowMargin
+                         : meet_by_rows(a, b, options)             ? kSoftRowMargin
+                                                                   : 0.0;
+    const double margin = std::clamp(1.5 * (speed + fall) * dt / (ramp * h), least, 0.4);
+    require_near(a, b, region, h);
+    if (held) {
+      if (rigid_.leaves_room(pa, pb, widest_gap(margin) * ramp * h))
+        held_.push_back({pa, pb, h, ramp * h, margin, level});
+      continue;
+    }
+    if (candidate_count_ == candidates_.size()) candidates_.emplace_back();
+    Candidate& c = candidates_[candidate_count_++];
+    c.pair = ContactPair{pa, pb, h, ramp * h, margin, 0, 0};
+    c.region = region;
+    c.level = level;
+    c.by_part = PartFilter::concerns(a, b);
+    c.tiles.clear(), c.octants.clear();
+    c.layer_a = access_[pa].is_solid() ? -1 : layer_of(pa, h, level, region);
+    c.layer_b = access_[pb].is_solid() ? -1 : layer_of(pb, h, level, region);
+  }
+  for (std::size_t l = 0; l < layer_count_; ++l) require_few(parts[layers_[l].part], layers_[l].region, layers_[l].h);
+}
+
+std::int32_t ContactStage::layer_of(std::int32_t part, double h, int level, const Aabb& region) {
+  for (std::size_t l = layer_count_; l-- > 0;)
+    if (layers_[l].part == part && layers_[l].h == h && layers_[l].level == level) {
+      layers_[l].region.extend(region);
+      return static_cast<std::int32_t>(l);
+    }
+  if (layer_count_ == layers_.size()) layers_.emplace_back();
+  Layer& layer = layers_[layer_count_];
+  layer.part = part;
+  layer.h = h;
+  layer.level = level;
+  layer.region = region;
+  return static_cast<std::int32_t>(layer_count_++);
+}
+
+}  // namespace brim
