@@ -25,7 +25,7 @@ constexpr double kSingle = 1e-5;
 /// Share of the tolerance that it works to, so that what it finds holds in double as well.
 constexpr double kStricter = 0.5;
 
-/// The same to double precision.
+/// What DenseFactor does, in double precision.
 class DoubleFactor {
  public:
   bool factor(const Eigen::MatrixXd& A, double shift) {
@@ -58,12 +58,15 @@ struct Scaled {
   /// û of the impulses y.
   Eigen::VectorXd velocities() const {
     Eigen::VectorXd u = G * y + g;
-    for (std::size_t c = 0; c < size(); ++c) add_correction(u, c);
+    add_correction(u, u);
     return u;
   }
-  void add_correction(Eigen::VectorXd& u, std::size_t c) const {
-    const auto i = static_cast<Eigen::Index>(3 * c);
-    u[i] += friction[c] * std::hypot(u[i + 1], u[i + 2]);
+  /// u_n += μ |û_t| at every contact. @param slip  what û_t is read of
+  void add_correction(const Eigen::VectorXd& slip, Eigen::VectorXd& u) const {
+    for (std::size_t c = 0; c < size(); ++c) {
+      const auto i = static_cast<Eigen::Index>(3 * c);
+      u[i] += friction[c] * std::hypot(slip[i + 1], slip[i + 2]);
+    }
   }
   /// Largest miss of a contact at the impulses y, [m/s].
   double miss() const {
@@ -87,10 +90,7 @@ void iterate(Scaled& a, double tolerance, int max_iterations, ContactAdmm::Repor
   if (!factor.factor(a.G, a.rho + kProximal)) return;
   while (report.iterations < max_iterations) {
     rhs = a.g - a.z;
-    for (std::size_t c = 0; c < a.size(); ++c) {
-      const auto i = static_cast<Eigen::Index>(3 * c);
-      rhs[i] += a.friction[c] * std::hypot(a.z[i + 1], a.z[i + 2]);
-    }
+    a.add_correction(a.z, rhs);
     rhs = kProximal * a.x + a.rho * a.y - rhs;
     factor.solve(rhs, a.x);
     double primal = 0.0, change = 0.0;  // [m/s]
@@ -113,9 +113,12 @@ void iterate(Scaled& a, double tolerance, int max_iterations, ContactAdmm::Repor
       report.converged = true;
       return;
     }
-    const double factor_of = primal > kApart * change ? kFactor : change > kApart * primal ? 1.0 / kFactor : 1.0;
-    if (factor_of == 1.0) continue;
-    a.rho *= factor_of;
+    if (primal > kApart * change)
+      a.rho *= kFactor;
+    else if (change > kApart * primal)
+      a.rho /= kFactor;
+    else
+      continue;
     if (!factor.factor(a.G, a.rho + kProximal)) return;
   }
 }
