@@ -1,6 +1,6 @@
 # Every third-party library; docs/dependencies.md says why each is there.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
-find_package(TBB REQUIRED)
+find_package(Threads REQUIRED)
 find_package(fmt REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(HDF5 REQUIRED COMPONENTS C)
@@ -29,7 +29,8 @@ if(BRIM_OPENVDB)
   find_path(BRIM_BOOST_INCLUDE boost/numeric/conversion/conversion_traits.hpp)  # its headers ask for it
   find_library(BRIM_OPENVDB_LIBRARY openvdb)
   find_library(BRIM_IMATH_LIBRARY NAMES Imath-3_1 Imath)
-  if(BRIM_OPENVDB_INCLUDE AND BRIM_BOOST_INCLUDE AND BRIM_OPENVDB_LIBRARY AND BRIM_IMATH_LIBRARY)
+  find_library(BRIM_TBB_LIBRARY tbb)
+  if(BRIM_OPENVDB_INCLUDE AND BRIM_BOOST_INCLUDE AND BRIM_OPENVDB_LIBRARY AND BRIM_IMATH_LIBRARY AND BRIM_TBB_LIBRARY)
     set(BRIM_HAS_OPENVDB ON)
   elseif(NOT BRIM_OPENVDB STREQUAL "AUTO")
     message(FATAL_ERROR "BRIM_OPENVDB is ${BRIM_OPENVDB}, but OpenVDB is not here (Debian: libopenvdb-dev libboost-dev)")

@@ -44,12 +44,12 @@ install(FILES ${PROJECT_SOURCE_DIR}/viewer/render.mjs DESTINATION ${CMAKE_INSTAL
 install(PROGRAMS ${PROJECT_SOURCE_DIR}/tools/plot_run.py DESTINATION ${CMAKE_INSTALL_DATADIR}/brim)
 
 # For pkg-config. A static library needs what it stands on said as well.
-set(brim_pc_requires "eigen3, tbb, fmt")
+set(brim_pc_requires "eigen3, fmt")
 set(brim_pc_libs "")
 if(BRIM_LIBRARY_TYPE STREQUAL "STATIC_LIBRARY")
   string(APPEND brim_pc_requires ", assimp, zlib, tinyxml2, hdf5")
   if(BRIM_HAS_OPENVDB)
-    string(APPEND brim_pc_libs " ${BRIM_OPENVDB_LIBRARY} ${BRIM_IMATH_LIBRARY}")
+    string(APPEND brim_pc_libs " ${BRIM_OPENVDB_LIBRARY} ${BRIM_IMATH_LIBRARY} ${BRIM_TBB_LIBRARY}")
   endif()
   if(BRIM_HAS_GDCM)
     string(REPLACE ";" " " gdcm "${BRIM_GDCM_LIBRARIES}")

@@ -14,7 +14,7 @@ set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)  # asks dpkg-shlibdeps which packages hold the libraries that are linked
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-numpy, nodejs")
 # What a program that links the static library needs; tools/check_packages.sh builds one from them on a bare system.
-set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libeigen3-dev, libtbb-dev, libfmt-dev, libassimp-dev, libhdf5-dev, libtinyxml2-dev, zlib1g-dev")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libeigen3-dev, libfmt-dev, libassimp-dev, libhdf5-dev, libtinyxml2-dev, zlib1g-dev")
 if(BRIM_HAS_OPENVDB)
   string(APPEND CPACK_DEBIAN_PACKAGE_SUGGESTS ", libopenvdb-dev")
 endif()

@@ -27,7 +27,9 @@ TEST(RowBlocks, MultiplyAsTheBlocksTheyStandFor) {
     else
       blocks.add(J(0, 0)), dense.push_back(J(0, 0) * Block::Identity());
   }
-  for (std::size_t e = 0; e < dense.size(); ++e) turned.add(blocks, e, -1.0f);
+  turned.resize(dense.size(), static_cast<std::size_t>(blocks.general(0, dense.size())));
+  std::int32_t next = 0;
+  for (std::size_t e = 0; e < dense.size(); ++e) turned.put(e, next, blocks, e, -1.0f);
   ASSERT_EQ(blocks.size(), dense.size());
   for (std::size_t e = 0; e < dense.size(); ++e) {
     const Block K = random_block(rng), &J = dense[e];

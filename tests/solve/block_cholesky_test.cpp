@@ -148,9 +148,10 @@ std::vector<float> answer(BlockCholesky& factor, const Lattice& p, int threads) 
 }
 
 TEST(BlockCholesky, BranchesSharedByThreadsGiveTheSameBits) {
-  // Large ones are divided into tasks, small ones are not: one object takes both in turn.
+  // Large ones are divided into tasks, and rows of the largest panels of what lies above them are shared, of small ones
+  // neither: one object takes all in turn.
   BlockCholesky one, two;
-  for (const int side : {48, 5, 60}) {
+  for (const int side : {48, 5, 60, 110}) {
     const Lattice p(side);
     const std::vector<float> x = answer(one, p, 1);
     EXPECT_EQ(x, answer(two, p, 2)) << side;

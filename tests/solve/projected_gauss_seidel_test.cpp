@@ -4,7 +4,9 @@
 
 #include <Eigen/LU>
 #include <random>
+#include <utility>
 
+#include "brim/core/parallel.h"
 #include "brim/solve/contact_cone.h"
 
 namespace brim {
@@ -199,6 +201,44 @@ TEST(ProjectedGaussSeidel, WhereSweepsAreTooFewAllContactsAreSolvedAtOnce) {
     EXPECT_NEAR(impulse[c].x(), 30.0 + n - 1 - i, 1e-3);
     EXPECT_NEAR(v[3 * c], 0.0, 1e-4);
   }
+}
+
+TEST(ProjectedGaussSeidel, PairsSharedByThreadsGiveTheSameBits) {
+  // Pairs of many bodies in no order, so that threads have enough to share.
+  constexpr std::size_t kBodies = 600, kPairs = 1000;
+  std::mt19937 rng(7);
+  std::normal_distribution<double> normal;
+  std::uniform_int_distribution<std::size_t> body(0, kBodies);
+  const auto vector = [&] { return Vec3(normal(rng), normal(rng), normal(rng)); };
+  std::vector<RigidPairRows::Side> side(kBodies + 1);
+  for (std::size_t b = 0; b <= kBodies; ++b) {
+    const Mat3 m = Mat3::Random();
+    side[b] = {6 * b, vector(), 0.5, Mat3::Identity() + 0.1 * m * m.transpose()};
+  }
+  side[kBodies] = {RigidPairRows::kFixed, Vec3::Zero(), 0.0, Mat3::Zero()};
+  ProjectedGaussSeidel s;
+  for (std::size_t p = 0; p < kPairs; ++p) {
+    const std::size_t a = body(rng) % kBodies, b = body(rng);
+    if (a == b) continue;
+    std::vector<Vec3> points(1 + p % 3);
+    std::vector<Mat3> frames(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      points[i] = 0.5 * (side[a].center + side[b].center) + 0.1 * vector();
+      frames[i] = Quat(normal(rng), normal(rng), normal(rng), normal(rng)).normalized().toRotationMatrix();
+    }
+    s.add_pair(side[a], side[b], points, frames, 0.4);
+  }
+  std::vector<Vec3> offset(s.size());
+  for (Vec3& o : offset) o = 0.3 * vector();
+  const std::vector<double> target(s.size(), 0.0);
+  const auto solve = [&](int threads) {
+    const ThreadLimit limit(threads);
+    std::vector<Vec3> impulse(s.size(), Vec3::Zero());
+    std::vector<double> v(6 * kBodies, 0.0);
+    s.solve(offset, target, 1e-8, 20, 1.0, impulse, v);
+    return std::pair(impulse, v);
+  };
+  EXPECT_EQ(solve(1), solve(2));
 }
 
 }  // namespace

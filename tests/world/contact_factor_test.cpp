@@ -162,6 +162,34 @@ TEST(ContactFactor, FactorsOtherStiffnessAsIfItWereNew) {
   EXPECT_EQ(answer(again, p), answer(anew, p));
 }
 
+TEST(ContactFactor, WhatIsDoneBesideItIsDoneOnceWhereItIsNotTheWholeSystem) {
+  Problem p(40);
+  ContactFactor factor;
+  factor.begin(p.bodies, p.first_v, p.diagonal, p.first_block, p.sparse);
+  int calls = 0;
+  const auto beside = [&] { ++calls; };
+  factor.factor(p.rows, {}, beside);
+  ASSERT_FALSE(factor.complete());  // of the block only what is touched
+  EXPECT_EQ(calls, 1);
+  factor.refactor(p.rows, beside);
+  EXPECT_EQ(calls, 2);
+  // Two rigid bodies that are all there is.
+  Problem rigid(40);
+  for (std::int32_t& o : rigid.rows.offset)
+    if (o < static_cast<std::int32_t>(rigid.first_v[1])) o = static_cast<std::int32_t>(rigid.first_v[1]);
+  rigid.bodies.erase(rigid.bodies.begin());
+  const std::size_t gone = rigid.first_v[1];
+  rigid.first_v = {0, 6, 12}, rigid.first_block = {0, 1, 2}, rigid.sparse = {1, 1};
+  rigid.diagonal.reset(std::vector<int>{6, 6});
+  for (std::size_t b = 0; b < 2; ++b) rigid.bodies[b]->add_system_diagonal(b, rigid.diagonal);
+  for (std::int32_t& o : rigid.rows.offset) o -= static_cast<std::int32_t>(gone);
+  ContactFactor whole;
+  whole.begin(rigid.bodies, rigid.first_v, rigid.diagonal, rigid.first_block, rigid.sparse);
+  whole.factor(rigid.rows, {}, beside);
+  EXPECT_TRUE(whole.complete());
+  EXPECT_EQ(calls, 2);
+}
+
 TEST(ContactFactor, KeepsItsClustersForOtherStiffness) {
   Problem p(40);
   ContactFactor factor;

@@ -1,39 +1,72 @@
 #include "brim/core/parallel.h"
 
-#include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/global_control.h>
-#include <oneapi/tbb/parallel_for.h>
+#include <algorithm>
+#include <atomic>
+#include <mutex>
+#include <utility>
+#include <vector>
 
-#include <optional>
-
-#include "brim/core/fork_join.h"
+#include "brim/core/alone.h"
+#include "brim/core/thread_team.h"
 
 namespace brim {
 
-struct ThreadLimit::Control {
-  std::optional<tbb::global_control> limit;
+namespace {
+
+/// The limits that live, and the least of them.
+struct Limits {
+  std::mutex changing;
+  std::vector<int> all;
+  std::atomic<int> least{0};  ///< 0: none
+
+  void add(int threads) {
+    const std::lock_guard lock(changing);
+    all.push_back(threads);
+    least = *std::ranges::min_element(all);
+  }
+  void remove(int threads) {
+    const std::lock_guard lock(changing);
+    all.erase(std::ranges::find(all, threads));
+    least = all.empty() ? 0 : *std::ranges::min_element(all);
+  }
 };
 
-ThreadLimit::ThreadLimit(int threads) : control_(std::make_unique<Control>()) {
-  if (threads > 0)
-    control_->limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+Limits& limits() {
+  static Limits limits;
+  return limits;
 }
 
-ThreadLimit::~ThreadLimit() = default;
+thread_local bool alone = false;
+
+}  // namespace
+
+ThreadLimit::ThreadLimit(int threads) : threads_(threads) {
+  if (threads_ > 0) limits().add(threads_);
+}
+
+ThreadLimit::~ThreadLimit() {
+  if (threads_ > 0) limits().remove(threads_);
+}
 
 int thread_count() {
-  return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  const int least = limits().least.load(std::memory_order_relaxed);
+  return least > 0 ? least : ThreadTeam::cores();
+}
+
+int thread_number() { return ThreadTeam::number(); }
+
+void run_alone(const std::function<void()>& f) {
+  struct Alone {
+    bool before = std::exchange(alone, true);
+    ~Alone() { alone = before; }
+  } here;
+  f();
 }
 
 void detail::share_out(std::size_t n, std::size_t grain, const void* work,
                        void (*piece)(const void*, std::size_t, std::size_t)) {
-  if (thread_count() == 1) return piece(work, 0, n);
-  ForkJoin edges(work);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, grain),
-                    [&](const tbb::blocked_range<std::size_t>& r) BRIM_UNSEEN {
-                      const ForkJoin::Work part(edges);
-                      piece(work, r.begin(), r.end());
-                    });
+  if (alone || thread_count() == 1) return piece(work, 0, n);
+  ThreadTeam::shared().run(n, grain, thread_count(), work, piece);
 }
 
 }  // namespace brim

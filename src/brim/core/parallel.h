@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <memory>
 #include <vector>
 
 namespace brim {
@@ -17,16 +16,17 @@ class ThreadLimit {
   ThreadLimit& operator=(const ThreadLimit&) = delete;
 
  private:
-  struct Control;
-  std::unique_ptr<Control> control_;
+  int threads_;
 };
 
 /// Number of threads that parallel_for may use now.
 int thread_count();
+/// Which of the threads that share loops this one is; 0 for all that call them.
+int thread_number();
 
 namespace detail {
-/// Calls piece(work, begin, end) from several threads for ranges that make up [0, n), halved while they are longer than
-/// `grain`. Behind pointers, so that not every loop of the library is compiled with TBB's headers.
+/// Calls piece(work, begin, end) from several threads for ranges that make up [0, n), of `grain` at least
+/// where there are several. Behind pointers, so that loops compile to no more than a call.
 void share_out(std::size_t n, std::size_t grain, const void* work,
                void (*piece)(const void* work, std::size_t begin, std::size_t end));
 }  // namespace detail

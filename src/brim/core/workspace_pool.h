@@ -1,8 +1,13 @@
 #pragma once
 
+#include <array>
+#include <atomic>
 #include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
+
+#include "brim/core/parallel.h"
 
 namespace brim {
 
@@ -26,10 +31,29 @@ class WorkspacePool {
     std::unique_ptr<Workspace> workspace_;
   };
 
+  WorkspacePool() = default;
+  ~WorkspacePool() {
+    for (Place& p : place_) delete p.workspace.load();
+  }
+  WorkspacePool(const WorkspacePool&) = delete;
+  WorkspacePool& operator=(const WorkspacePool&) = delete;
+
   Loan borrow() { return Loan(*this); }
 
  private:
+  /// Where a thread leaves what it will need again, if nobody who has none takes it from there.
+  struct alignas(64) Place {
+    std::atomic<Workspace*> workspace{nullptr};
+  };
+  std::atomic<Workspace*>& own_place() { return place_[static_cast<std::size_t>(thread_number()) % kPlaces].workspace; }
+
   std::unique_ptr<Workspace> take() {
+    if (Workspace* own = own_place().exchange(nullptr, std::memory_order_acquire))
+      return std::unique_ptr<Workspace>(own);
+    for (Place& p : place_)
+      if (p.workspace.load(std::memory_order_relaxed) != nullptr)
+        if (Workspace* left = p.workspace.exchange(nullptr, std::memory_order_acquire))
+          return std::unique_ptr<Workspace>(left);
     const std::lock_guard lock(mutex_);
     if (free_.empty()) return std::make_unique<Workspace>();
     auto workspace = std::move(free_.back());
@@ -37,10 +61,17 @@ class WorkspacePool {
     return workspace;
   }
   void give_back(std::unique_ptr<Workspace> workspace) {
+    Workspace* nothing = nullptr;
+    if (own_place().compare_exchange_strong(nothing, workspace.get(), std::memory_order_release)) {
+      workspace.release();
+      return;
+    }
     const std::lock_guard lock(mutex_);
     free_.push_back(std::move(workspace));
   }
 
+  static constexpr std::size_t kPlaces = 16;
+  std::array<Place, kPlaces> place_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Workspace>> free_;
 };

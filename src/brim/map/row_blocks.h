@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -20,12 +21,21 @@ class RowBlocks {
     weight_.push_back(0.0f), general_.push_back(static_cast<std::int32_t>(block_.size()));
     block_.push_back(J);
   }
-  /// Appends a block of another list, times `sign`.
-  void add(const RowBlocks& from, std::size_t e, float sign) {
-    if (from.general_[e] < 0)
-      add(sign * from.weight_[e]);
-    else
-      add(Block(sign * from.block_[from.general_[e]]));
+  /// Makes room for so many blocks, of which so many are no multiples of the identity: put fills it, from any thread.
+  void resize(std::size_t n, std::size_t general) { weight_.resize(n), general_.resize(n), block_.resize(general); }
+  /// Writes block e of another list, times `sign`, to place `at`. @param general  the next free place of those that are
+  /// no multiples of the identity, moved on where this is one
+  void put(std::size_t at, std::int32_t& general, const RowBlocks& from, std::size_t e, float sign) {
+    weight_[at] = sign * from.weight_[e], general_[at] = -1;
+    if (from.general_[e] < 0) return;
+    block_[general] = sign * from.block_[from.general_[e]];
+    general_[at] = general++;
+  }
+  /// How many of the blocks [begin, end) are no multiples of the identity.
+  std::int32_t general(std::size_t begin, std::size_t end) const {
+    return static_cast<std::int32_t>(std::count_if(general_.begin() + static_cast<std::ptrdiff_t>(begin),
+                                                   general_.begin() + static_cast<std::ptrdiff_t>(end),
+                                                   [](std::int32_t g) { return g >= 0; }));
   }
 
   /// True where the block is `weight` times the identity.

@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "brim/core/workspace_pool.h"
 #include "brim/solve/panel.h"
 #include "brim/solve/panel_stream.h"
 
@@ -21,9 +23,8 @@ namespace brim {
 ///      bits
 ///
 /// Subtrees of the elimination tree are independent: they are dealt into a fixed number of tasks, which threads share;
-/// what lies above them all (the top) follows in order. So the bits are the same for any number of threads. Several
-/// factors may be worked on at once.
-/// Tests: tests/solve/block_cholesky_test.cpp
+/// what lies above them all (the top) follows in order, its large panels shared by rows. So the bits are the same for
+/// any number of threads. Several factors may be worked on at once. Tests: tests/solve/block_cholesky_test.cpp
 class BlockCholesky {
  public:
   using Block = Eigen::Matrix3f;
@@ -57,18 +58,30 @@ class BlockCholesky {
     std::int32_t place, above;  ///< of floats; above −1 where they are no rows of the top, or the top's own
     std::int32_t floats;
   };
+  /// What a supernode takes from one below it: its block rows from `from` on, by its columns at the rows up to `to`.
+  struct Update {
+    std::int32_t supernode, from, to;
+  };
+  /// Workspace of one thread.
+  struct Scratch {
+    std::vector<float> product;
+    std::vector<panel::Run> run;
+    std::vector<float*> column;
+  };
   /// Supernodes that one thread works through: whole subtrees, children first.
   struct Task {
     std::vector<std::int32_t> supernode;
     // Workspace.
-    std::vector<float> product, rows, above;  ///< above: what the top takes from here, shape (3 blocks of the top)
+    std::vector<float> rows, above;  ///< above: what the top takes from here, shape (3 blocks of the top)
     std::vector<std::int32_t> local;
-    std::vector<panel::Run> run;
-    std::vector<float*> column;
+    std::vector<Update> update;
+    Scratch scratch;
     int lifted = 0;
   };
   void find_order(std::span<const std::int32_t> first, std::span<const std::int32_t> column);
   void find_structure(std::span<const std::int32_t> first, std::span<const std::int32_t> column, std::size_t in_turn);
+  /// The rows of the supernodes, of which there are `room` in all.
+  void find_rows(std::size_t room);
   void find_tasks();
   void find_runs();
   std::span<const RowRun> runs_of(std::int32_t supernode) const {
@@ -77,7 +90,12 @@ class BlockCholesky {
   }
   void load(const Supernode& s, std::span<const Block> value, Task& task);
   void take_updates(std::size_t s, Task& task);
+  /// The part of them for block rows [begin, end) of the panel.
+  void take_rows(const Supernode& s, const Task& task, std::int32_t begin, std::int32_t end, Scratch& scratch);
+  void write_stream(const Supernode& s);
   void factor(Task& task, std::span<const Block> value);
+  /// A supernode of the top, its rows shared by threads.
+  int factor_shared(const Supernode& s);
   /// Lets the next supernode that has rows of this one know.
   void hand_on(std::int32_t supernode);
   /// Calls f(panel::Stream) with what solves read of a supernode.
@@ -109,6 +127,7 @@ class BlockCholesky {
   // Workspace: lists of the supernodes that a supernode takes updates from, and how far each has been used.
   std::vector<std::int32_t> head_, next_, done_;
   std::vector<float> scale_, x_;
+  std::unique_ptr<WorkspacePool<Scratch>> scratch_ = std::make_unique<WorkspacePool<Scratch>>();
 };
 
 }  // namespace brim

@@ -2,7 +2,9 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
+#include "brim/core/error.h"
 #include "brim/solve/block_cholesky.h"
 
 namespace brim {
@@ -54,21 +56,6 @@ std::vector<std::int32_t> elimination_tree(const LowerRows& lower) {
   return parent;
 }
 
-/// Calls f(i, j) for the entries of the factor below its diagonal, row after row: those of row i are the columns
-/// between the entries of the matrix and the diagonal in the elimination tree.
-template <class F>
-void for_factor(const LowerRows& lower, std::span<const std::int32_t> parent, const F& f) {
-  std::vector<std::int32_t> seen(parent.size(), -1);
-  for (std::int32_t i = 0; i < static_cast<std::int32_t>(parent.size()); ++i) {
-    seen[i] = i;
-    for (std::int32_t j : lower.row(i))
-      for (; seen[j] != i; j = parent[j]) {
-        seen[j] = i;
-        f(i, j);
-      }
-  }
-}
-
 /// Children before parents, each subtree in one run; the order of children is kept.
 std::vector<std::int32_t> postorder(std::span<const std::int32_t> parent) {
   const auto n = static_cast<std::int32_t>(parent.size());
@@ -97,6 +84,42 @@ std::vector<std::int32_t> postorder(std::span<const std::int32_t> parent) {
   return order;
 }
 
+/// Entries of each column of the factor, diagonal included, in time that grows with the matrix and not with the factor
+/// (Gilbert, Ng and Peyton 1994): row i of the factor is the subtree of the elimination tree between its entries and i,
+/// and a column is counted where it is a leaf of such a subtree, less where two of them meet.
+/// @param parent  columns in postorder  @param for_column  f(j, g): calls g(i) for the rows i > j of column j
+template <class F>
+std::vector<std::int32_t> column_counts(std::span<const std::int32_t> parent, const F& for_column) {
+  const auto n = static_cast<std::int32_t>(parent.size());
+  std::vector<std::int32_t> count(n, 0), first(n, -1), most(n, -1), leaf(n, -1), ancestor(n);
+  std::iota(ancestor.begin(), ancestor.end(), 0);
+  for (std::int32_t k = 0; k < n; ++k) {
+    count[k] = first[k] == -1;
+    for (std::int32_t j = k; j != -1 && first[j] == -1; j = parent[j]) first[j] = k;
+  }
+  // Where the subtrees of two columns meet, as far as columns have been passed.
+  const auto meet = [&](std::int32_t j) {
+    std::int32_t q = j;
+    while (q != ancestor[q]) q = ancestor[q];
+    while (j != q) j = std::exchange(ancestor[j], q);
+    return q;
+  };
+  for (std::int32_t j = 0; j < n; ++j) {
+    if (parent[j] != -1) --count[parent[j]];
+    for_column(j, [&](std::int32_t i) {
+      if (first[j] <= most[i]) return;
+      most[i] = first[j];
+      const std::int32_t before = std::exchange(leaf[i], j);
+      ++count[j];
+      if (before != -1) --count[meet(before)];
+    });
+    if (parent[j] != -1) ancestor[j] = parent[j];
+  }
+  for (std::int32_t j = 0; j < n; ++j)
+    if (parent[j] != -1) count[parent[j]] += count[j];
+  return count;
+}
+
 }  // namespace
 
 void BlockCholesky::analyze(std::span<const std::int32_t> first, std::span<const std::int32_t> column,
@@ -120,29 +143,29 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
                                    std::size_t in_turn) {
   const auto n = static_cast<std::int32_t>(order_.size());
   place_.resize(n);
-  LowerRows lower;
-  const auto arrange = [&] {
+  const auto number = [&] {
     for (std::int32_t i = 0; i < n; ++i) place_[order_[i]] = i;
-    const auto for_lower = [&](const auto& f) {
-      for (std::int32_t r = 0; r < n; ++r)
-        for (std::int32_t e = first[r]; e < first[r + 1]; ++e)
-          if (column[e] != r) f(std::max(place_[r], place_[column[e]]), std::min(place_[r], place_[column[e]]));
-    };
-    lower.first.assign(n + 1, 0);
-    for_lower([&](std::int32_t i, std::int32_t) { ++lower.first[i + 1]; });
-    for (std::int32_t i = 0; i < n; ++i) lower.first[i + 1] += lower.first[i];
-    lower.column.resize(static_cast<std::size_t>(lower.first[n]));
-    std::vector<std::int32_t> next(lower.first.begin(), lower.first.end() - 1);
-    for_lower([&](std::int32_t i, std::int32_t j) { lower.column[next[i]++] = j; });
   };
-  arrange();
+  number();
+  const auto for_lower = [&](const auto& f) {
+    for (std::int32_t r = 0; r < n; ++r)
+      for (std::int32_t e = first[r]; e < first[r + 1]; ++e)
+        if (column[e] != r) f(std::max(place_[r], place_[column[e]]), std::min(place_[r], place_[column[e]]));
+  };
+  LowerRows lower;
+  lower.first.assign(n + 1, 0);
+  for_lower([&](std::int32_t i, std::int32_t) { ++lower.first[i + 1]; });
+  for (std::int32_t i = 0; i < n; ++i) lower.first[i + 1] += lower.first[i];
+  lower.column.resize(static_cast<std::size_t>(lower.first[n]));
+  std::vector<std::int32_t> next(lower.first.begin(), lower.first.end() - 1);
+  for_lower([&](std::int32_t i, std::int32_t j) { lower.column[next[i]++] = j; });
   const std::vector<std::int32_t> tree = elimination_tree(lower), post = postorder(tree);
   std::vector<std::int32_t> renewed(n), after(n), parent(n);
   for (std::int32_t i = 0; i < n; ++i) renewed[i] = order_[post[i]], after[post[i]] = i;
   // The tree stays the same, with other numbers.
   for (std::int32_t i = 0; i < n; ++i) parent[i] = tree[post[i]] < 0 ? -1 : after[tree[post[i]]];
   order_ = renewed;
-  arrange();
+  number();
 
   // Entries by columns.
   entry_first_.assign(n + 1, 0);
@@ -150,7 +173,7 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
     for (std::int32_t e = first[r]; e < first[r + 1]; ++e) ++entry_first_[std::min(place_[r], place_[column[e]]) + 1];
   for (std::int32_t j = 0; j < n; ++j) entry_first_[j + 1] += entry_first_[j];
   grow(entry_, static_cast<std::size_t>(entry_first_[n]));
-  std::vector<std::int32_t> next(entry_first_.begin(), entry_first_.end() - 1);
+  next.assign(entry_first_.begin(), entry_first_.end() - 1);
   for (std::int32_t r = 0; r < n; ++r)
     for (std::int32_t e = first[r]; e < first[r + 1]; ++e) {
       const std::int32_t a = place_[r], b = place_[column[e]];
@@ -158,8 +181,10 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
       entry_[next[std::min(a, b)]++] = {std::max(a, b), e, a < b};
     }
 
-  std::vector<std::int32_t> count(n, 1);  // entries of each column of the factor
-  for_factor(lower, parent, [&](std::int32_t, std::int32_t j) { ++count[j]; });
+  const std::vector<std::int32_t> count = column_counts(parent, [&](std::int32_t j, const auto& f) {
+    for (std::int32_t e = entry_first_[j]; e < entry_first_[j + 1]; ++e)
+      if (entry_[e].row != j) f(entry_[e].row);
+  });
 
   // Supernodes: a column joins the one before it where that costs few zeros.
   supernode_.clear();
@@ -190,23 +215,9 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
     begin = j;
     zeros = 0.0;
   }
-  // Their rows: its own columns, and what its last column has below.
-  grow(row_, room);
-  std::vector<std::size_t> fill(n, room);  // of a last column: the next row's place
-  for (const Supernode& s : supernode_) {
-    std::iota(row_.begin() + static_cast<std::ptrdiff_t>(s.row),
-              row_.begin() + static_cast<std::ptrdiff_t>(s.row) + (s.end - s.begin), s.begin);
-    fill[s.end - 1] = s.row + static_cast<std::size_t>(s.end - s.begin);
-  }
-  for_factor(lower, parent, [&](std::int32_t i, std::int32_t j) {
-    if (fill[j] < room) row_[fill[j]++] = i;
-  });
-
+  find_rows(room);
   std::size_t total = 0, streamed = 0;
-  supernode_of_.resize(n);
-  for (std::size_t k = 0; k < supernode_.size(); ++k) {
-    Supernode& s = supernode_[k];
-    for (std::int32_t j = s.begin; j < s.end; ++j) supernode_of_[j] = static_cast<std::int32_t>(k);
+  for (Supernode& s : supernode_) {
     s.stride = panel::padded(3 * static_cast<std::size_t>(s.rows));
     s.panel = total;
     total += s.stride * 3 * static_cast<std::size_t>(s.end - s.begin);
@@ -230,6 +241,38 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
   x_.resize(3 * static_cast<std::size_t>(n));
   find_tasks();
   find_runs();
+}
+
+void BlockCholesky::find_rows(std::size_t room) {
+  const auto count = static_cast<std::int32_t>(supernode_.size());
+  grow(row_, room);
+  supernode_of_.resize(order_.size());
+  for (std::int32_t k = 0; k < count; ++k)
+    for (std::int32_t j = supernode_[k].begin; j < supernode_[k].end; ++j) supernode_of_[j] = k;
+  // Own columns, and below them what the matrix has there and what the children have handed on.
+  std::vector<std::int32_t> seen(order_.size(), -1), child(count, -1), sibling(count, -1);
+  for (std::int32_t k = 0; k < count; ++k) {
+    const Supernode& s = supernode_[k];
+    std::int32_t* const own = row_.data() + s.row;
+    std::int32_t* to = own;
+    for (std::int32_t j = s.begin; j < s.end; ++j) *to++ = j;
+    std::int32_t* const below = to;
+    const auto take = [&](std::int32_t row) {
+      if (row >= s.end && seen[row] != k) seen[row] = k, *to++ = row;
+    };
+    for (std::int32_t j = s.begin; j < s.end; ++j)
+      for (std::int32_t e = entry_first_[j]; e < entry_first_[j + 1]; ++e) take(entry_[e].row);
+    for (std::int32_t c = child[k]; c != -1; c = sibling[c]) {
+      const Supernode& t = supernode_[c];
+      const std::int32_t* rows = row_.data() + t.row;
+      for (std::int32_t i = t.end - t.begin; i < t.rows; ++i) take(rows[i]);
+    }
+    std::sort(below, to);
+    BRIM_CHECK(to - own, ==, s.rows);
+    if (below == to) continue;
+    const std::int32_t parent = supernode_of_[*below];
+    sibling[k] = std::exchange(child[parent], k);
+  }
 }
 
 void BlockCholesky::find_tasks() {
@@ -283,21 +326,13 @@ void BlockCholesky::find_tasks() {
   top_place_.assign(order_.size(), -1);
   for (const std::int32_t k : task_.back().supernode)
     for (std::int32_t j = supernode_[k].begin; j < supernode_[k].end; ++j) top_place_[j] = blocks++;
-  std::size_t tallest = 0;
-  for (const Supernode& s : supernode_)
-    tallest = std::max(tallest, panel::padded(3 * static_cast<std::size_t>(s.rows)));
   for (Task& t : task_) {
-    const bool is_top = &t == &task_.back();
-    t.above.resize(is_top ? 0 : 3 * static_cast<std::size_t>(blocks));
+    t.above.resize(&t == &task_.back() ? 0 : 3 * static_cast<std::size_t>(blocks));
     if (t.supernode.empty()) continue;
-    std::size_t rows = 0, width = 12;
-    for (const std::int32_t k : t.supernode) {
+    std::size_t rows = 0;
+    for (const std::int32_t k : t.supernode)
       rows = std::max(rows, panel::padded(3 * static_cast<std::size_t>(supernode_[k].rows)));
-      width = std::max(width, 3 * static_cast<std::size_t>(supernode_[k].end - supernode_[k].begin));
-    }
     grow(t.rows, rows + panel::kPad);
-    // An update is as tall as where it comes from, and at most as wide as where it goes.
-    grow(t.product, (is_top ? tallest : rows) * width + 2 * panel::kPad);
     grow(t.local, order_.size());
   }
 }

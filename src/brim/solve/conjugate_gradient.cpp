@@ -16,7 +16,7 @@ constexpr std::size_t kChunk = 4096;
 /// unsymmetric still leads somewhere (Golub and Ye 1999).
 constexpr int kFlexible = 50;
 /// Chunks worked on by one thread at a time: of small bodies there are many.
-constexpr std::size_t kGrain = 4;
+constexpr std::size_t kGrain = 1;
 
 /// In lanes, whose order of adding does not depend on the machine.
 double dot_of(std::span<const double> a, std::span<const double> b, std::size_t begin, std::size_t end) {

@@ -30,7 +30,7 @@ BRIM_INLINE void invert_triangle(float* L, std::size_t stride, std::size_t n) {
 }
 
 /// Replaces the lower triangle of a small matrix by its Cholesky factor. @return pivots that were lifted
-BRIM_INLINE int factor_square(float* L, std::size_t stride, std::size_t n) {
+BRIM_INLINE int factor_triangle(float* L, std::size_t stride, std::size_t n) {
   int lifted = 0;
   for (std::size_t k = 0; k < n; ++k) {
     float* column = L + k * stride;
@@ -46,9 +46,9 @@ BRIM_INLINE int factor_square(float* L, std::size_t stride, std::size_t n) {
   return lifted;
 }
 
-/// B := B L⁻ᵀ for the rows below a square of N columns that holds L⁻¹.
+/// B := B L⁻ᵀ for rows [from, from + rows) below a square of N columns that holds L⁻¹, counted from its first.
 template <int N>
-BRIM_INLINE void divide(float* square, std::size_t stride, std::size_t rows) {
+BRIM_INLINE void divide(float* square, std::size_t stride, std::size_t from, std::size_t rows) {
   const auto combine = [&](auto(&b)[N]) {
     for (int j = N; j-- > 0;) {
       b[j] *= square[static_cast<std::size_t>(j) * stride + static_cast<std::size_t>(j)];
@@ -56,14 +56,14 @@ BRIM_INLINE void divide(float* square, std::size_t stride, std::size_t rows) {
         b[j] += b[k] * square[static_cast<std::size_t>(k) * stride + static_cast<std::size_t>(j)];
     }
   };
-  std::size_t i = N;
-  for (; i + kWideLanes <= N + rows; i += kWideLanes) {
+  std::size_t i = from;
+  for (; i + kWideLanes <= from + rows; i += kWideLanes) {
     WideFloats b[N];
     for (int k = 0; k < N; ++k) b[k] = load_wide(square + static_cast<std::size_t>(k) * stride + i);
     combine(b);
     for (int k = 0; k < N; ++k) store_wide(b[k], square + static_cast<std::size_t>(k) * stride + i);
   }
-  for (; i < N + rows; ++i) {
+  for (; i < from + rows; ++i) {
     float b[N];
     for (int k = 0; k < N; ++k) b[k] = square[static_cast<std::size_t>(k) * stride + i];
     combine(b);
@@ -120,33 +120,46 @@ BRIM_WIDE void subtract_runs(const float* product, std::size_t stride, const Run
   }
 }
 
-BRIM_WIDE int factor(float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* workspace) {
+/// Takes from rows [from, from + rows) of the block's columns what the columns before have for them.
+BRIM_INLINE void take_columns_before(float* panel, std::size_t stride, std::size_t first, std::size_t block,
+                                     std::size_t from, std::size_t rows, float* workspace) {
+  if (first == 0) return;
+  const std::size_t out = padded(rows);
+  multiply_transposed(panel + from, panel + first, stride, rows, block, first, workspace);
+  for (std::size_t j = 0; j < block; ++j)
+    subtract(panel + (first + j) * stride + from, workspace + j * out, 1.0f, rows);
+}
+
+BRIM_WIDE int factor_square(float* panel, std::size_t stride, std::size_t first, std::size_t block, float* workspace) {
+  take_columns_before(panel, stride, first, block, first, block, workspace);
+  float* square = panel + first * stride + first;
+  const int lifted = factor_triangle(square, stride, block);
+  invert_triangle(square, stride, block);
+  return lifted;
+}
+
+BRIM_WIDE void factor_rows(float* panel, std::size_t stride, std::size_t first, std::size_t block, std::size_t from,
+                           std::size_t rows, float* workspace) {
+  take_columns_before(panel, stride, first, block, from, rows, workspace);
+  float* square = panel + first * stride + first;
+  switch (block) {
+    case 3:
+      return divide<3>(square, stride, from - first, rows);
+    case 6:
+      return divide<6>(square, stride, from - first, rows);
+    case 9:
+      return divide<9>(square, stride, from - first, rows);
+    default:
+      return divide<12>(square, stride, from - first, rows);
+  }
+}
+
+int factor(float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* workspace) {
   int lifted = 0;
   for (std::size_t first = 0; first < width; first += kBlock) {
     const std::size_t block = std::min(kBlock, width - first), end = first + block;
-    if (first > 0) {
-      // What the columns before take from this block.
-      const std::size_t n = rows - first, out = padded(n);
-      multiply_transposed(panel + first, panel + first, stride, n, block, first, workspace);
-      for (std::size_t j = 0; j < block; ++j)
-        subtract(panel + (first + j) * stride + first, workspace + j * out, 1.0f, n);
-    }
-    float* square = panel + first * stride + first;
-    lifted += factor_square(square, stride, block);
-    invert_triangle(square, stride, block);
-    switch (block) {
-      case 3:
-        divide<3>(square, stride, rows - end);
-        break;
-      case 6:
-        divide<6>(square, stride, rows - end);
-        break;
-      case 9:
-        divide<9>(square, stride, rows - end);
-        break;
-      default:
-        divide<12>(square, stride, rows - end);
-    }
+    lifted += factor_square(panel, stride, first, block, workspace);
+    if (rows > end) factor_rows(panel, stride, first, block, end, rows - end, workspace);
   }
   return lifted;
 }

@@ -37,4 +37,10 @@ inline constexpr float kLeastPivot = 1e-5f;
 /// @return pivots that were lifted to kLeastPivot: L Lᵀ is then definite, but not the matrix
 int factor(float* panel, std::size_t stride, std::size_t rows, std::size_t width, float* workspace);
 
+/// The two halves of it for the columns [first, first + block) of a panel, block <= kBlock: their square, and rows
+/// below it, [from, from + rows), once the square is done. All columns before have had both. Bits as by factor.
+int factor_square(float* panel, std::size_t stride, std::size_t first, std::size_t block, float* workspace);
+void factor_rows(float* panel, std::size_t stride, std::size_t first, std::size_t block, std::size_t from,
+                 std::size_t rows, float* workspace);
+
 }  // namespace brim::panel

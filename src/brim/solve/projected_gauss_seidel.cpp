@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brim/core/parallel.h"
 #include "brim/core/simd.h"
 #include "brim/solve/contact_admm.h"
 #include "brim/solve/contact_cone.h"
@@ -19,6 +20,10 @@ constexpr std::size_t kMostAtOnce = 400;
 /// Sweeps before that, and after: what few do not settle, many hardly do.
 constexpr int kIterations = 1000, kFewSweeps = 60, kLastSweeps = 2;
 constexpr double kAtOnceTolerance = 0.3;
+
+/// Pairs of rigid bodies from which on threads share them, if there are so many to a layer in the mean; those that one
+/// thread takes at a time.
+constexpr std::size_t kManyPairs = 256, kPairsOfLayer = 24, kPairsOfWork = 8;
 
 /// v += x a + y b + z c. @param x  followed by y and z, n of each
 BRIM_WIDE void add_run(const double* __restrict x, std::size_t n, double a, double b, double c, double* __restrict v) {
@@ -109,17 +114,58 @@ double ProjectedGaussSeidel::relax(std::size_t r, double friction, const Vec3& o
   return (W * change).cwiseAbs().maxCoeff();
 }
 
+double ProjectedGaussSeidel::relax_group(const Group& g, bool backward, double friction, std::span<const Vec3> offset,
+                                         std::span<const double> target, std::span<Vec3> impulse,
+                                         std::span<double> v) const {
+  const std::size_t n = g.end - g.begin;
+  return g.rigid ? pairs_.relax(g.index, backward, kRounds, friction, offset.subspan(g.begin, n),
+                                target.subspan(g.begin, n), impulse.subspan(g.begin, n), v)
+                 : relax(g.index, friction, offset[g.begin], target[g.begin], impulse[g.begin], v);
+}
+
+void ProjectedGaussSeidel::find_layers(std::size_t width) {
+  layer_first_.clear();
+  if (!friction_.empty() || group_.size() < kManyPairs || thread_count() == 1) return;
+  std::vector<std::uint32_t> layer(group_.size()), after(width, 0);  // after: the layer past the last one of a body
+  std::uint32_t layers = 0;
+  for (std::size_t g = 0; g < group_.size(); ++g) {
+    const auto [a, b] = pairs_.bodies(group_[g].index);
+    for (const std::size_t body : {a, b})
+      if (body != RigidPairRows::kFixed) layer[g] = std::max(layer[g], after[body]);
+    for (const std::size_t body : {a, b})
+      if (body != RigidPairRows::kFixed) after[body] = layer[g] + 1;
+    layers = std::max(layers, layer[g] + 1);
+  }
+  if (group_.size() < kPairsOfLayer * layers) return;
+  layer_first_.assign(layers + 1, 0);
+  for (const std::uint32_t l : layer) ++layer_first_[l + 1];
+  for (std::uint32_t l = 0; l < layers; ++l) layer_first_[l + 1] += layer_first_[l];
+  std::vector<std::size_t> next(layer_first_.begin(), layer_first_.end() - 1);
+  layered_.resize(group_.size()), change_.resize(group_.size());
+  for (std::size_t g = 0; g < group_.size(); ++g) layered_[next[layer[g]]++] = static_cast<std::uint32_t>(g);
+}
+
 double ProjectedGaussSeidel::sweep(bool backward, double friction, std::span<const Vec3> offset,
                                    std::span<const double> target, std::span<Vec3> impulse, std::span<double> v) const {
   double worst = 0.0;
-  for (std::size_t k = 0; k < group_.size(); ++k) {
-    const Group& g = group_[backward ? group_.size() - 1 - k : k];
-    const std::size_t n = g.end - g.begin;
-    const double change = g.rigid ? pairs_.relax(g.index, backward, kRounds, friction, offset.subspan(g.begin, n),
-                                                 target.subspan(g.begin, n), impulse.subspan(g.begin, n), v)
-                                  : relax(g.index, friction, offset[g.begin], target[g.begin], impulse[g.begin], v);
-    worst = std::max(worst, change);
+  if (layer_first_.empty()) {
+    for (std::size_t k = 0; k < group_.size(); ++k)
+      worst = std::max(worst, relax_group(group_[backward ? group_.size() - 1 - k : k], backward, friction, offset,
+                                          target, impulse, v));
+    return worst;
   }
+  const std::size_t layers = layer_first_.size() - 1;
+  for (std::size_t k = 0; k < layers; ++k) {
+    const std::size_t l = backward ? layers - 1 - k : k;
+    parallel_for(
+        layer_first_[l + 1] - layer_first_[l],
+        [&](std::size_t i) {
+          const std::uint32_t g = layered_[layer_first_[l] + i];
+          change_[g] = relax_group(group_[g], backward, friction, offset, target, impulse, v);
+        },
+        kPairsOfWork);
+  }
+  for (const double change : change_) worst = std::max(worst, change);
   return worst;
 }
 
@@ -160,6 +206,7 @@ ProjectedGaussSeidel::Report ProjectedGaussSeidel::sweeps(std::span<const Vec3> 
   Report report;
   const std::size_t n = size();
   report.converged = false;
+  find_layers(v.size());
   // A forward and a backward sweep are one step; between steps the last directions are followed further.
   way_.assign(n, Vec3::Zero());
   v_way_.assign(v.size(), 0.0);

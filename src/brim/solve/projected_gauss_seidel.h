@@ -17,8 +17,9 @@ namespace brim {
 ///   u = R v + o       0 <= λ_n  ⟂  u_n − b >= 0       |λ_t| <= μ λ_n, against the slip u_t (Coulomb's cone, a true
 ///   disc)
 /// Contacts between two rigid bodies have a compact form (RigidPairRows), and are relaxed pair by pair.
-/// Contacts are swept serially in a fixed order, forward and back: same bits for any number of threads. From one such
-/// pair to the next, the changes of before are followed further as conjugate gradients would (Silcowitz, Niebe and
+/// Contacts are swept in a fixed order, forward and back: same bits for any number of threads. Where there are many
+/// pairs of rigid bodies, threads share those that no pair between them in that order ties together. From one such pair
+/// of sweeps to the next, the changes of before are followed further as conjugate gradients would (Silcowitz, Niebe and
 /// Erleben 2010), unless the changes grow.
 /// Where some contacts are of the general form, few enough, and some sweeps do not make them agree, all contacts are
 /// solved at once (ContactAdmm), and swept again. Where those sweeps do not settle either, what is nearest to the law
@@ -96,6 +97,11 @@ class ProjectedGaussSeidel {
                      double scale, std::span<Vec3> impulse, std::span<double> v, double friction, Report& report);
   /// R P Rᵀ of all contacts, [1/kg], shape (3 size, 3 size). @param width  number of velocities
   Eigen::MatrixXd responses(std::size_t width) const;
+  /// Deals the groups to layers, if they are many and there are threads to share them: a group lies in the first layer
+  /// after those of the groups before it that have a body in common with it.
+  void find_layers(std::size_t width);
+  double relax_group(const Group& g, bool backward, double friction, std::span<const Vec3> offset,
+                     std::span<const double> target, std::span<Vec3> impulse, std::span<double> v) const;
   double sweep(bool backward, double friction, std::span<const Vec3> offset, std::span<const double> target,
                std::span<Vec3> impulse, std::span<double> v) const;
   /// Corrects the general row r. @return largest change of u by it, [m/s]
@@ -124,8 +130,11 @@ class ProjectedGaussSeidel {
   std::vector<double> response_;
   std::vector<std::size_t> first_share_{0}, first_run_{0};
   std::vector<double> friction_;
-  std::vector<Mat3> local_;          ///< W = R P Rᵀ
-  std::vector<Mat3> local_inverse_;  ///< zero where W is singular
+  std::vector<Mat3> local_;               ///< W = R P Rᵀ
+  std::vector<Mat3> local_inverse_;       ///< zero where W is singular
+  std::vector<std::size_t> layer_first_;  ///< of each layer in layered_; empty where groups are swept one by one
+  std::vector<std::uint32_t> layered_;    ///< groups, layer by layer
+  mutable std::vector<double> change_;    ///< of each group
   // Workspace of solve: where the last step of two sweeps started, and its direction.
   std::vector<Vec3> before_, way_;
   std::vector<double> v_before_, v_way_;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "brim/math/types.h"
@@ -49,6 +50,10 @@ class RigidPairRows {
   /// Q += force and torque of the impulse on both bodies, for velocities below Q's size.
   void add_force(std::size_t i, const Vec3& impulse, std::span<double> Q) const;
 
+  /// First velocity of each of the two bodies of a pair, or kFixed.
+  std::pair<std::size_t, std::size_t> bodies(std::size_t pair) const {
+    return {pair_[pair].a.first, pair_[pair].b.first};
+  }
   double friction(std::size_t i) const { return pair_[row_[i].pair].friction; }
 
   /// Relaxes the contacts of a pair in their order, or against it, so many times.

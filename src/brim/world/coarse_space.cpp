@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "brim/body/filling.h"
@@ -18,6 +19,8 @@ namespace {
 constexpr double kIndependentMode = 1e-6;
 /// Contacts of one piece of work.
 constexpr std::size_t kContactsOfPatch = 4096;
+/// Numbers of a vector that one thread works on at a time.
+constexpr std::size_t kOfBlock = 4096;
 
 }  // namespace
 
@@ -37,44 +40,66 @@ void CoarseSpace::take_modes(const Body& body, std::size_t n, Modes& m) const {
   m.center = center;
   m.basis.setZero();
   int translations = 0;  // of the modes that are kept; they come first
+  const auto for_blocks = [n](const auto& f) {
+    parallel_blocks(n, kOfBlock, [&](std::size_t begin, std::size_t end) {
+      f(static_cast<Eigen::Index>(begin), static_cast<Eigen::Index>(end - begin));
+    });
+  };
+  const auto dot = [n](const Eigen::Map<const Eigen::VectorXd>& x, const Eigen::Map<const Eigen::VectorXd>& y) {
+    return ordered_sum(
+        n,
+        [&](std::size_t begin, std::size_t end) {
+          const auto at = static_cast<Eigen::Index>(begin), length = static_cast<Eigen::Index>(end - begin);
+          return x.segment(at, length).dot(y.segment(at, length));
+        },
+        kOfBlock);
+  };
+  const auto column = [&](int k) {
+    return Eigen::Map<const Eigen::VectorXd>(m.columns.data() + static_cast<std::size_t>(k) * n,
+                                             static_cast<Eigen::Index>(n));
+  };
   for (int k = 0; k < kModes; ++k) {
     const Vec3 w = k < 3 ? Vec3::Zero() : Vec3(Vec3::Unit(k - 3));
     const Vec3 t = k < 3 ? Vec3(Vec3::Unit(k)) : Vec3(-w.cross(center));
-    Eigen::Map<Eigen::VectorXd> x(m.columns.data() + m.count * n, static_cast<Eigen::Index>(n));
+    Eigen::Map<Eigen::VectorXd> x(m.columns.data() + static_cast<std::size_t>(m.count) * n,
+                                  static_cast<Eigen::Index>(n));
+    const auto own = column(m.count);
     if (!body.rigid_motion(t, w, std::span(x.data(), n))) return;
-    const double unfiltered = x.squaredNorm();
+    const double unfiltered = dot(own, own);
     body.filter(std::span(x.data(), n));
-    m.free = m.free && x.squaredNorm() == unfiltered;
-    const double length = x.norm();
+    const double squared = dot(own, own), length = std::sqrt(squared);
+    m.free = m.free && squared == unfiltered;
     if (!(length > 0.0)) continue;
     auto basis = m.basis.col(m.count);
     basis = Block::Identity().col(k);
     for (int j = 0; j < m.count; ++j) {
-      const Eigen::Map<const Eigen::VectorXd> y(m.columns.data() + j * n, static_cast<Eigen::Index>(n));
-      const double share = y.dot(x);
-      x -= share * y;
+      const auto y = column(j);
+      const double share = dot(y, own);
+      for_blocks([&](Eigen::Index at, Eigen::Index size) { x.segment(at, size) -= share * y.segment(at, size); });
       basis -= share * m.basis.col(j);
     }
-    const double left = x.norm();
+    const double left = std::sqrt(dot(own, own));
     if (!(left > kIndependentMode * length)) continue;
-    x /= left, basis /= left;
+    for_blocks([&](Eigen::Index at, Eigen::Index size) { x.segment(at, size) /= left; });
+    basis /= left;
     ++m.count;
     if (k < 3) translations = m.count;
   }
   std::vector<double> image(n);
   for (int k = 0; k < m.count; ++k) {
-    const std::span<const double> x(m.columns.data() + k * n, n);
+    const std::span<const double> x(m.columns.data() + static_cast<std::size_t>(k) * n, n);
     std::fill(image.begin(), image.end(), 0.0);
     // Nothing within a fluid resists a rigid motion, and nothing within any body one that only carries it along.
     if (fluid)
       body.apply_mass(x, image);
     else if (blocks && m.free && k < translations)
-      for (std::size_t i = 0; i < n; ++i) image[i] = blocks->mass_share * blocks->mass[i / 3] * x[i];
+      parallel_blocks(n, kOfBlock, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) image[i] = blocks->mass_share * blocks->mass[i / 3] * x[i];
+      });
     else
       body.apply_system(x, image);
     const Eigen::Map<const Eigen::VectorXd> y(image.data(), static_cast<Eigen::Index>(n));
-    for (int j = 0; j < m.count; ++j)
-      m.system(j, k) = y.dot(Eigen::Map<const Eigen::VectorXd>(m.columns.data() + j * n, y.size()));
+    for (int j = 0; j < m.count; ++j) m.system(j, k) = dot(y, column(j));
   }
   // What a fluid does as a whole follows from its pressure in as many iterations.
   m.coupled = fluid ? 0 : m.count;
@@ -105,17 +130,25 @@ void CoarseSpace::begin(std::span<const std::unique_ptr<Body>> bodies, std::span
 
 void CoarseSpace::see(const ContactMaps& maps, std::size_t n) {
   seen_ = true;
-  seen_a_.assign(n, Seen::Zero()), seen_b_.assign(n, Seen::Zero()), velocity_a_.resize(n), velocity_b_.resize(n);
+  seen_a_.resize(n), seen_b_.resize(n), velocity_a_.resize(n), velocity_b_.resize(n);
   column_.resize(first_v_.back());
   for (int k = 0; k < kModes; ++k) {
-    std::fill(column_.begin(), column_.end(), 0.0);
-    for (std::size_t b = 0; b < modes_.size(); ++b)
-      if (k < modes_[b].coupled) {
-        const std::size_t size = first_v_[b + 1] - first_v_[b];
-        std::copy_n(modes_[b].columns.data() + k * size, size, column_.data() + first_v_[b]);
-      }
+    parallel_for(modes_.size(), [&](std::size_t b) {
+      const std::size_t size = first_v_[b + 1] - first_v_[b];
+      double* to = column_.data() + first_v_[b];
+      if (k < modes_[b].coupled)
+        std::copy_n(modes_[b].columns.data() + k * size, size, to);
+      else
+        std::fill_n(to, size, 0.0);
+    });
     maps.velocities(column_, velocity_a_, velocity_b_);
-    for (std::size_t c = 0; c < n; ++c) seen_a_[c].col(k) = velocity_a_[c], seen_b_[c].col(k) = velocity_b_[c];
+    parallel_for(
+        n,
+        [&](std::size_t c) {
+          if (k == 0) seen_a_[c].setZero(), seen_b_[c].setZero();
+          seen_a_[c].col(k) = velocity_a_[c], seen_b_[c].col(k) = velocity_b_[c];
+        },
+        512);
   }
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "brim/core/error.h"
@@ -21,6 +22,9 @@ constexpr double kRowMargin = 0.1;
 /// 0.05 balls and cubes that are pressed have the force that they should; at 0 rows come and go, and at 0.1 nodes that
 /// are too far from the surfaces have a say in their patches.
 constexpr double kSoftRowMargin = 0.03;
+
+/// Boxes whose partners one thread looks for at a time.
+constexpr std::size_t kBoxesOfWork = 64;
 
 /// What a step keeps of a pair whose boxes overlap, [bytes].
 constexpr double kPairBytes = 300.0;
@@ -86,31 +90,68 @@ void ContactStage::sweep_boxes(double memory_limit) {
   swept_.clear();
   for (const Outline& o : outline_) swept_.push_back(o.swept);
   sweep_.build(swept_);
-  near_.clear();
-  first_touch_.assign(n + 1, 0);
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::int32_t own = sweep_.at(i);
-    partners_.clear();
-    sweep_.partners(i, partners_);
-    for (const std::int32_t other : partners_) {
-      if (static_cast<double>(near_.size()) > most) refuse_crowd("pairs of bodies that may touch", most, memory_limit);
-      near_.emplace_back(std::min(own, other), std::max(own, other));
-      ++first_touch_[near_.back().first + 1];
+  // Each of a fixed number of boxes finds its partners by itself.
+  near_.resize((n + kBoxesOfWork - 1) / kBoxesOfWork);
+  std::atomic<std::size_t> found = 0;
+  parallel_for(near_.size(), [&](std::size_t k) {
+    std::vector<std::pair<std::int32_t, std::int32_t>>& near = near_[k];
+    std::vector<std::int32_t> partners;
+    near.clear();
+    for (std::size_t i = k * kBoxesOfWork; i < std::min(n, (k + 1) * kBoxesOfWork); ++i) {
+      if (static_cast<double>(found) > most) return;
+      partners.clear();
+      sweep_.partners(i, partners);
+      const std::int32_t own = sweep_.at(i);
+      for (const std::int32_t other : partners) near.emplace_back(std::min(own, other), std::max(own, other));
+      found += partners.size();
     }
-  }
+  });
+  if (static_cast<double>(found) > most) refuse_crowd("pairs of bodies that may touch", most, memory_limit);
+  first_touch_.assign(n + 1, 0);
+  for (const auto& near : near_)
+    for (const auto& pair : near) ++first_touch_[pair.first + 1];
   // Ordered: sorted by the first part by counting, then each part's own.
   for (std::size_t p = 0; p < n; ++p) first_touch_[p + 1] += first_touch_[p];
-  touching_.resize(near_.size());
+  touching_.resize(found);
   std::vector<std::int32_t> next(first_touch_.begin(), first_touch_.end() - 1);
-  for (const auto& pair : near_) touching_[next[pair.first]++] = pair;
-  for (std::size_t p = 0; p < n; ++p)
-    std::sort(touching_.begin() + first_touch_[p], touching_.begin() + first_touch_[p + 1]);
+  for (const auto& near : near_)
+    for (const auto& pair : near) touching_[next[pair.first]++] = pair;
+  parallel_for(
+      n,
+      [&](std::size_t p) { std::sort(touching_.begin() + first_touch_[p], touching_.begin() + first_touch_[p + 1]); },
+      kBoxesOfWork);
+}
+
+ContactStage::Meeting ContactStage::meet(std::span<const WorldPart> parts, std::int32_t pa, std::int32_t pb, double dt,
+                                         const WorldOptions& options) const {
+  const double ramp = options.ramp_voxels, fall = options.environment.gravity.norm() * dt;
+  const WorldPart &a = parts[pa], &b = parts[pb];
+  Meeting m;
+  if (!may_touch(a, b) || fills(a, b)) return m;
+  const bool held = rigid_.any() && rigid_.holds(pa, pb) && !PartFilter::concerns(a, b);
+  const Aabb &box_a = held ? rigid_.box(pa) : outline_[pa].box, &box_b = held ? rigid_.box(pb) : outline_[pb].box;
+  if (!box_a.overlaps(box_b)) return m;
+  m.region = box_a.intersection(box_b);
+  m.level = meeting_level(a, b);
+  m.h = meeting_step(a, b);  // the finer of their two, seen at that level
+  // Nodes whose gap may close within the step count as contacts that wait.
+  const double speed =
+      (outline_[pa].velocity - outline_[pb].velocity).norm() + outline_[pa].spread + outline_[pb].spread;
+  const double least = held || meet_by_rigid_rows(a, b, options) ? kRowMargin
+                       : meet_by_rows(a, b, options)             ? kSoftRowMargin
+                                                                 : 0.0;
+  m.margin = std::clamp(1.5 * (speed + fall) * dt / (ramp * m.h), least, 0.4);
+  require_near(a, b, m.region, m.h);
+  if (!held)
+    m.how = Meeting::kSearched;
+  else if (rigid_.leaves_room(pa, pb, widest_gap(m.margin) * ramp * m.h))
+    m.how = Meeting::kHeld;
+  return m;
 }
 
 void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<const double> v,
                                    std::span<const std::size_t> first_v, double dt, const WorldOptions& options) {
   const double ramp = options.ramp_voxels;
-  const double fall = options.environment.gravity.norm() * dt;
   for (std::size_t l = 0; l < layer_count_; ++l) {
     layers_[l].present.clear();
     layers_[l].needed.clear();
@@ -121,37 +162,24 @@ void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<c
   // The root of the hierarchy: boxes of whole parts.
   outline(parts, v, first_v, ramp);
   sweep_boxes(options.memory_limit);
-  for (const auto& [pa, pb] : touching_) {
-    const WorldPart &a = parts[pa], &b = parts[pb];
-    if (!may_touch(a, b) || fills(a, b)) continue;
-    const bool held = rigid_.any() && rigid_.holds(pa, pb) && !PartFilter::concerns(a, b);
-    const Aabb &box_a = held ? rigid_.box(pa) : outline_[pa].box, &box_b = held ? rigid_.box(pb) : outline_[pb].box;
-    if (!box_a.overlaps(box_b)) continue;
-    const Aabb region = box_a.intersection(box_b);
-    const int level = meeting_level(a, b);
-    const double h = meeting_step(a, b);  // the finer of their two, seen at that level
-    // Nodes whose gap may close within the step count as contacts that wait.
-    const double speed =
-        (outline_[pa].velocity - outline_[pb].velocity).norm() + outline_[pa].spread + outline_[pb].spread;
-    const double least = held || meet_by_rigid_rows(a, b, options) ? kRowMargin
-                         : meet_by_rows(a, b, options)             ? kSoftRowMargin
-                                                                   : 0.0;
-    const double margin = std::clamp(1.5 * (speed + fall) * dt / (ramp * h), least, 0.4);
-    require_near(a, b, region, h);
-    if (held) {
-      if (rigid_.leaves_room(pa, pb, widest_gap(margin) * ramp * h))
-        held_.push_back({pa, pb, h, ramp * h, margin, level});
-      continue;
-    }
+  meeting_.resize(touching_.size());
+  parallel_for(
+      touching_.size(),
+      [&](std::size_t i) { meeting_[i] = meet(parts, touching_[i].first, touching_[i].second, dt, options); }, 64);
+  for (std::size_t i = 0; i < touching_.size(); ++i) {
+    const auto [pa, pb] = touching_[i];
+    const Meeting& m = meeting_[i];
+    if (m.how == Meeting::kHeld) held_.push_back({pa, pb, m.h, ramp * m.h, m.margin, m.level});
+    if (m.how != Meeting::kSearched) continue;
     if (candidate_count_ == candidates_.size()) candidates_.emplace_back();
     Candidate& c = candidates_[candidate_count_++];
-    c.pair = ContactPair{pa, pb, h, ramp * h, margin, 0, 0};
-    c.region = region;
-    c.level = level;
-    c.by_part = PartFilter::concerns(a, b);
+    c.pair = ContactPair{pa, pb, m.h, ramp * m.h, m.margin, 0, 0};
+    c.region = m.region;
+    c.level = m.level;
+    c.by_part = PartFilter::concerns(parts[pa], parts[pb]);
     c.tiles.clear(), c.octants.clear();
-    c.layer_a = access_[pa].is_solid() ? -1 : layer_of(pa, h, level, region);
-    c.layer_b = access_[pb].is_solid() ? -1 : layer_of(pb, h, level, region);
+    c.layer_a = access_[pa].is_solid() ? -1 : layer_of(pa, m.h, m.level, m.region);
+    c.layer_b = access_[pb].is_solid() ? -1 : layer_of(pb, m.h, m.level, m.region);
   }
   for (std::size_t l = 0; l < layer_count_; ++l) require_few(parts[layers_[l].part], layers_[l].region, layers_[l].h);
 }

@@ -67,7 +67,7 @@ ContactFactor::~ContactFactor() = default;
 
 void ContactFactor::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
                           const BlockDiagonal& diagonal, std::span<const std::size_t> first_block,
-                          std::span<const std::uint8_t> sparse) {
+                          std::span<const std::uint8_t> sparse, std::span<const std::int32_t> island) {
   diagonal_ = &diagonal;
   owner_.resize(bodies.size()), rigid_.resize(bodies.size());
   all_rigid_ = true;
@@ -77,6 +77,7 @@ void ContactFactor::begin(std::span<const std::unique_ptr<Body>> bodies, std::sp
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     Owner& o = owner_[b];
     o.first_v = first_v[b], o.first_block = first_block[b];
+    o.island = island.empty() ? 0 : island[b];
     o.system = bodies[b]->immobile() ? std::nullopt : bodies[b]->block_system();
     const bool one_of_six = first_block[b + 1] == first_block[b] + 1 && diagonal.block_size(first_block[b]) == 6;
     rigid_[b] = sparse[b] && one_of_six && !o.system && !bodies[b]->immobile();
@@ -187,15 +188,27 @@ void ContactFactor::assemble_again(const ContactRows& rows) {
   });
 }
 
-void ContactFactor::factor(const ContactRows& rows, const Limits& limits) {
+template <class F>
+void ContactFactor::for_pieces(const std::function<void()>& beside, const F& f) {
+  const bool two = beside && !complete();
+  // To order a large piece is the work of one thread.
+  parallel_for(two ? 2 : 1, [&](std::size_t part) {
+    if (part == 0)
+      parallel_for(touched_.empty() ? 0 : piece_count_, [&](std::size_t p) { f(pieces_[p]); });
+    else
+      beside();
+  });
+}
+
+void ContactFactor::factor(const ContactRows& rows, const Limits& limits, const std::function<void()>& beside) {
   find_touched(rows, limits);
-  if (touched_.empty()) return;
-  find_incidence(rows);
-  assemble(rows);
-  cut(limits);
-  fill_pieces();
-  parallel_for(piece_count_, [&](std::size_t p) {
-    Piece& piece = pieces_[p];
+  if (!touched_.empty()) {
+    find_incidence(rows);
+    assemble(rows);
+    cut(limits);
+    fill_pieces();
+  }
+  for_pieces(beside, [&](Piece& piece) {
     if (piece.pattern.first != piece.before.first || piece.pattern.column != piece.before.column) {
       std::swap(piece.pattern, piece.before);
       piece.factor.analyze(piece.before.first, piece.before.column, piece_count_);
@@ -204,10 +217,9 @@ void ContactFactor::factor(const ContactRows& rows, const Limits& limits) {
   });
 }
 
-void ContactFactor::refactor(const ContactRows& rows) {
-  if (touched_.empty()) return;
-  assemble_again(rows);
-  parallel_for(piece_count_, [&](std::size_t p) { pieces_[p].factor.factor(pieces_[p].value); });
+void ContactFactor::refactor(const ContactRows& rows, const std::function<void()>& beside) {
+  if (!touched_.empty()) assemble_again(rows);
+  for_pieces(beside, [](Piece& piece) { piece.factor.factor(piece.value); });
 }
 
 void ContactFactor::apply(std::span<const double> r, std::span<double> z) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -37,13 +38,15 @@ class ContactFactor {
   ~ContactFactor();
 
   /// Takes the matrices of the bodies for the step at hand. @param diagonal  of the bodies alone, by their blocks
+  /// @param island  number of each body's; bodies of two are tied by no contact. Empty: all are of one
   void begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
              const BlockDiagonal& diagonal, std::span<const std::size_t> first_block,
-             std::span<const std::uint8_t> sparse);
+             std::span<const std::uint8_t> sparse, std::span<const std::int32_t> island = {});
   /// Assembles and factors with the contact stiffness of the rows. The structure is kept where the pattern is the same.
-  void factor(const ContactRows& rows, const Limits& limits);
+  /// @param beside  called where the factor is not complete(), by another thread if there is one
+  void factor(const ContactRows& rows, const Limits& limits, const std::function<void()>& beside = {});
   /// The same with the rows of the last call, of which the stiffness alone has changed: what is touched stays.
-  void refactor(const ContactRows& rows);
+  void refactor(const ContactRows& rows, const std::function<void()>& beside = {});
   /// Makes room for the rows of all contacts, so that memory does not follow which of them act.
   void reserve(const ContactRows& rows) { incidence_.reserve(rows.offset.size()); }
   /// Nonzero for bodies of one block of six, of which the factor has all that contact touches; shape (bodies).
@@ -52,7 +55,7 @@ class ContactFactor {
   bool knows_all_rigid() const { return all_rigid_; }
   bool empty() const { return touched_.empty(); }
   /// True when all that moves is touched and nothing is cut: the factor is that of the whole system.
-  bool complete() const { return piece_count_ == 1 && 3 * touched_.size() == free_; }
+  bool complete() const { return !cut_ && 3 * touched_.size() == free_; }
   /// Writes z on the touched velocities; the others are left alone.
   void apply(std::span<const double> r, std::span<double> z);
 
@@ -63,6 +66,7 @@ class ContactFactor {
   struct Owner {
     bool known = false;
     std::size_t first_v = 0, first_block = 0;
+    std::int32_t island = 0;
     std::optional<BlockSystem> system;  ///< none: one block of six in the diagonal
   };
   struct Touched {
@@ -95,6 +99,8 @@ class ContactFactor {
   /// Finds clusters, and deals them to pieces.
   void cut(const Limits& limits);
   std::vector<std::int32_t> find_clusters(const Limits& limits) const;
+  /// The island of each touched block: nothing couples two of them.
+  std::vector<std::int32_t> find_islands() const;
   void find_incidence(const ContactRows& rows);
   /// Calls add(u, block) for what a row of the upper triangle of A_TT is made of, where counts(u) holds.
   template <class Counts, class Add>
@@ -110,6 +116,9 @@ class ContactFactor {
   void assemble_again(const ContactRows& rows);
   template <class Add>
   void add_own_blocks(std::int32_t t, const Add& add) const;
+  /// Calls f(piece) for all pieces, and `beside` as factor does.
+  template <class F>
+  void for_pieces(const std::function<void()>& beside, const F& f);
   template <class F>
   void for_entries(const ContactRows& rows, const F& f) const;
 
@@ -119,6 +128,7 @@ class ContactFactor {
   bool all_rigid_ = false;
   std::size_t free_ = 0;                  ///< velocities that nothing prescribes
   std::vector<std::uint8_t> prescribed_;  ///< per velocity
+  std::vector<float> entry_trace_;        ///< [kg] of each entry of the rows
   std::vector<float> contact_trace_;      ///< [kg] of each node's block of Jᵀ K J, per velocity
   std::vector<std::int32_t> local_;       ///< per velocity: the touched block that starts there, or -1
   std::vector<Touched> touched_;          ///< by velocity
@@ -132,6 +142,7 @@ class ContactFactor {
   std::unique_ptr<WorkspacePool<RowSum>> sums_;
   std::vector<Piece> pieces_;
   std::size_t piece_count_ = 0;
+  bool cut_ = false;  ///< couplings are left out
 };
 
 }  // namespace brim

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brim/core/parallel.h"
 #include "brim/solve/strong_clusters.h"
 #include "brim/world/contact_factor.h"
 
@@ -9,7 +10,9 @@ namespace brim {
 namespace {
 
 /// [blocks] that one thread works on at a time: clusters are dealt to pieces until they have as many.
-constexpr std::size_t kPiece = 1024;
+constexpr std::size_t kPiece = 512;
+/// The same where nothing is cut, of islands of bodies.
+constexpr std::size_t kWholePiece = 256;
 
 }  // namespace
 
@@ -24,10 +27,16 @@ void ContactFactor::find_touched(const ContactRows& rows, const Limits& limits) 
   local_.assign(prescribed_.size(), -1);
   touched_.clear();
   contact_trace_.assign(prescribed_.size(), 0.0f);
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    for (std::int32_t e = rows.first[i]; e < rows.first[i + 1]; ++e)
-      contact_trace_[rows.offset[e]] += rows.blocks.trace(e, rows.stiffness[i]);
-  for (std::size_t b = 0; b < owner_.size(); ++b) {
+  entry_trace_.resize(rows.offset.size());
+  parallel_for(
+      rows.size(),
+      [&](std::size_t i) {
+        for (std::int32_t e = rows.first[i]; e < rows.first[i + 1]; ++e)
+          entry_trace_[e] = rows.blocks.trace(e, rows.stiffness[i]);
+      },
+      512);
+  for (std::size_t e = 0; e < entry_trace_.size(); ++e) contact_trace_[rows.offset[e]] += entry_trace_[e];
+  parallel_for(owner_.size(), [&](std::size_t b) {
     const Owner& o = owner_[b];
     for (std::size_t v = o.first_v; v < end_of(b); v += 3) {
       if (prescribed_[v] || !(contact_trace_[v] > 0.0f)) continue;
@@ -37,7 +46,7 @@ void ContactFactor::find_touched(const ContactRows& rows, const Limits& limits) 
               limits.touch * static_cast<float>(diagonal_->block(o.first_block + (v - o.first_v) / 3).trace());
       if (strong) local_[v] = 0;
     }
-  }
+  });
   take_thin_whole(limits.whole);
   for (std::size_t b = 0; b < owner_.size(); ++b) {
     const Owner& o = owner_[b];
@@ -71,8 +80,18 @@ void ContactFactor::take_thin_whole(std::size_t most) {
       if (!prescribed_[v]) local_[v] = 0;
 }
 
+std::vector<std::int32_t> ContactFactor::find_islands() const {
+  std::vector<std::int32_t> number(owner_.size(), -1), island(touched_.size());
+  std::int32_t count = 0;
+  for (std::size_t t = 0; t < touched_.size(); ++t) {
+    std::int32_t& n = number[owner_[touched_[t].body].island];
+    if (n < 0) n = count++;
+    island[t] = n;
+  }
+  return island;
+}
+
 std::vector<std::int32_t> ContactFactor::find_clusters(const Limits& limits) const {
-  if (touched_.size() <= limits.whole) return std::vector<std::int32_t>(touched_.size(), 0);
   std::vector<Coupling> couplings, joined;
   std::vector<float> share(touched_.size());  // 1/√|A_tt|
   const auto for_rows_of_chunks = [&](const auto& f) {
@@ -99,7 +118,8 @@ std::vector<std::int32_t> ContactFactor::find_clusters(const Limits& limits) con
 }
 
 void ContactFactor::cut(const Limits& limits) {
-  const std::vector<std::int32_t> cluster = find_clusters(limits);
+  cut_ = touched_.size() > limits.whole;
+  const std::vector<std::int32_t> cluster = cut_ ? find_clusters(limits) : find_islands();
   std::vector<std::vector<std::int32_t>> members(
       static_cast<std::size_t>(*std::max_element(cluster.begin(), cluster.end())) + 1);
   for (std::size_t t = 0; t < touched_.size(); ++t) {
@@ -108,14 +128,15 @@ void ContactFactor::cut(const Limits& limits) {
   }
   for (Piece& p : pieces_) p.touched.clear();
   piece_count_ = 0;
+  const std::size_t piece = cut_ ? kPiece : kWholePiece;
   for (const auto& list : members) {
-    if (piece_count_ == 0 || pieces_[piece_count_ - 1].touched.size() >= kPiece) ++piece_count_;
+    if (piece_count_ == 0 || pieces_[piece_count_ - 1].touched.size() >= piece) ++piece_count_;
     if (pieces_.size() < piece_count_) pieces_.resize(piece_count_);
-    Piece& piece = pieces_[piece_count_ - 1];
+    Piece& open = pieces_[piece_count_ - 1];
     for (const std::int32_t t : list) {
       touched_[t].piece = static_cast<std::int32_t>(piece_count_ - 1);
-      touched_[t].at = static_cast<std::int32_t>(piece.touched.size());
-      piece.touched.push_back(t);
+      touched_[t].at = static_cast<std::int32_t>(open.touched.size());
+      open.touched.push_back(t);
     }
   }
 }

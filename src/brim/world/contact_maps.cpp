@@ -1,6 +1,7 @@
 #include "brim/world/contact_maps.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
@@ -8,6 +9,9 @@
 namespace brim {
 
 namespace {
+
+/// Contacts that one thread works on at a time.
+constexpr std::size_t kContactsOfStretch = 512;
 
 const SparseMap* sparse(const Map& map) { return dynamic_cast<const SparseMap*>(&map); }
 
@@ -28,16 +32,27 @@ void ContactMaps::build(std::span<const WorldPart> parts, const ContactSet& cont
   first_side_.assign(first_v.size(), 0);
   for (const WorldPart& p : parts) ++first_side_[p.body_index + 1];
   for (std::size_t b = 1; b < first_side_.size(); ++b) first_side_[b] += first_side_[b - 1];
-  chosen_.clear();
+  // Stretches of a pair's contacts, and where their chosen ones go.
+  struct Stretch {
+    std::size_t pair, begin, end, chosen = 0, row_a = 0, row_b = 0;
+  };
+  std::vector<Stretch> stretch;
+  for (std::size_t p = 0; p < contacts.pairs.size(); ++p)
+    for (std::size_t c = contacts.pairs[p].begin; c < contacts.pairs[p].end; c += kContactsOfStretch)
+      stretch.push_back({p, c, std::min(c + kContactsOfStretch, contacts.pairs[p].end)});
+  const auto is_chosen = [&](std::size_t c) { return chosen.empty() || chosen[c] != 0; };
+  parallel_for(
+      stretch.size(),
+      [&](std::size_t k) {
+        for (std::size_t c = stretch[k].begin; c < stretch[k].end; ++c) stretch[k].chosen += is_chosen(c);
+      },
+      4);
   std::vector<std::size_t> count(parts.size() + 1, 0);
-  for (const ContactPair& p : contacts.pairs) {
-    const std::size_t before = chosen_.size();
-    for (std::size_t c = p.begin; c < p.end; ++c)
-      if (chosen.empty() || chosen[c]) chosen_.push_back(static_cast<std::uint32_t>(c));
-    count[p.part_a + 1] += chosen_.size() - before;
-    count[p.part_b + 1] += chosen_.size() - before;
+  for (const Stretch& k : stretch) {
+    count[contacts.pairs[k.pair].part_a + 1] += k.chosen;
+    count[contacts.pairs[k.pair].part_b + 1] += k.chosen;
   }
-  const std::size_t n = chosen_.size();
+  std::size_t n = 0;
   for (std::size_t p = 0; p < parts.size(); ++p) {
     count[p + 1] += count[p];
     Side& s = side_[p];
@@ -49,26 +64,38 @@ void ContactMaps::build(std::span<const WorldPart> parts, const ContactSet& cont
     s.first_v = first_v[s.body];
     s.v_size = first_v[s.body + 1] - s.first_v;
   }
-  contact_.resize(2 * n), point_.resize(2 * n), source_.resize(2 * n);
+  std::vector<std::size_t> next(count.begin(), count.end() - 1);
+  for (Stretch& k : stretch) {
+    const ContactPair& pair = contacts.pairs[k.pair];
+    k.row_a = std::exchange(next[pair.part_a], next[pair.part_a] + k.chosen);
+    k.row_b = std::exchange(next[pair.part_b], next[pair.part_b] + k.chosen);
+    k.chosen = std::exchange(n, n + k.chosen);
+  }
+  chosen_.resize(n), contact_.resize(2 * n), point_.resize(2 * n), source_.resize(2 * n);
   whole_.resize(all != nullptr ? 2 * n : 0);
   row_a_.resize(n), row_b_.resize(n), part_a_.resize(n), part_b_.resize(n), row_vector_.resize(2 * n),
       row_matrix_.resize(2 * n);
-  std::vector<std::size_t> next(count.begin(), count.end() - 1);
-  std::size_t i = 0;
-  for (const ContactPair& p : contacts.pairs)
-    for (; i < n && chosen_[i] < p.end; ++i) {
-      const std::uint32_t c = chosen_[i];
-      row_a_[i] = static_cast<std::uint32_t>(next[p.part_a]++);
-      row_b_[i] = static_cast<std::uint32_t>(next[p.part_b]++);
-      part_a_[i] = p.part_a, part_b_[i] = p.part_b;
-      contact_[row_a_[i]] = contact_[row_b_[i]] = c;
-      point_[row_a_[i]] = contacts.point[c], point_[row_b_[i]] = contacts.point_b(c);
-      source_[row_a_[i]] = contacts.source_a[c];
-      source_[row_b_[i]] = contacts.source_b[c];
-      if (all == nullptr) continue;
-      whole_[row_a_[i]] = all->row_a_[c] - static_cast<std::uint32_t>(all->side_[p.part_a].begin);
-      whole_[row_b_[i]] = all->row_b_[c] - static_cast<std::uint32_t>(all->side_[p.part_b].begin);
-    }
+  parallel_for(
+      stretch.size(),
+      [&](std::size_t k) {
+        const ContactPair& pair = contacts.pairs[stretch[k].pair];
+        std::size_t i = stretch[k].chosen, a = stretch[k].row_a, b = stretch[k].row_b;
+        for (std::size_t c = stretch[k].begin; c < stretch[k].end; ++c) {
+          if (!is_chosen(c)) continue;
+          chosen_[i] = static_cast<std::uint32_t>(c);
+          row_a_[i] = static_cast<std::uint32_t>(a), row_b_[i] = static_cast<std::uint32_t>(b);
+          part_a_[i] = pair.part_a, part_b_[i] = pair.part_b;
+          contact_[a] = contact_[b] = static_cast<std::uint32_t>(c);
+          point_[a] = contacts.point[c], point_[b] = contacts.point_b(c);
+          source_[a] = contacts.source_a[c], source_[b] = contacts.source_b[c];
+          if (all != nullptr) {
+            whole_[a] = all->row_a_[c] - static_cast<std::uint32_t>(all->side_[pair.part_a].begin);
+            whole_[b] = all->row_b_[c] - static_cast<std::uint32_t>(all->side_[pair.part_b].begin);
+          }
+          ++i, ++a, ++b;
+        }
+      },
+      4);
   parallel_for(parts.size(), [&](std::size_t p) {
     Side& s = side_[p];
     if (s.begin == s.end) return;
@@ -154,23 +181,42 @@ void ContactMaps::gather_rows(ContactRows& out) const {
   const std::size_t n = chosen_.size();
   out.contact.assign(chosen_.begin(), chosen_.end());
   out.stiffness.resize(n);
-  out.first.assign(1, 0);
-  out.offset.clear(), out.blocks.clear();
-  const auto add_side = [&](std::int32_t part, std::uint32_t row, float sign) {
-    if (!known[part]) return;
-    const Side& s = side_[part];
-    const MapRows& m = map_rows_[part];
-    const std::size_t r = row - s.begin;
-    for (std::int32_t e = m.first[r]; e < m.first[r + 1]; ++e) {
-      out.offset.push_back(static_cast<std::int32_t>(s.first_v) + 3 * m.column[e]);
-      out.blocks.add(m.blocks, e, sign);
-    }
+  out.first.resize(n + 1);
+  // Where the entries of each contact begin, and its blocks that are no multiples of the identity.
+  std::vector<std::int32_t> general(n + 1, 0);
+  out.first[0] = 0;
+  const auto for_sides = [&](std::size_t i, const auto& f) {
+    const auto side = [&](std::int32_t part, std::uint32_t row, float sign) {
+      if (known[part]) f(side_[part], map_rows_[part], row - side_[part].begin, sign);
+    };
+    side(part_a_[i], row_a_[i], 1.0f);
+    side(part_b_[i], row_b_[i], -1.0f);
   };
-  for (std::size_t i = 0; i < n; ++i) {
-    add_side(part_a_[i], row_a_[i], 1.0f);
-    add_side(part_b_[i], row_b_[i], -1.0f);
-    out.first.push_back(static_cast<std::int32_t>(out.offset.size()));
-  }
+  parallel_for(
+      n,
+      [&](std::size_t i) {
+        out.first[i + 1] = 0;
+        for_sides(i, [&](const Side&, const MapRows& m, std::size_t r, float) {
+          out.first[i + 1] += m.first[r + 1] - m.first[r];
+          general[i + 1] += m.blocks.general(m.first[r], m.first[r + 1]);
+        });
+      },
+      512);
+  for (std::size_t i = 0; i < n; ++i) out.first[i + 1] += out.first[i], general[i + 1] += general[i];
+  out.offset.resize(static_cast<std::size_t>(out.first[n]));
+  out.blocks.resize(out.offset.size(), static_cast<std::size_t>(general[n]));
+  parallel_for(
+      n,
+      [&](std::size_t i) {
+        std::int32_t to = out.first[i], block = general[i];
+        for_sides(i, [&](const Side& s, const MapRows& m, std::size_t r, float sign) {
+          for (std::int32_t e = m.first[r]; e < m.first[r + 1]; ++e, ++to) {
+            out.offset[to] = static_cast<std::int32_t>(s.first_v) + 3 * m.column[e];
+            out.blocks.put(to, block, m.blocks, e, sign);
+          }
+        });
+      },
+      512);
 }
 
 void ContactMaps::add_block_diagonal(const std::function<Mat3(std::size_t)>& block,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 
 namespace brim {
@@ -41,7 +42,7 @@ void ContactPreconditioner::begin(std::span<const std::unique_ptr<Body>> bodies,
                                   const BlockDiagonal& diagonal, std::span<const std::size_t> first_block,
                                   std::span<const std::uint8_t> sparse, std::span<const std::int32_t> island,
                                   std::span<const std::uint8_t> asleep) {
-  factor_.begin(bodies, first_v, diagonal, first_block, sparse);
+  factor_.begin(bodies, first_v, diagonal, first_block, sparse, island);
   std::map<std::int32_t, std::vector<CoarseGrid::Member>> members;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (bodies[b]->immobile() || (!asleep.empty() && asleep[b])) continue;
@@ -70,7 +71,8 @@ void ContactPreconditioner::reserve(const ContactMaps& all) {
   factor_.reserve(rows_);
 }
 
-void ContactPreconditioner::make(const ContactMaps& acting, const Penalty& response, bool first) {
+void ContactPreconditioner::make(const ContactMaps& acting, const Penalty& response, bool first,
+                                 const std::function<void()>& beside) {
   // Contacts that let go stay as rows without stiffness, and a few that come are left out: what is touched stays.
   const std::size_t acting_now = count_acting(response.acting());
   const bool known = !first && acting_now - count_held(rows_, response.acting()) <= may_differ(acting_now);
@@ -78,19 +80,20 @@ void ContactPreconditioner::make(const ContactMaps& acting, const Penalty& respo
     const ProfileScope scope("contact rows");
     acting.gather_rows(rows_);
   }
-  make_factor(response, known);
+  make_factor(response, known, beside);
   if (grids_.empty() || factor_.complete()) return;
   const ProfileScope scope("coarse grid, factored");
   for (CoarseGrid& grid : grids_) grid.factor(rows_);
 }
 
-void ContactPreconditioner::make_factor(const Penalty& response, bool known) {
+void ContactPreconditioner::make_factor(const Penalty& response, bool known, const std::function<void()>& beside) {
   const ProfileScope scope("contact factor, made");
-  for (std::size_t i = 0; i < rows_.size(); ++i) rows_.stiffness[i] = response.block(rows_.contact[i]).cast<float>();
+  parallel_for(
+      rows_.size(), [&](std::size_t i) { rows_.stiffness[i] = response.block(rows_.contact[i]).cast<float>(); }, 512);
   if (known)
-    factor_.refactor(rows_);
+    factor_.refactor(rows_, beside);
   else
-    factor_.factor(rows_, {});
+    factor_.factor(rows_, {}, beside);
   profile_count("blocks that contact touches", static_cast<double>(factor_.touched()));
   profile_count("floats of the contact factor", static_cast<double>(factor_.entries()));
 }

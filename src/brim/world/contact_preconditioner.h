@@ -37,8 +37,9 @@ class ContactPreconditioner {
   /// Makes room for all contacts, so that memory does not follow which of them act.
   void reserve(const ContactMaps& all);
   /// Factors what contact touches, with the stiffness of the contacts as it is.
-  /// @param acting  maps of the contacts that act  @param first  of the solves of a step
-  void make(const ContactMaps& acting, const Penalty& response, bool first);
+  /// @param acting  maps of the contacts that act  @param first  of the solves of a step  @param beside  as
+  /// ContactFactor::factor has it
+  void make(const ContactMaps& acting, const Penalty& response, bool first, const std::function<void()>& beside = {});
   /// True where what was made serves the contacts as they are now.
   bool serves(const Penalty& response) const;
   /// Iterations that a solve may take with what was made for another. @param then  what that one took
@@ -55,7 +56,7 @@ class ContactPreconditioner {
 
  private:
   /// @param known  the rows are those of the factor, their stiffness alone is another
-  void make_factor(const Penalty& response, bool known);
+  void make_factor(const Penalty& response, bool known, const std::function<void()>& beside);
 
   ContactRows rows_;
   ContactFactor factor_;

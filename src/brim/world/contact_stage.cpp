@@ -99,16 +99,19 @@ void ContactStage::find(std::span<const WorldPart> parts, std::span<const double
 
 void ContactStage::access(std::span<const WorldPart> parts) {
   access_.resize(parts.size());
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    PartAccess& a = access_[p];
-    a.bounded = {dynamic_cast<const DistanceBound*>(parts[p].body), parts[p].index};
-    const PosedShape* solid = a.bounded.body != nullptr ? a.bounded.body->solid(parts[p].index) : nullptr;
-    a.solid.solid = solid != nullptr ? solid->known_distance() : nullptr;
-    a.posed = solid;
-    if (a.is_solid()) a.solid.pose = solid->pose();
-    a.solid.by_distances = a.is_solid() && a.solid.solid->by_rows();
-    a.immobile = is_fixed(parts[p]);
-  }
+  parallel_for(
+      parts.size(),
+      [&](std::size_t p) {
+        PartAccess& a = access_[p];
+        a.bounded = {dynamic_cast<const DistanceBound*>(parts[p].body), parts[p].index};
+        const PosedShape* solid = a.bounded.body != nullptr ? a.bounded.body->solid(parts[p].index) : nullptr;
+        a.solid.solid = solid != nullptr ? solid->known_distance() : nullptr;
+        a.posed = solid;
+        if (a.is_solid()) a.solid.pose = solid->pose();
+        a.solid.by_distances = a.is_solid() && a.solid.solid->by_rows();
+        a.immobile = is_fixed(parts[p]);
+      },
+      64);
 }
 
 CubeSide ContactStage::side_of(std::int32_t part, const Candidate& c) const {

@@ -75,6 +75,14 @@ class ContactStage {
     Vec3 velocity = Vec3::Zero();
     double spread = 0.0;  ///< [m/s] bound of speeds relative to that
   };
+  /// How two parts meet whose boxes overlap.
+  struct Meeting {
+    enum How : std::uint8_t { kNot, kHeld, kSearched };  ///< held by RigidContacts, or searched on the grid
+    How how = kNot;
+    int level = 0;
+    double h = 0.0, margin = 0.0;
+    Aabb region;
+  };
   struct Candidate {
     std::int32_t layer_a = -1, layer_b = -1;  ///< of the sides that are no solids
     ContactPair pair;
@@ -100,6 +108,8 @@ class ContactStage {
                double ramp);
   /// Pairs of parts whose swept boxes overlap, ordered.
   void sweep_boxes(double memory_limit);
+  Meeting meet(std::span<const WorldPart> parts, std::int32_t a, std::int32_t b, double dt,
+               const WorldOptions& options) const;
   std::int32_t layer_of(std::int32_t part, double h, int level, const Aabb& region);
   /// A solid as a candidate sees it: coarse ones averaged.
   CubeSide side_of(std::int32_t part, const Candidate& c) const;
@@ -116,8 +126,10 @@ class ContactStage {
   std::vector<Outline> outline_;  ///< per part
   std::vector<Aabb> swept_;       ///< of each part
   BoxSweep sweep_;
-  std::vector<std::int32_t> partners_, first_touch_;
-  std::vector<std::pair<std::int32_t, std::int32_t>> near_, touching_;
+  std::vector<std::int32_t> first_touch_;
+  std::vector<std::vector<std::pair<std::int32_t, std::int32_t>>> near_;  ///< as some boxes each have found them
+  std::vector<std::pair<std::int32_t, std::int32_t>> touching_;
+  std::vector<Meeting> meeting_;    ///< of each that touch
   std::vector<PartAccess> access_;  ///< per part
   std::vector<Layer> layers_;
   std::vector<Candidate> candidates_;

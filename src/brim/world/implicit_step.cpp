@@ -240,9 +240,12 @@ bool ImplicitStep::solve(std::span<const std::unique_ptr<Body>> bodies, std::spa
       diagonal_.factor();
       if (contacts > 0) {
         const ScopedSeconds contact_timer(contact_seconds);
-        preconditioner_.make(acting_, response, pass == 0);
-        const ProfileScope scope("coarse modes, factored");
-        coarse = !whole && !preconditioner_.complete() && modes_.factor(maps, contact_set, response);
+        coarse = false;
+        const auto beside = [&] {
+          const ProfileScope scope("coarse modes, factored");
+          coarse = modes_.factor(maps, contact_set, response);
+        };
+        preconditioner_.make(acting_, response, pass == 0, whole ? std::function<void()>() : beside);
       }
     };
     // Loads that have settled leave the preconditioner as good as it was, and so do few contacts that change; the

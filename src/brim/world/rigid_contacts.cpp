@@ -161,9 +161,9 @@ void RigidContacts::find(std::span<const Touch> touches, bool every_node, bool a
       [&](std::size_t i) {
         if (static_cast<double>(rows) > most_rows_) return;
         sample(pairs_[fresh_[i]], *workspaces_->borrow(), every_node);
-        rows += static_cast<std::int64_t>(pairs_[fresh_[i]].rows.size());
+        if (const auto found = static_cast<std::int64_t>(pairs_[fresh_[i]].rows.size()); found > 0) rows += found;
       },
-      4);
+      2);
   if (static_cast<double>(rows) > most_rows_)
     throw InputError(
         fmt::format("world: more than {:.3g} constraint rows at one time, more than memory_limit = {:.1f} GB has room "

@@ -194,9 +194,10 @@ void ParticleFluidBody::advance(double dt, std::span<double> q, std::span<const 
 void ParticleFluidBody::gather(std::span<const double> x, Product& p) const {
   const auto order = cells_.order();
   p.v.resize(order.size()), p.rate.resize(order.size()), p.pressure.resize(order.size());
-  p.y.assign(order.size(), Vec3::Zero());
+  p.y.resize(order.size());
   parallel_blocks(order.size(), kParticleGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
+      p.y[k].setZero();
       const double* s = x.data() + 3 * order[k];
       p.v[k] = Vec4(static_cast<float>(s[0]), static_cast<float>(s[1]), static_cast<float>(s[2]), 0.0f);
     }
@@ -219,8 +220,10 @@ void ParticleFluidBody::multiply(double pressure_factor, double viscous_factor, 
   if (pressure_factor != 0.0) {
     if (!viscous) pairs_.rates(p->v, inside_, p->rate);
     if (!rate.empty()) images_.add_rates(rate, p->rate);
-    for (std::size_t i = 0; i < p->rate.size(); ++i)
-      p->pressure[i] = static_cast<float>(pressure_factor * fill_energy() * inside_[i]) * p->rate[i];
+    const double energy = pressure_factor * fill_energy();
+    parallel_blocks(p->rate.size(), 4 * kParticleGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) p->pressure[i] = static_cast<float>(energy * inside_[i]) * p->rate[i];
+    });
     if (!change.empty()) images_.press(p->pressure, change);
     pairs_.add_pressure(p->pressure, p->y);
   }
@@ -240,7 +243,9 @@ void ParticleFluidBody::add_forces(const Environment& env, std::span<double> Q) 
 }
 
 void ParticleFluidBody::apply_mass(std::span<const double> x, std::span<double> y) const {
-  for (std::size_t i = 0; i < x.size(); ++i) y[i] += particle_mass_ * x[i];
+  parallel_blocks(x.size(), 4 * kParticleGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) y[i] += particle_mass_ * x[i];
+  });
 }
 
 void ParticleFluidBody::apply_stiffness(std::span<const double> x, std::span<double> y) const {
@@ -366,7 +371,9 @@ Vec3 ParticleFluidBody::angular_momentum(std::span<const double> v) const {
 }
 
 bool ParticleFluidBody::rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const {
-  for (std::size_t i = 0; i < x_.size(); ++i) particle_at(v, i) = t + w.cross(x_[i]);
+  parallel_blocks(x_.size(), kParticleGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) particle_at(v, i) = t + w.cross(x_[i]);
+  });
   return true;
 }
 
