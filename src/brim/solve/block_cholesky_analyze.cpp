@@ -220,7 +220,8 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
   for (Supernode& s : supernode_) {
     s.stride = panel::padded(3 * static_cast<std::size_t>(s.rows));
     s.panel = total;
-    total += s.stride * 3 * static_cast<std::size_t>(s.end - s.begin);
+    // What kernels read past the last row is not what another thread writes.
+    total += s.stride * 3 * static_cast<std::size_t>(s.end - s.begin) + panel::kPad;
   }
   grow(panel_, total + 2 * panel::kPad);
   compressed_ = in_turn * total > kWorthCompressing;
