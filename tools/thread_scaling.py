@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures how much quicker a scene steps with more threads, phase by phase.
 
-    tools/thread_scaling.py [--threads 1 2 4 8 16] [--program build/release/brim] [--repeat N] [--keep DIR] [SCENE[:FRAMES] ...]
+    tools/thread_scaling.py [SCENE[:FRAMES] ...] [--threads 1 2 4 8 16] [--program build/release/brim] [--repeat N] [--keep DIR]
 
 Wall clock of the steps, recording not counted; the quickest of N runs. Run it where nothing else runs. Without scenes: those
 of docs/performance.md. A speed-up s of n threads leaves a serial part of (n/s - 1)/(n - 1) (Amdahl's law), whatever it is made of.
@@ -24,9 +24,8 @@ SCENES = [
     "bench/scenes/cloth_ball.json:60",
     "bench/scenes/boxes_balls_5000.json:120",
 ]
-# Phases as the summary names them, and what the table calls them. The summary counts "solve_contact" within "solve".
-PHASES = {"presence": "presence", "refine": "refine", "rasterize": "rasterize", "detect": "detect", "respond": "respond",
-          "solve": "solve", "advance": "advance"}
+# Phases as the summary names them. It counts "solve_contact" within "solve".
+PHASES = ["presence", "refine", "rasterize", "detect", "respond", "solve", "advance"]
 
 
 def step_seconds(program, scene, frames, threads, folder):
@@ -65,9 +64,9 @@ def table(name, best):
         lines.append(f"| {title} | " + " | ".join(cells) + " |")
 
     row("step", lambda n: total[n])
-    for phase, title in PHASES.items():
+    for phase in PHASES:
         if one[phase] > 0.01 * total[counts[0]] or best[most][phase] > 0.01 * total[most]:
-            row(title, lambda n, phase=phase: best[n][phase])
+            row(phase, lambda n, phase=phase: best[n][phase])
     if len(counts) > 1:
         serial = [(n / (total[counts[0]] / total[n]) - 1.0) / (n - 1.0) for n in counts[1:]]
         lines.append("| serial part | - | " + " | ".join(f"{100 * s:.1f} %" for s in serial) + " |")
@@ -83,8 +82,8 @@ def main():
     parser.add_argument("--keep", type=pathlib.Path, help="folder for what was measured, a file a scene")
     options = parser.parse_args()
     counts = options.threads or [n for n in (1, 2, 4, 8, 16, 32) if n <= (os.cpu_count() or 1)]
-    if counts[0] != 1 or min(counts) < 1:
-        parser.error(f"--threads: {counts[0]} comes first; 1 must, as all else is compared with it")
+    if counts[0] != 1 or min(counts) < 1 or options.repeat < 1:
+        parser.error(f"--threads {counts}, --repeat {options.repeat}: 1 must come first, as all else is compared with it; none may be less")
     if options.keep:
         options.keep.mkdir(parents=True, exist_ok=True)
     for item in options.scenes:

@@ -125,7 +125,7 @@ TEST(ThreadTeam, LetsNoMoreThreadsTakePartThanAsked) {
     loop(
         team, 60, 1,
         [&](std::size_t) {
-          std::this_thread::sleep_for(std::chrono::microseconds(200));
+          std::this_thread::sleep_for(std::chrono::milliseconds(1));
           const std::lock_guard lock(mutex);
           seen.insert(std::this_thread::get_id());
         },
@@ -143,7 +143,8 @@ TEST(ThreadTeam, WakesThreadsThatHaveGoneToSleep) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     std::mutex mutex;
     std::set<std::thread::id> seen;
-    loop(team, 64, 1, [&](std::size_t) {
+    // Long enough for each to be there, whatever else the machine does.
+    loop(team, 400, 1, [&](std::size_t) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       const std::lock_guard lock(mutex);
       seen.insert(std::this_thread::get_id());
