@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include "brim/math/rotation.h"
 #include "brim/raster/shape.h"
@@ -16,6 +17,11 @@ namespace {
 constexpr double h = 0.1;
 
 using testing::solid_side;
+
+Vec3 carried_to_edge(const CubeSide& a, const CubeSide& b, Vec3 x, const Vec3& n, double step) {
+  carry_to_edges(a, b, step, {&x, 1}, {&n, 1});
+  return x;
+}
 
 TEST(FaceEdges, APointWithinAVoxelOfAnEdgeGoesThereToAFewHundredthsOfAVoxel) {
   const auto box = make_box(Vec3(1, 1, 1)), plane = make_half_space();
@@ -49,6 +55,24 @@ TEST(FaceEdges, PointsOfABallAndOfARidgeStay) {
     const Pose tilted{rotation_from_vector(Vec3(0, M_PI / 4, 0)).toRotationMatrix(), Vec3(0, 0, std::sqrt(0.5))};
     EXPECT_EQ(carried_to_edge(solid_side(box, tilted), ground, at, Vec3::UnitZ(), h), at);
   }
+}
+
+TEST(FaceEdges, ManyPointsGoWhereEachGoesAlone) {
+  const auto box = make_box(Vec3(1, 1, 1)), plane = make_half_space();
+  const CubeSide a = solid_side(box, {Mat3::Identity(), Vec3(0, 0, 0.5)}), b = solid_side(plane, {});
+  std::mt19937 rng(9);
+  std::uniform_real_distribution<double> u(-0.5, 0.5);
+  std::vector<Vec3> points, normals(300, Vec3(0.01, 0.02, 1.0).normalized());
+  for (std::size_t i = 0; i < normals.size(); ++i) points.emplace_back(u(rng), u(rng), 0.01 * u(rng));
+  std::vector<Vec3> together = points;
+  carry_to_edges(a, b, h, together, normals);
+  int moved = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(together[i], carried_to_edge(a, b, points[i], normals[i], h));
+    moved += together[i] != points[i];
+  }
+  EXPECT_GT(moved, 30);
+  EXPECT_LT(moved, 200);
 }
 
 TEST(FaceEdges, BetweenTwoEdgesAPointGoesToTheMiddle) {

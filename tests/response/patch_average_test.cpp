@@ -10,17 +10,15 @@ namespace {
 
 constexpr unsigned kSeed = 81;
 
-using One = Eigen::Array<float, 1, 1>;
-
 /// Averages at all points of values that the first points have.
 std::vector<double> averages(const std::vector<Vec3>& x, const std::vector<double>& v, double cell, const Vec3& origin,
                              PatchLattice& lattice) {
   lattice.place(x, cell, origin);
-  PatchField<One> field;
+  PatchField<float> field;
   field.clear(lattice.size());
-  for (std::size_t i = 0; i < v.size(); ++i) field.add(lattice[i], One::Constant(static_cast<float>(v[i])));
+  for (std::size_t i = 0; i < v.size(); ++i) field.add(lattice[i], static_cast<float>(v[i]));
   std::vector<double> found;
-  for (std::size_t i = 0; i < x.size(); ++i) found.push_back(field.at(lattice[i])[0]);
+  for (std::size_t i = 0; i < x.size(); ++i) found.push_back(field.at(lattice[i]));
   return found;
 }
 

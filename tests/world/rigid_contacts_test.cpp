@@ -158,8 +158,7 @@ TEST(RigidContacts, APlaneCarriesBeyondTheSquareThatIsShownOfIt) {
   World w(o);
   ObstacleModel m;
   m.shape = make_half_space();
-  m.surface.vertices = {Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(0, 1, 0)};
-  m.surface.triangles = {{0, 1, 2}};
+  m.surface = TriMesh{{Vec3(-1, -1, 0), Vec3(1, -1, 0), Vec3(0, 1, 0)}, {{0, 1, 2}}};
   auto ground = std::make_unique<ObstacleBody>(m);
   ground->set_name("ground");
   w.add(std::move(ground));

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "brim/core/shared.h"
 #include "brim/grid/tile.h"
 #include "brim/map/map.h"
 #include "brim/math/block_diagonal.h"
@@ -53,7 +54,7 @@ struct Display {
   enum class Kind { Triangles, Lines, Points };
   Kind kind = Kind::Triangles;
   std::size_t vertices = 0;
-  std::vector<Triangle> triangles;                 ///< when kind is Triangles
+  SharedList<Triangle> triangles;                  ///< when kind is Triangles
   std::vector<std::array<std::int32_t, 2>> lines;  ///< when kind is Lines
   bool two_sided = false;                          ///< an open sheet
   double radius = 0.0;                             ///< [m] of lines and points

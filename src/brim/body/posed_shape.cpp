@@ -8,7 +8,7 @@
 
 namespace brim {
 
-PosedShape::PosedShape(std::shared_ptr<const Shape> shape, TriMesh surface)
+PosedShape::PosedShape(std::shared_ptr<const Shape> shape, Shared<TriMesh> surface)
     : shape_(std::move(shape)),
       known_(dynamic_cast<const KnownDistance*>(shape_.get())),
       surface_(std::move(surface)) {}
@@ -27,9 +27,9 @@ double PosedShape::box_reach(const Vec3& center) const {
 double PosedShape::reach(const Vec3& center) const {
   // Of a half space the surface shows a part only.
   const Aabb box = shape_->bounds();
-  if (surface_.vertices.empty() || !box.lo.allFinite() || !box.hi.allFinite()) return box_reach(center);
+  if (surface_->vertices.empty() || !box.lo.allFinite() || !box.hi.allFinite()) return box_reach(center);
   double most = 0.0;
-  for (const Vec3& p : surface_.vertices) most = std::max(most, (p - center).norm());
+  for (const Vec3& p : surface_->vertices) most = std::max(most, (p - center).norm());
   return most;
 }
 
@@ -46,6 +46,6 @@ void PosedShape::rasterize(double h, double w, std::span<const TileKey> tiles, s
   parallel_for(tiles.size(), [&](std::size_t i) { shape_->fill(pose_, tiles[i], h, w, out[i]); });
 }
 
-void PosedShape::display_positions(std::span<Vec3f> x) const { place_vertices(surface_.vertices, pose_, x); }
+void PosedShape::display_positions(std::span<Vec3f> x) const { place_vertices(surface_->vertices, pose_, x); }
 
 }  // namespace brim

@@ -14,10 +14,12 @@ namespace brim {
 class PosedShape {
  public:
   /// @param surface  of the solid, for display, shape's frame; may be empty
-  PosedShape(std::shared_ptr<const Shape> shape, TriMesh surface);
+  PosedShape(std::shared_ptr<const Shape> shape, Shared<TriMesh> surface);
 
   const Shape& shape() const { return *shape_; }
-  const TriMesh& surface() const { return surface_; }
+  const TriMesh& surface() const { return *surface_; }
+  /// Its triangles, which all bodies of this surface share.
+  SharedList<Triangle> triangles() const { return surface_.list(&TriMesh::triangles); }
   const Pose& pose() const { return pose_; }
   /// How the shape tells its distances; null where its density is not a ramp of them.
   const KnownDistance* known_distance() const { return known_; }
@@ -42,7 +44,7 @@ class PosedShape {
  private:
   std::shared_ptr<const Shape> shape_;
   const KnownDistance* known_;
-  TriMesh surface_;
+  Shared<TriMesh> surface_;
   Pose pose_;
 };
 

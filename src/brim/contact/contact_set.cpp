@@ -1,55 +1,18 @@
 #include "brim/contact/contact_set.h"
 
-#include <cmath>
+#include "brim/contact/tangent_frame.h"
 
 namespace brim {
-
-namespace {
-
-/// Two unit vectors across a direction (Duff and others 2017, "Building an orthonormal basis, revisited").
-template <class Number>
-struct Tangents {
-  using Vec = Eigen::Matrix<Number, 3, 1>;
-  Vec u, v;
-  explicit Tangents(const Vec& n) {
-    const Number sign = std::copysign(Number{1}, n.z()), a = Number{-1} / (sign + n.z()), b = n.x() * n.y() * a;
-    u = {1 + sign * n.x() * n.x() * a, sign * b, -sign * n.x()};
-    v = {b, sign + n.y() * n.y() * a, -n.y()};
-  }
-};
-
-}  // namespace
-
-std::array<float, 3> tangent_tensor(const Vec3f& g, const std::array<float, 6>& H, float scale) {
-  const float length = g.norm();
-  if (!(length > 0.0f)) return {};
-  const Tangents<float> t(g / length);
-  const auto times = [&](const Vec3f& x) {
-    return Vec3f(H[0] * x[0] + H[3] * x[1] + H[4] * x[2], H[3] * x[0] + H[1] * x[1] + H[5] * x[2],
-                 H[4] * x[0] + H[5] * x[1] + H[2] * x[2]);
-  };
-  const Vec3f Hu = times(t.u), Hv = times(t.v);
-  return {scale * t.u.dot(Hu), scale * t.u.dot(Hv), scale * t.v.dot(Hv)};
-}
 
 Mat3 unpack_tangent_tensor(const Vec3f& g, const std::array<float, 3>& packed) {
   const Vec3 d = g.cast<double>();
   const double length = d.norm();
   if (!(length > 0.0)) return Mat3::Zero();
-  const Tangents<double> t(d / length);
+  const Vec3 n = d / length;
+  const TangentFrame<double> t(n[0], n[1], n[2]);
+  const Vec3 u(t.u), v(t.v);
   const double uu = packed[0], uv = packed[1], vv = packed[2];
-  return (uu * t.u + uv * t.v) * t.u.transpose() + (uv * t.u + vv * t.v) * t.v.transpose();
-}
-
-Eigen::Matrix<float, 6, 1> unpack_tensor_entries(const Vec3f& g, const std::array<float, 3>& packed) {
-  Eigen::Matrix<float, 6, 1> m = Eigen::Matrix<float, 6, 1>::Zero();
-  const float length = g.norm();
-  if (!(length > 0.0f)) return m;
-  const Tangents<float> t(g / length);
-  const Vec3f Mu = packed[0] * t.u + packed[1] * t.v, Mv = packed[1] * t.u + packed[2] * t.v;
-  m << Mu[0] * t.u[0] + Mv[0] * t.v[0], Mu[1] * t.u[1] + Mv[1] * t.v[1], Mu[2] * t.u[2] + Mv[2] * t.v[2],
-      Mu[0] * t.u[1] + Mv[0] * t.v[1], Mu[0] * t.u[2] + Mv[0] * t.v[2], Mu[1] * t.u[2] + Mv[1] * t.v[2];
-  return m;
+  return (uu * u + uv * v) * u.transpose() + (uv * u + vv * v) * v.transpose();
 }
 
 void ContactSet::resize(std::size_t n) {

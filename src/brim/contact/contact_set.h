@@ -38,6 +38,7 @@ class FloatVectors {
   void set(std::size_t i, const Vec3& v) { data_[i] = v.cast<float>(); }
   void set(std::size_t i, const Vec3f& v) { data_[i] = v; }
   const Vec3f& raw(std::size_t i) const { return data_[i]; }
+  const Vec3f* data() const { return data_.data(); }
   std::size_t size() const { return data_.size(); }
   void resize(std::size_t n) { data_.resize(n); }
   void append(const FloatVectors& from, std::size_t i) { data_.push_back(from.data_[i]); }
@@ -48,14 +49,9 @@ class FloatVectors {
   std::vector<Vec3f> data_;
 };
 
-/// T H T with T = 1 − ĝĝᵀ, as the three numbers uu, uv, vv that it has in a frame u, v across g; zero where g is.
-/// @param H  xx, yy, zz, xy, xz, yz  @param scale  times H
-std::array<float, 3> tangent_tensor(const Vec3f& g, const std::array<float, 6>& H, float scale);
-/// The tensor that tangent_tensor has packed. @param g  the same as there
+/// The tensor T H T, T = 1 − ĝĝᵀ, of the three numbers uu, uv, vv that it has in the frame u, v across g
+/// (TangentFrame); zero where g is.
 Mat3 unpack_tangent_tensor(const Vec3f& g, const std::array<float, 3>& packed);
-
-/// The same as xx, yy, zz, xy, xz, yz in single precision.
-Eigen::Matrix<float, 6, 1> unpack_tensor_entries(const Vec3f& g, const std::array<float, 3>& packed);
 
 /// One contact (ContactSet has the meaning of each number).
 struct Contact {

@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "brim/contact/row_ramp.h"
-#include "brim/contact/stencil.h"
+#include "brim/contact/side_row.h"
 #include "brim/core/parallel.h"
 #include "brim/core/simd.h"
 #include "brim/math/ramp.h"
@@ -77,10 +77,6 @@ class Samples {
   alignas(32) float d_[kCubeNodes];
 };
 
-/// Least slope of a distance that tells a direction: amid a solid, where two of its surfaces are as near, there is
-/// none.
-constexpr float kLeastSteepness = 0.5f;
-
 BRIM_INLINE CubeRow load_eight(const float* x) {
   CubeRow r;
   std::memcpy(&r, x, sizeof r);
@@ -125,36 +121,13 @@ NodeMask inner(const NodeMask& m) {
   return in;
 }
 
-/// What one row says of a contact's side.
-struct SideAtNode {
-  Vec3f g;
-  std::array<float, 3> bend;
-};
-
-Vec3f gradient_of(const RowDerivatives& r, int i, float inverse_h) {
-  return inverse_h * Vec3f(r.gradient[0][i], r.gradient[1][i], r.gradient[2][i]);
-}
-std::array<float, 3> bend_of(const Vec3f& g, const RowDerivatives& r, int i, float scale) {
-  return tangent_tensor(
-      g, {r.hessian[0][i], r.hessian[1][i], r.hessian[2][i], r.hessian[3][i], r.hessian[4][i], r.hessian[5][i]}, scale);
-}
-
-/// The derivatives of a row that its contacts need; those of its distances where these are told.
-void derive(const Samples& side, int j, int k, RowDerivatives& rho, RowDerivatives& told) {
+/// What the contacts of a row take of a side.
+void find_side(const Samples& side, int j, int k, float inverse_h, SideRow& out) {
+  RowDerivatives rho, told;
   const float* d = side.told_distances();
   row_derivatives(side.rho(), j, k, d == nullptr, rho);
   if (d != nullptr) row_derivatives(d, j, k, true, told);
-}
-
-/// The gradient is as long as the densities say, and points and bends as the distances do where these are told.
-SideAtNode side_of(const Samples& side, const RowDerivatives& rho, const RowDerivatives& told, int i, float inverse_h) {
-  const Vec3f g = gradient_of(rho, i, inverse_h);
-  if (side.told_distances() == nullptr) return {g, bend_of(g, rho, i, inverse_h * inverse_h)};
-  const Vec3f away = gradient_of(told, i, inverse_h);
-  const float steepness = away.norm();
-  if (!(steepness > kLeastSteepness)) return {g, {}};
-  const float slope = -g.norm() / steepness;
-  return {slope * away, bend_of(slope * away, told, i, slope * inverse_h * inverse_h)};
+  side_row(rho, d != nullptr ? &told : nullptr, inverse_h, out);
 }
 
 /// Appends the contacts at the nodes.
@@ -162,17 +135,18 @@ void append(const Samples& a, const Samples& b, const ContactPair& pair, const N
             std::vector<Contact>& out) {
   const float inverse_h = static_cast<float>(1.0 / pair.h);
   nodes.for_rows([&](int j, int k, std::uint8_t row) {
-    RowDerivatives da, db, told_a, told_b;
-    derive(a, j, k, da, told_a);
-    derive(b, j, k, db, told_b);
+    SideRow sa, sb;
+    find_side(a, j, k, inverse_h, sa), find_side(b, j, k, inverse_h, sb);
     alignas(32) float distance_a[kCubeSize], distance_b[kCubeSize];
     a.distances(j, k, distance_a), b.distances(j, k, distance_b);
     for (int left = row; left != 0; left &= left - 1) {
       const int i = std::countr_zero(static_cast<unsigned>(left)), node = cube_index(i, j, k);
-      const SideAtNode sa = side_of(a, da, told_a, i, inverse_h), sb = side_of(b, db, told_b, i, inverse_h);
+      const auto at = [i](const float(&x)[3][kCubeSize]) { return std::array<float, 3>{x[0][i], x[1][i], x[2][i]}; };
       Contact& c = out.emplace_back();
       c.node = cube.first + Vec3i(i, j, k);
-      const Vec3 g = (sa.g - sb.g).cast<double>();
+      c.gradient_a = Vec3f(at(sa.gradient).data()), c.gradient_b = Vec3f(at(sb.gradient).data());
+      c.bend_a = at(sa.bend), c.bend_b = at(sb.bend);
+      const Vec3 g = (c.gradient_a - c.gradient_b).cast<double>();
       const double length = g.norm();
       // Along the common normal the distances to both surfaces are known; meet half-way.
       const double to_a = distance_a[i], to_b = distance_b[i], shift = 0.5 * (to_a - to_b);
@@ -180,7 +154,6 @@ void append(const Samples& a, const Samples& b, const ContactPair& pair, const N
       if (length > 0.0) c.point += (shift / length) * g;
       c.overlap = a.rho()[node] + b.rho()[node] - 1.0f;
       c.depth = static_cast<float>(-(to_a + to_b));
-      c.gradient_a = sa.g, c.gradient_b = sb.g, c.bend_a = sa.bend, c.bend_b = sb.bend;
       c.source_a = a.source(i, j, k), c.source_b = b.source(i, j, k);
     }
   });

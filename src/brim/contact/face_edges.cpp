@@ -1,6 +1,10 @@
 #include "brim/contact/face_edges.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "brim/core/simd.h"
 
 namespace brim {
 
@@ -12,45 +16,179 @@ constexpr double kLevel = 0.02;
 constexpr double kSteep = 0.5;
 /// Halvings of the way to an edge: 2^-6 of a voxel.
 constexpr int kHalvings = 6;
+/// Points that are worked on together; their places fill a fifth of a first-level cache.
+constexpr int kTogether = 64;
 
-/// Way from x along e to an edge, [m]; 0 where there is none within h, or the other way is no face. @param level  the
-/// gap at x
-double way_to_edge(const CubeSide& a, const CubeSide& b, const Vec3& x, const Vec3& e, double h, double level) {
-  const double most = level + kLevel * h, far = gap_between(a, b, x + h * e);
-  if (far <= most || std::abs(gap_between(a, b, x - 0.5 * h * e) - level) > kLevel * h) return 0.0;
-  double lo = 0.0, hi = h;
-  for (int i = 0; i < kHalvings; ++i) {
-    const double middle = 0.5 * (lo + hi);
-    (gap_between(a, b, x + middle * e) <= most ? lo : hi) = middle;
+using Numbers = std::array<double, kTogether>;
+using Vectors = std::array<Numbers, 3>;
+
+/// x + t e in the frame of a pose, of the first n points.
+BRIM_WIDE void places_along(const Pose& pose, const Vectors& x, const Vectors& e, const Numbers& t, int n,
+                            Vectors& local) {
+  const Mat3& R = pose.rotation;
+  const Vec3& o = pose.translation;
+  for (int i = 0; i < n; ++i) {
+    const double px = x[0][i] + t[i] * e[0][i] - o[0], py = x[1][i] + t[i] * e[1][i] - o[1],
+                 pz = x[2][i] + t[i] * e[2][i] - o[2];
+    for (int r = 0; r < 3; ++r) local[r][i] = R(0, r) * px + R(1, r) * py + R(2, r) * pz;
   }
-  if (far - level < kSteep * (h - lo)) return 0.0;
-  // A ridge between here and there is no face.
-  if (gap_between(a, b, x + 0.5 * lo * e) < level - kLevel * h) return 0.0;
-  return std::max(0.0, lo - kLevel * h);
 }
+
+/// Points, the direction in which each looks for an edge, and the gap at each, [m].
+struct Search {
+  Vectors x, e;
+  Numbers level;
+  int n = 0;
+  void take(const Search& from, int i) {
+    for (int r = 0; r < 3; ++r) x[r][n] = from.x[r][i], e[r][n] = from.e[r][i];
+    level[n++] = from.level[i];
+  }
+};
+
+/// Looks along a face that two solids share.
+class EdgeFinder {
+ public:
+  EdgeFinder(const CubeSide& a, const CubeSide& b, double h) : a_(a), b_(b), h_(h) {}
+
+  /// d_a + d_b at x + t e, [m].
+  void gaps(const Search& s, const Numbers& t, Numbers& gap) {
+    distances(a_, s, t, gap);
+    distances(b_, s, t, other_);
+    for (int i = 0; i < s.n; ++i) gap[i] += other_[i];
+  }
+  void gaps(const Search& s, double t, Numbers& gap) {
+    std::fill_n(t_.begin(), s.n, t);
+    gaps(s, t_, gap);
+  }
+
+  /// Ways from x along sign e to an edge, [m]; 0 where there is none within h, or the other way is no face.
+  void ways(const Search& all, double sign, Numbers& way) {
+    std::fill_n(way.begin(), all.n, 0.0);
+    // Those whose gap rises within h, and does not change the other way.
+    gaps(all, sign * h_, gap_);
+    rising_.n = near_.n = 0;
+    for (int i = 0; i < all.n; ++i)
+      if (gap_[i] > all.level[i] + kLevel * h_) rises_[rising_.n] = i, far_[rising_.n] = gap_[i], rising_.take(all, i);
+    if (rising_.n == 0) return;
+    gaps(rising_, -0.5 * sign * h_, gap_);
+    for (int i = 0; i < rising_.n; ++i)
+      if (std::abs(gap_[i] - rising_.level[i]) <= kLevel * h_)
+        rises_[near_.n] = rises_[i], far_[near_.n] = far_[i], near_.take(rising_, i);
+    std::fill_n(lo_.begin(), near_.n, 0.0), std::fill_n(hi_.begin(), near_.n, h_);
+    for (int k = 0; k < kHalvings; ++k) {
+      for (int i = 0; i < near_.n; ++i) t_[i] = 0.5 * (sign * (lo_[i] + hi_[i]));
+      gaps(near_, t_, gap_);
+      for (int i = 0; i < near_.n; ++i)
+        (gap_[i] <= near_.level[i] + kLevel * h_ ? lo_ : hi_)[i] = 0.5 * (lo_[i] + hi_[i]);
+    }
+    // A ridge between here and there is no face.
+    for (int i = 0; i < near_.n; ++i) t_[i] = 0.5 * sign * lo_[i];
+    gaps(near_, t_, gap_);
+    for (int i = 0; i < near_.n; ++i)
+      if (far_[i] - near_.level[i] >= kSteep * (h_ - lo_[i]) && gap_[i] >= near_.level[i] - kLevel * h_)
+        way[rises_[i]] = std::max(0.0, lo_[i] - kLevel * h_);
+  }
+
+ private:
+  void distances(const CubeSide& side, const Search& s, const Numbers& t, Numbers& d) {
+    places_along(side.pose, s.x, s.e, t, s.n, local_);
+    side.solid->rough_distances({local_[0].data(), local_[1].data(), local_[2].data(), s.n}, d.data());
+  }
+
+  const CubeSide &a_, &b_;
+  double h_;
+  Search rising_, near_;
+  std::array<int, kTogether> rises_;
+  Numbers far_, lo_, hi_, gap_, other_, t_;
+  Vectors local_;
+};
+
+/// Two unit vectors across each of the first n unit vectors: the axis that is most across it, and the third.
+BRIM_WIDE void frames_across(const Vectors& normal, int n, Vectors& e, Vectors& f) {
+  for (int i = 0; i < n; ++i) {
+    const double x = normal[0][i], y = normal[1][i], z = normal[2][i];
+    const double ax = std::abs(x), ay = std::abs(y), az = std::abs(z);
+    const double is_x = (ax <= ay && ax <= az) ? 1.0 : 0.0, is_y = (is_x == 0.0 && ay <= az) ? 1.0 : 0.0,
+                 is_z = 1.0 - is_x - is_y;
+    const double along = is_x * x + is_y * y + is_z * z;
+    const double ex = is_x - x * along, ey = is_y - y * along, ez = is_z - z * along;
+    const double inverse = 1.0 / std::sqrt(ex * ex + ey * ey + ez * ez);
+    e[0][i] = inverse * ex, e[1][i] = inverse * ey, e[2][i] = inverse * ez;
+  }
+  for (int i = 0; i < n; ++i)
+    for (int r = 0; r < 3; ++r) {
+      const int s = (r + 1) % 3, t = (r + 2) % 3;
+      f[r][i] = normal[s][i] * e[t][i] - normal[t][i] * e[s][i];
+    }
+}
+
+/// x += way e, and between two edges the middle, which stands for both.
+BRIM_WIDE void go(const Vectors& e, const Numbers& ahead, const Numbers& behind, int n, Vectors& x) {
+  for (int i = 0; i < n; ++i) {
+    const double way = (ahead[i] > 0.0 && behind[i] > 0.0 ? 0.5 : 1.0) * (ahead[i] - behind[i]);
+    for (int r = 0; r < 3; ++r) x[r][i] += way * e[r][i];
+  }
+}
+
+/// Carries up to kTogether points.
+class Carrier {
+ public:
+  Carrier(const CubeSide& a, const CubeSide& b, double h) : find_(a, b, h) {}
+  /// @param n  unit
+  void take(const Vec3& x, const Vec3& n) {
+    for (int r = 0; r < 3; ++r) s_.x[r][s_.n] = x[r], normal_[r][s_.n] = n[r];
+    ++s_.n;
+  }
+  bool full() const { return s_.n == kTogether; }
+  void carry() {
+    Vectors& e = s_.e;
+    frames_across(normal_, s_.n, e, third_);
+    find_.gaps(s_, 0.0, s_.level);
+    for (int direction = 0; direction < 2; ++direction) {
+      find_.ways(s_, 1.0, ahead_), find_.ways(s_, -1.0, behind_);
+      go(e, ahead_, behind_, s_.n, s_.x);
+      e = third_;
+    }
+  }
+  Vec3 point(int i) const { return {s_.x[0][i], s_.x[1][i], s_.x[2][i]}; }
+  void clear() { s_.n = 0; }
+
+ private:
+  EdgeFinder find_;
+  Search s_;
+  Vectors normal_, third_;
+  Numbers ahead_, behind_;
+};
 
 }  // namespace
 
-Vec3 carried_to_edge(const CubeSide& a, const CubeSide& b, const Vec3& x, const Vec3& n, double h) {
-  int across = 0;
-  n.cwiseAbs().minCoeff(&across);
-  Vec3 e = Vec3::Unit(across);
-  e = (e - n * n.dot(e)).normalized();
-  Vec3 y = x;
-  const double level = gap_between(a, b, x);
-  for (const Vec3& direction : {e, Vec3(n.cross(e))}) {
-    const double ahead = way_to_edge(a, b, y, direction, h, level), behind = way_to_edge(a, b, y, -direction, h, level);
-    // Between two edges the middle stands for both.
-    y += (ahead > 0.0 && behind > 0.0 ? 0.5 : 1.0) * (ahead - behind) * direction;
+void carry_to_edges(const CubeSide& a, const CubeSide& b, double h, std::span<Vec3> points,
+                    std::span<const Vec3> normals) {
+  Carrier carrier(a, b, h);
+  for (std::size_t first = 0; first < points.size(); first += kTogether) {
+    const std::size_t n = std::min<std::size_t>(kTogether, points.size() - first);
+    carrier.clear();
+    for (std::size_t i = first; i < first + n; ++i) carrier.take(points[i], normals[i]);
+    carrier.carry();
+    for (std::size_t i = 0; i < n; ++i) points[first + i] = carrier.point(static_cast<int>(i));
   }
-  return y;
 }
 
 void carry_to_edges(const CubeSide& a, const CubeSide& b, double h, std::span<Contact> contacts) {
-  for (Contact& c : contacts) {
-    const Vec3 n = (c.gradient_a - c.gradient_b).cast<double>();
-    const double length = n.norm();
-    if (length > 0.0) c.point = carried_to_edge(a, b, c.point, n / length, h);
+  Carrier carrier(a, b, h);
+  std::array<std::size_t, kTogether> of;
+  for (std::size_t next = 0; next < contacts.size();) {
+    carrier.clear();
+    int n = 0;
+    for (; next < contacts.size() && !carrier.full(); ++next) {
+      const Vec3 g = (contacts[next].gradient_a - contacts[next].gradient_b).cast<double>();
+      const double length = g.norm();
+      if (!(length > 0.0)) continue;
+      carrier.take(contacts[next].point, g / length);
+      of[n++] = next;
+    }
+    carrier.carry();
+    for (int i = 0; i < n; ++i) contacts[of[i]].point = carrier.point(i);
   }
 }
 

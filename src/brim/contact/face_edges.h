@@ -11,10 +11,12 @@ namespace brim {
 /// topple as if its base were that much smaller. So their points are carried to the edge, which the distances know:
 ///   x ← x + t e,   t < h the way along the face at which d_a + d_b begins to rise as fast as beyond an edge
 /// along two directions across n, one after the other. Where d_a + d_b changes the other way too, there is no face but
-/// a curved surface, and x stays.
-/// @param n  unit, across the face  @param h  [m] step of the grid
+/// a curved surface, and x stays. Points are asked for together, and only those near an edge for more than five places.
+/// @param points   [m] moved
+/// @param normals  unit, across the face  @param h  [m] step of the grid
 /// Tests: tests/contact/face_edges_test.cpp
-Vec3 carried_to_edge(const CubeSide& a, const CubeSide& b, const Vec3& x, const Vec3& n, double h);
+void carry_to_edges(const CubeSide& a, const CubeSide& b, double h, std::span<Vec3> points,
+                    std::span<const Vec3> normals);
 
 /// The same for all points of contacts between two solids.
 void carry_to_edges(const CubeSide& a, const CubeSide& b, double h, std::span<Contact> contacts);

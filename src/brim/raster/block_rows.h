@@ -6,6 +6,7 @@
 
 #include "brim/core/simd.h"
 #include "brim/grid/tile.h"
+#include "brim/math/wide_vectors.h"
 #include "brim/raster/tile_bins.h"
 
 namespace brim {
@@ -23,11 +24,6 @@ BRIM_INLINE WideFloats wide(float x) { return x - WideFloats{}; }
 BRIM_INLINE WideIds wide(std::int32_t x) { return x - WideIds{}; }
 BRIM_INLINE WideFloats wide_max(const WideFloats& a, const WideFloats& b) { return a > b ? a : b; }
 BRIM_INLINE WideFloats wide_min(const WideFloats& a, const WideFloats& b) { return a < b ? a : b; }
-BRIM_INLINE WideFloats wide_root(const WideFloats& x) {
-  WideFloats r;
-  for (int i = 0; i < kWideLanes; ++i) r[i] = std::sqrt(x[i]);
-  return r;
-}
 /// True where any lane of a comparison is.
 BRIM_INLINE bool any_lane(const WideIds& flags) {
   typedef std::int64_t Pair __attribute__((vector_size(sizeof(LaneIds))));

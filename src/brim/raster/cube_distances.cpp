@@ -1,9 +1,9 @@
 #include "brim/raster/cube_distances.h"
 
-#include <cmath>
 #include <cstring>
 
 #include "brim/core/simd.h"
+#include "brim/math/wide_vectors.h"
 
 #define BRIM_LAMBDA_INLINE __attribute__((always_inline))
 
@@ -25,11 +25,6 @@ BRIM_INLINE CubeRow larger(const CubeRow& a, const CubeRow& b) { return a > b ? 
 BRIM_INLINE CubeRow smaller(const CubeRow& a, const CubeRow& b) { return a < b ? a : b; }
 BRIM_INLINE CubeRow positive(const CubeRow& a) { return larger(a, CubeRow{}); }
 BRIM_INLINE CubeRow size_of(const CubeRow& a) { return larger(a, -a); }
-BRIM_INLINE CubeRow root(const CubeRow& a) {
-  CubeRow r;
-  for (int i = 0; i < kCubeSize; ++i) r[i] = std::sqrt(a[i]);
-  return r;
-}
 
 /// Writes distance(x, y, z) for every wanted row; x, y, z: how far its nodes are from the cube's first, per axis.
 template <class Distance>
@@ -61,7 +56,7 @@ BRIM_WIDE void sphere_distances(const CubeFrame& frame, double radius, const Nod
   const float r = static_cast<float>(radius);
   for_rows(frame, wanted, d, [&](const CubeRow& x, const CubeRow& y, const CubeRow& z) BRIM_LAMBDA_INLINE {
     const CubeRow px = b[0] + x, py = b[1] + y, pz = b[2] + z;
-    return root(px * px + py * py + pz * pz) - r;
+    return wide_root(px * px + py * py + pz * pz) - r;
   });
 }
 
@@ -70,7 +65,7 @@ BRIM_WIDE void box_distances(const CubeFrame& frame, const Vec3& half, const Nod
   for_rows(frame, wanted, d, [&](const CubeRow& x, const CubeRow& y, const CubeRow& z) BRIM_LAMBDA_INLINE {
     const CubeRow qx = beyond(sx, x), qy = beyond(sy, y), qz = beyond(sz, z);
     const CubeRow ox = positive(qx), oy = positive(qy), oz = positive(qz);
-    return root(ox * ox + oy * oy + oz * oz) + smaller(larger(qx, larger(qy, qz)), CubeRow{});
+    return wide_root(ox * ox + oy * oy + oz * oz) + smaller(larger(qx, larger(qy, qz)), CubeRow{});
   });
 }
 
@@ -80,7 +75,7 @@ BRIM_WIDE void capsule_distances(const CubeFrame& frame, double radius, double h
   const float r = static_cast<float>(radius);
   for_rows(frame, wanted, d, [&](const CubeRow& x, const CubeRow& y, const CubeRow& z) BRIM_LAMBDA_INLINE {
     const CubeRow px = b[0] + x, py = b[1] + y, oz = positive(beyond(sz, z));
-    return root(px * px + py * py + oz * oz) - r;
+    return wide_root(px * px + py * py + oz * oz) - r;
   });
 }
 
@@ -91,8 +86,8 @@ BRIM_WIDE void cylinder_distances(const CubeFrame& frame, double radius, double 
   const float r = static_cast<float>(radius);
   for_rows(frame, wanted, d, [&](const CubeRow& x, const CubeRow& y, const CubeRow& z) BRIM_LAMBDA_INLINE {
     const CubeRow px = b[0] + x, py = b[1] + y;
-    const CubeRow qr = root(px * px + py * py) - r, qz = beyond(sz, z), orr = positive(qr), oz = positive(qz);
-    return root(orr * orr + oz * oz) + smaller(larger(qr, qz), CubeRow{});
+    const CubeRow qr = wide_root(px * px + py * py) - r, qz = beyond(sz, z), orr = positive(qr), oz = positive(qz);
+    return wide_root(orr * orr + oz * oz) + smaller(larger(qr, qz), CubeRow{});
   });
 }
 

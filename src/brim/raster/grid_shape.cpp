@@ -20,6 +20,9 @@ class GridShape final : public Shape, public KnownDistance, public AveragedDista
   double distance(const Vec3& p) const override { return grid_->value(p); }
   double slack() const override { return grid_->spacing(); }
   double rough_distance(const Vec3& p) const override { return grid_->value(p, Interpolation::Trilinear); }
+  void rough_distances(const PlaceArrays& at, double* d) const override {
+    for (int i = 0; i < at.count; ++i) d[i] = grid_->value(Vec3(at.x[i], at.y[i], at.z[i]), Interpolation::Trilinear);
+  }
   double least_distance(const Vec3& p) const override { return grid_->least_value(p); }
   void least_distances(const CubeFrame& f, const float* i, const float* j, const float* k, float* out) const override {
     least_values(*grid_, f.base, f.dx, f.dy, f.dz, i, j, k, out);

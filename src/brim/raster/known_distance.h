@@ -1,7 +1,9 @@
 #pragma once
 
 #include "brim/grid/node_cube.h"
+#include "brim/raster/convex_distance.h"
 #include "brim/raster/cube_distances.h"
+#include "brim/raster/place_distances.h"
 #include "brim/raster/shape.h"
 
 namespace brim {
@@ -15,10 +17,14 @@ class KnownDistance {
   virtual double slack() const = 0;  ///< [m]
   /// The distance, or what differs from it by less than slack and costs less, [m]. @param p  [m] shape's frame
   virtual double rough_distance(const Vec3& p) const = 0;
+  /// The same at many places.
+  virtual void rough_distances(const PlaceArrays& at, double* d) const {
+    for (int i = 0; i < at.count; ++i) d[i] = rough_distance({at.x[i], at.y[i], at.z[i]});
+  }
   /// A lower bound of the distance, [m]: no more than it or what it is an error of slack from.
   virtual double least_distance(const Vec3& p) const { return rough_distance(p) - slack(); }
-  /// The same at eight places of a cube, (i, j, k) in nodes from its first one; single precision, which may cost some
-  /// 1e-7 of the shape's size.
+  /// A lower bound at eight places of a cube, (i, j, k) in nodes from its first one; single precision, which may cost
+  /// some 1e-7 of the shape's size.
   virtual void least_distances(const CubeFrame& frame, const float* i, const float* j, const float* k,
                                float* out) const {
     for (int l = 0; l < kCubeSize; ++l)
@@ -34,6 +40,8 @@ class KnownDistance {
   /// True where a formula gives the distance: a whole row then costs no more than a node of it, and distances are right
   /// beyond reach as well.
   virtual bool by_rows() const = 0;
+  /// The same shape, where it is convex and its distance has a gradient.
+  virtual const ConvexDistance* convex() const { return nullptr; }
 };
 
 }  // namespace brim

@@ -35,6 +35,16 @@ struct Packed {
 class MeshStore {
  public:
   std::int32_t add(const TriMesh& mesh) {
+    const auto [place, fresh] = shared_.try_emplace(&mesh, -1);
+    if (fresh) place->second = find(mesh);
+    return place->second;
+  }
+  Packed<Vec3> vertices;
+  Packed<Triangle> triangles;
+
+ private:
+  /// The mesh that has the same numbers, or a new one.
+  std::int32_t find(const TriMesh& mesh) {
     const auto [from, to] = known_.equal_range(mark(mesh));
     for (auto it = from; it != to; ++it)
       if (same(static_cast<std::size_t>(it->second), mesh)) return it->second;
@@ -44,10 +54,6 @@ class MeshStore {
     known_.emplace(mark(mesh), index);
     return index;
   }
-  Packed<Vec3> vertices;
-  Packed<Triangle> triangles;
-
- private:
   static std::uint64_t mark(const TriMesh& mesh) {
     std::uint64_t h = mesh.vertices.size() * 0x9e3779b97f4a7c15u + mesh.triangles.size();
     for (const Vec3& x : mesh.vertices)
@@ -63,13 +69,15 @@ class MeshStore {
     return std::ranges::equal(vertices.at(i), mesh.vertices) && std::ranges::equal(triangles.at(i), mesh.triangles);
   }
   std::multimap<std::uint64_t, std::int32_t> known_;
+  std::map<const TriMesh*, std::int32_t> shared_;  ///< those that bodies share, by where they lie
 };
 
 /// The body's pieces where they are all of its display: the same vertices and triangles in the same order.
 const PosedDisplay* whole_posed(const Body& body) {
   const PosedDisplay* posed = posed_display(body);
   if (posed == nullptr || body.display().kind != Display::Kind::Triangles) return nullptr;
-  const std::vector<Triangle>& wanted = body.display().triangles;
+  const SharedList<Triangle>& wanted = body.display().triangles;
+  if (posed->piece_count() == 1 && wanted.data() == posed->piece(0).surface().triangles.data()) return posed;
   std::size_t vertices = 0, triangles = 0;
   for (std::size_t i = 0; i < posed->piece_count(); ++i) {
     const TriMesh& mesh = posed->piece(i).surface();
@@ -299,6 +307,7 @@ RunTables read_tables(const h5::File& file) {
     if (list->size() != n + 1) throw InputError(fmt::format("{}:{}: must have {} rows", file.path(), what, n + 1));
 
   std::size_t first_piece = 0;
+  std::vector<SharedList<Triangle>> whole_mesh(static_cast<std::size_t>(mesh_count));
   for (std::size_t b = 0; b < n; ++b) {
     RecordedBody body;
     body.name = name[b];
@@ -324,21 +333,32 @@ RunTables read_tables(const h5::File& file) {
                                    file.path(), b, place.first_position));
     if (deforms) {
       t.positions += body.display.vertices;
-      body.display.triangles.assign(triangles.at(b).begin(), triangles.at(b).end());
+      body.display.triangles = std::vector<Triangle>(triangles.at(b).begin(), triangles.at(b).end());
     }
     std::size_t placed = 0;
-    for (std::size_t i = 0; i < place.pieces; ++i) {
-      const auto shift = static_cast<std::int32_t>(placed);
-      for (const Triangle& c : mesh_triangles.at(static_cast<std::size_t>(t.piece_mesh[first_piece + i])))
-        body.display.triangles.push_back({c[0] + shift, c[1] + shift, c[2] + shift});
-      placed += t.mesh(first_piece + i).size();
+    if (place.pieces == 1) {  // all bodies of a mesh share its triangles
+      const auto mesh = static_cast<std::size_t>(t.piece_mesh[first_piece]);
+      if (whole_mesh[mesh].empty())
+        whole_mesh[mesh] = std::vector<Triangle>(mesh_triangles.at(mesh).begin(), mesh_triangles.at(mesh).end());
+      body.display.triangles = whole_mesh[mesh];
+      placed = t.mesh(first_piece).size();
+    } else if (place.pieces > 1) {
+      std::vector<Triangle> list;
+      for (std::size_t i = 0; i < place.pieces; ++i) {
+        const auto shift = static_cast<std::int32_t>(placed);
+        for (const Triangle& c : mesh_triangles.at(static_cast<std::size_t>(t.piece_mesh[first_piece + i])))
+          list.push_back({c[0] + shift, c[1] + shift, c[2] + shift});
+        placed += t.mesh(first_piece + i).size();
+      }
+      body.display.triangles = std::move(list);
     }
     if (place.pieces > 0 && placed != body.display.vertices)
       throw InputError(
           fmt::format("{}:/bodies/vertices[{}]: is {}, but its pieces have {}", file.path(), b, vertices[b], placed));
     first_piece += place.pieces;
     body.display.lines.assign(lines.at(b).begin(), lines.at(b).end());
-    check_indices<3>(file, body.display.triangles, body.display.vertices, "/display/triangles");
+    // Those of pieces are known to be right: their meshes' are.
+    if (place.pieces == 0) check_indices<3>(file, body.display.triangles, body.display.vertices, "/display/triangles");
     check_indices<2>(file, body.display.lines, body.display.vertices, "/display/lines");
     t.bodies.push_back(std::move(body));
     t.places.push_back(place);

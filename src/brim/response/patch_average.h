@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
+#include "brim/core/simd.h"
 #include "brim/math/types.h"
 
 namespace brim {
@@ -36,23 +38,34 @@ class PatchLattice {
   std::vector<std::array<std::int64_t, 3>> used_;  ///< sorted, where the lattice is not dense
 };
 
-/// A field on a lattice. @tparam Value  a fixed-size Eigen array of floats
+/// A field on a lattice. @tparam Value  floats that are worked on together (core/simd.h), or one
 template <class Value>
 class PatchField {
  public:
-  void clear(std::size_t size) { value_.assign(size, Value::Zero()); }
-  void add(const PatchLattice::Place& p, const Value& v) {
-    for (int c = 0; c < 8; ++c) value_[p.slot[c]] += p.weight[c] * v;
+  void clear(std::size_t size) { value_.assign(size * kFloats, 0.0f); }
+  BRIM_INLINE void add(const PatchLattice::Place& p, const Value& v) {
+    for (int c = 0; c < 8; ++c) {
+      float* to = value_.data() + kFloats * p.slot[c];
+      const Value sum = load(to) + p.weight[c] * v;
+      std::memcpy(to, &sum, sizeof sum);
+    }
   }
   /// The smoothed sum there.
-  Value at(const PatchLattice::Place& p) const {
-    Value sum = p.weight[0] * value_[p.slot[0]];
-    for (int c = 1; c < 8; ++c) sum += p.weight[c] * value_[p.slot[c]];
+  BRIM_INLINE Value at(const PatchLattice::Place& p) const {
+    Value sum = p.weight[0] * load(value_.data() + kFloats * p.slot[0]);
+    for (int c = 1; c < 8; ++c) sum += p.weight[c] * load(value_.data() + kFloats * p.slot[c]);
     return sum;
   }
 
  private:
-  std::vector<Value> value_;
+  static constexpr std::size_t kFloats = sizeof(Value) / sizeof(float);
+  BRIM_INLINE static Value load(const float* from) {
+    Value v;
+    std::memcpy(&v, from, sizeof v);
+    return v;
+  }
+
+  std::vector<float> value_;
 };
 
 }  // namespace brim

@@ -2,6 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+
+#include "brim/contact/tangent_frame.h"
+#include "brim/core/simd.h"
+#include "brim/math/wide_vectors.h"
 
 namespace brim {
 
@@ -9,58 +14,113 @@ namespace {
 
 constexpr double kLeastWeight = 1e-9;
 
+/// The first n of eight threes that lie one after another; zeros behind them.
+BRIM_INLINE WideVectors load_threes(const float* from, int n) {
+  WideVectors v{};
+  for (int l = 0; l < n; ++l) v.x[l] = from[3 * l], v.y[l] = from[3 * l + 1], v.z[l] = from[3 * l + 2];
+  return v;
+}
+
+/// Symmetric tensors as xx, yy, zz, xy, xz, yz: those that lie across g, of the three numbers that contacts keep of
+/// them.
+BRIM_INLINE void unpack(const WideVectors& g, const WideVectors& packed, WideFloats* m) {
+  const WideFloats size = length(g), none{};
+  const WideIds known = size > 0.0f;
+  const TangentFrame<WideFloats> t(g.x / size, g.y / size, g.z / size);
+  WideFloats u[3], v[3];
+  for (int i = 0; i < 3; ++i) {
+    u[i] = packed.x * t.u[i] + packed.y * t.v[i];
+    v[i] = packed.y * t.u[i] + packed.z * t.v[i];
+  }
+  const auto entry = [&](int i, int j) BRIM_LAMBDA_INLINE { return known ? u[i] * t.u[j] + v[i] * t.v[j] : none; };
+  m[0] = entry(0, 0), m[1] = entry(1, 1), m[2] = entry(2, 2);
+  m[3] = entry(0, 1), m[4] = entry(0, 2), m[5] = entry(1, 2);
+}
+
+/// Frobenius norm of the tensors M projected across n: of T M T with T = 1 − n nᵀ.
+BRIM_INLINE WideFloats curvature(const WideFloats* m, const WideVectors& n) {
+  const WideVectors diagonal{m[0], m[1], m[2]}, off{m[3], m[4], m[5]};
+  const WideVectors Mn{m[0] * n.x + m[3] * n.y + m[4] * n.z, m[3] * n.x + m[1] * n.y + m[5] * n.z,
+                       m[4] * n.x + m[5] * n.y + m[2] * n.z};
+  const WideFloats nMn = dot(n, Mn), all = dot(diagonal, diagonal) + 2.0f * dot(off, off);
+  const WideFloats square = all - 2.0f * dot(Mn, Mn) + nMn * nMn;
+  return wide_root(square > 0.0f ? square : WideFloats{});
+}
+
+/// Spreads what n contacts, from c on, say of their patch: ∇ρ_a − ∇ρ_b and the two tensors, by their weights.
+BRIM_WIDE void spread(const ContactSet& contacts, std::size_t c, std::size_t count, const float* weight,
+                      const PatchLattice& lattice, PatchField<WidestFloats>& field) {
+  const float *ga = contacts.gradient_a.data()->data(), *gb = contacts.gradient_b.data()->data();
+  const float *bend_a = contacts.bend_a.data()->data(), *bend_b = contacts.bend_b.data()->data();
+  for (std::size_t first = 0; first < count; first += kWideLanes) {
+    const int n = static_cast<int>(std::min<std::size_t>(kWideLanes, count - first));
+    const std::size_t at = 3 * (c + first);
+    const WideVectors a = load_threes(ga + at, n), b = load_threes(gb + at, n);
+    WideFloats row[kWidestLanes] = {a.x - b.x, a.y - b.y, a.z - b.z};
+    unpack(a, load_threes(bend_a + at, n), row + 3);
+    unpack(b, load_threes(bend_b + at, n), row + 9);
+    for (int l = 0; l < n; ++l) {
+      WidestFloats sample;
+      for (int i = 0; i < kWidestLanes; ++i) sample[i] = row[i][l];
+      field.add(lattice[first + l], weight[first + l] * sample);
+    }
+  }
+}
+
+/// How bent both parts are about each of the contacts, across the direction of the force there.
+BRIM_WIDE void read_curvatures(const PatchField<WidestFloats>& field, const PatchLattice& lattice, std::size_t count,
+                               float* of_a, float* of_b) {
+  for (std::size_t first = 0; first < count; first += kWideLanes) {
+    const int n = static_cast<int>(std::min<std::size_t>(kWideLanes, count - first));
+    WideFloats row[kWidestLanes] = {};
+    for (int l = 0; l < n; ++l) {
+      const WidestFloats sample = field.at(lattice[first + l]);
+      for (int i = 0; i < kWidestLanes; ++i) row[i][l] = sample[i];
+    }
+    const WideVectors g{row[0], row[1], row[2]};
+    const WideFloats square = dot(g, g), size = square > 0.0f ? wide_root(square) : WideFloats{} + 1.0f;
+    const WideVectors along = g / size;
+    const WideFloats a = curvature(row + 3, along), b = curvature(row + 9, along);
+    std::memcpy(of_a + first, &a, n * sizeof(float));
+    std::memcpy(of_b + first, &b, n * sizeof(float));
+  }
+}
+
 }  // namespace
 
 double PatchNormals::weight_of(const ContactSet& contacts, std::size_t c) {
   return std::max(double{contacts.overlap[c]}, kLeastWeight);
 }
 
-/// Frobenius norm of the tensor M stored at `at`, projected across n: of T M T with T = 1 − n nᵀ.
-float PatchNormals::curvature(const Sample& s, int at, const Vec3f& n) {
-  const Vec3f diagonal = s.segment<3>(at), off = s.segment<3>(at + 3);
-  const Vec3f Mn(diagonal[0] * n[0] + off[0] * n[1] + off[1] * n[2], off[0] * n[0] + diagonal[1] * n[1] + off[2] * n[2],
-                 off[1] * n[0] + off[2] * n[1] + diagonal[2] * n[2]);
-  const float nMn = n.dot(Mn), all = diagonal.squaredNorm() + 2.0f * off.squaredNorm();
-  return std::sqrt(std::max(0.0f, all - 2.0f * Mn.squaredNorm() + nMn * nMn));
-}
-
 void PatchNormals::find(const ContactSet& contacts, const ContactPair& pair, std::span<Vec3> direction,
                         std::span<Vec3> normal, bool sharp, bool brink) {
   float base = 0.0f;
   for (std::size_t c = pair.begin; c < pair.end && brink; ++c) base = std::min(base, contacts.overlap[c]);
-  const auto weight = [&](std::size_t c) {
-    return brink ? std::max(contacts.overlap[c] - base, static_cast<float>(kLeastWeight))
-                 : static_cast<float>(weight_of(contacts, c));
-  };
+  const std::size_t count = pair.end - pair.begin;
+  weight_.resize(count), curvature_a_.resize(count), curvature_b_.resize(count);
+  for (std::size_t i = 0; i < count; ++i)
+    weight_[i] = brink ? std::max(contacts.overlap[pair.begin + i] - base, static_cast<float>(kLeastWeight))
+                       : static_cast<float>(weight_of(contacts, pair.begin + i));
   // The lattice hangs on the patch's own nodes: moving a scene by whole voxels changes nothing.
   Vec3i first = contacts.node[pair.begin];
   for (std::size_t c = pair.begin; c < pair.end; ++c) first = first.cwiseMin(contacts.node[c]);
-  lattice_.place(std::span(contacts.point).subspan(pair.begin, pair.end - pair.begin), 3.0 * pair.h,
-                 pair.h * first.cast<double>());
+  lattice_.place(std::span(contacts.point).subspan(pair.begin, count), 3.0 * pair.h, pair.h * first.cast<double>());
   average_.clear(lattice_.size());
-  for (std::size_t c = pair.begin; c < pair.end; ++c) {
-    const Vec3f &ga = contacts.gradient_a.raw(c), &gb = contacts.gradient_b.raw(c);
-    Sample s;
-    s.head<3>() = (ga - gb).array();
-    s.segment<6>(3) = unpack_tensor_entries(ga, contacts.bend_a[c]).array();
-    s.segment<6>(9) = unpack_tensor_entries(gb, contacts.bend_b[c]).array();
-    s[15] = 0.0f;
-    average_.add(lattice_[c - pair.begin], weight(c) * s);
-  }
+  spread(contacts, pair.begin, count, weight_.data(), lattice_, average_);
+  read_curvatures(average_, lattice_, count, curvature_a_.data(), curvature_b_.data());
   // The flatter part gives the direction; the direction so found is smoothed once more for the normal.
   direction_.clear(lattice_.size());
-  for (std::size_t c = pair.begin; c < pair.end; ++c) {
-    const Sample s = average_.at(lattice_[c - pair.begin]);
-    const Vec3f n = Vec3f(s.head<3>()).normalized();
-    const double ka = curvature(s, 3, n), kb = curvature(s, 9, n);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t c = pair.begin + i;
+    const double ka = curvature_a_[i], kb = curvature_b_[i];
     const double pa = sharp ? ka * ka : ka, pb = sharp ? kb * kb : kb;
     const double alpha = pa + pb > 0.0 ? pa / (pa + pb) : 0.5;
     direction[c] = (1.0 - alpha) * contacts.gradient_a[c] - alpha * contacts.gradient_b[c];
-    const Vec3f weighted = (double{weight(c)} * direction[c]).cast<float>();
-    direction_.add(lattice_[c - pair.begin], Direction(weighted[0], weighted[1], weighted[2], 0.0f));
+    const Vec3f weighted = (double{weight_[i]} * direction[c]).cast<float>();
+    direction_.add(lattice_[i], FloatLanes{weighted[0], weighted[1], weighted[2], 0.0f});
   }
   for (std::size_t c = pair.begin; c < pair.end; ++c) {
-    const Direction d = direction_.at(lattice_[c - pair.begin]);
+    const FloatLanes d = direction_.at(lattice_[c - pair.begin]);
     const Vec3 n(d[0], d[1], d[2]);
     const double length = n.norm();
     normal[c] = length > 0.0 ? Vec3(n / length) : direction[c].normalized();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "brim/contact/contact_set.h"
 #include "brim/math/types.h"
@@ -29,13 +30,12 @@ class PatchNormals {
 
  private:
   /// Force, and the two curvature tensors as xx, yy, zz, xy, xz, yz, of a neighbourhood; the last is nothing.
-  using Sample = Eigen::Array<float, 16, 1>;
-  using Direction = Eigen::Array<float, 4, 1>;
-  static float curvature(const Sample& s, int at, const Vec3f& n);
+  using Sample = WidestFloats;
 
   PatchLattice lattice_;
   PatchField<Sample> average_;
-  PatchField<Direction> direction_;
+  PatchField<FloatLanes> direction_;
+  std::vector<float> weight_, curvature_a_, curvature_b_;  ///< per contact of the pair
 };
 
 }  // namespace brim

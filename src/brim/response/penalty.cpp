@@ -22,7 +22,7 @@ constexpr double kNearlyStuck = 40.0;
 
 double weight_of(const ContactSet& contacts, std::size_t c) { return PatchNormals::weight_of(contacts, c); }
 
-/// Frobenius norm of a packed tensor (tangent_tensor).
+/// Frobenius norm of a packed tensor (unpack_tangent_tensor).
 double size_of(const std::array<float, 3>& t) {
   return std::sqrt(double{t[0]} * t[0] + 2.0 * (double{t[1]} * t[1]) + double{t[2]} * t[2]);
 }

@@ -68,8 +68,8 @@ std::array<float, 3> surface_bend(const Mat2& c, double d, double h) {
 }  // namespace
 
 SolidGap::SolidGap(const CubeSide& a, const CubeSide& b, double h)
-    : distance_a_(dynamic_cast<const ConvexDistance*>(a.solid)),
-      distance_b_(dynamic_cast<const ConvexDistance*>(b.solid)),
+    : distance_a_(a.solid != nullptr ? a.solid->convex() : nullptr),
+      distance_b_(b.solid != nullptr ? b.solid->convex() : nullptr),
       pose_a_(a.pose),
       pose_b_(b.pose),
       h_(h) {}

@@ -21,7 +21,7 @@ struct SolidSurface {
 /// A rigid solid as bodies want it.
 struct Solid {
   std::shared_ptr<const Shape> shape;
-  TriMesh surface;          ///< for display, shape's frame
+  Shared<TriMesh> surface;  ///< for display, shape's frame
   MassProperties unit;      ///< of density 1 kg/m³; zero for the half space
   double area = 0.0;        ///< [m²] of the surface
   double voxel_size = 0.0;  ///< [m] that fits it

@@ -71,6 +71,7 @@ void ArticulatedBody::group_links(const ArticulatedModel& model) {
 }
 
 void ArticulatedBody::make_parts(ArticulatedModel& model) {
+  std::vector<Triangle> triangles;
   for (std::size_t i = 0; i < model.links.size(); ++i)
     for (LinkShape& s : model.links[i].shapes) {
       Part p{PosedShape(std::move(s.shape), std::move(s.surface)), static_cast<int>(i), s.pose, s.part, Vec3::Zero()};
@@ -80,10 +81,11 @@ void ArticulatedBody::make_parts(ArticulatedModel& model) {
       p.first_vertex = display_.vertices;
       const auto first = static_cast<std::int32_t>(display_.vertices);
       for (const Triangle& t : p.solid.surface().triangles)
-        display_.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+        triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
       display_.vertices += p.solid.surface().vertices.size();
       parts_.push_back(std::move(p));
     }
+  display_.triangles = std::move(triangles);
 }
 
 void ArticulatedBody::initial_state(std::span<double> q, std::span<double> v) const {

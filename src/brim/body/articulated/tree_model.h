@@ -62,8 +62,8 @@ struct JointModel {
 /// A solid on a link; every one is a part of the body.
 struct LinkShape {
   std::shared_ptr<const Shape> shape;
-  Pose pose;        ///< from the shape's to the link's frame
-  TriMesh surface;  ///< for display, shape's frame
+  Pose pose;                ///< from the shape's to the link's frame
+  Shared<TriMesh> surface;  ///< for display, shape's frame
   PartInfo part;
 };
 

@@ -31,7 +31,7 @@ ObstacleBody::ObstacleBody(ObstacleModel model)
   for (PoseKey& k : model_.keys) k.rotation.normalize();
   reach_ = solid_.box_reach(Vec3::Zero());
   display_.vertices = solid_.surface().vertices.size();
-  display_.triangles = solid_.surface().triangles;
+  display_.triangles = solid_.triangles();
 }
 
 void ObstacleBody::initial_state(std::span<double> q, std::span<double> v) const {

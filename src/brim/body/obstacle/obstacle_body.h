@@ -21,7 +21,7 @@ struct ObstacleModel {
   /// One key: static. More: linear positions and spherical rotations between keys, held outside; times increase.
   std::vector<PoseKey> keys = {PoseKey{}};
   PartInfo part;
-  TriMesh surface;  ///< for display, shape's frame
+  Shared<TriMesh> surface;  ///< for display, shape's frame
 };
 
 /// Static or animated rigid solid of infinite mass. q and v are those of a rigid body (origin of the shape); every

@@ -15,6 +15,7 @@ TetDisplay::TetDisplay(const TetMesh& mesh, std::span<const Triangle> boundary, 
   } else {
     // The boundary with its own numbering, so that inner vertices are not written to files.
     std::vector<std::int32_t> number(mesh.vertices.size(), -1);
+    std::vector<Triangle> triangles;
     for (Triangle t : boundary) {
       for (std::int32_t& n : t) {
         if (number[n] < 0) {
@@ -24,8 +25,9 @@ TetDisplay::TetDisplay(const TetMesh& mesh, std::span<const Triangle> boundary, 
         }
         n = number[n];
       }
-      display_.triangles.push_back(t);
+      triangles.push_back(t);
     }
+    display_.triangles = std::move(triangles);
   }
   display_.vertices = carrier_.size();
 }

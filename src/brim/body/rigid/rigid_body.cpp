@@ -18,7 +18,7 @@ RigidBody::RigidBody(RigidModel model)
   model_inverse_ = model_.inertia.llt().solve(Mat3::Identity());
   reach_ = solid_.reach(model_.center_of_mass);
   display_.vertices = solid_.surface().vertices.size();
-  display_.triangles = solid_.surface().triangles;
+  display_.triangles = solid_.triangles();
 }
 
 void RigidBody::initial_state(std::span<double> q, std::span<double> v) const {

@@ -24,7 +24,7 @@ struct RigidModel {
   double linear_damping = 0.0;           ///< [1/s] drag proportional to momentum
   double angular_damping = 0.0;          ///< [1/s]
   PartInfo part;
-  TriMesh surface;  ///< for display, shape's frame
+  Shared<TriMesh> surface;  ///< for display, shape's frame
 };
 
 /// Rigid body: q = (position of the centre of mass, quaternion w x y z), v = (o', ω), world frame.

@@ -95,7 +95,7 @@ class UsdaWriter : public Writer {
     if (d.kind == Display::Kind::Triangles) {
       const std::size_t samples = changing ? frames.size() : 1;
       out += surface(d, samples, [&](std::size_t f) -> const std::vector<Triangle>& {
-        return changing ? film_.triangles[i][f] : d.triangles;
+        return changing ? film_.triangles[i][f] : d.triangles.items();
       });
     }
     if (d.kind == Display::Kind::Lines) out += curves(d, order);

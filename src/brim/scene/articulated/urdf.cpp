@@ -34,7 +34,7 @@ Solid make_solid(const Urdf::Geometry& g, const Node& body, double limit) {
       s.surface = source.mesh;
       break;
   }
-  const Aabb box = bounds(s.surface.vertices);
+  const Aabb box = bounds(s.surface->vertices);
   s.area = surface_area(s.surface);
   s.voxel_size = body.number("voxel_size") > 0.0 ? body.number("voxel_size") : 0.125 * box.extent().minCoeff();
   check_voxel_size(body, s.voxel_size, s.area, limit);

@@ -44,7 +44,7 @@ void PairSides::sample(const Body& body, std::vector<Vec3f>& points) {
   points.clear();
   // Points within the elements, so that no column is jumped over.
   if (d.kind == Display::Kind::Triangles) {
-    for (const Triangle& t : surface ? changing : d.triangles) {
+    for (const Triangle& t : surface ? changing : d.triangles.items()) {
       const Vec3f &a = corners_[t[0]], u = corners_[t[1]] - a, v = corners_[t[2]] - a;
       const int n = pieces(std::max(u.norm(), v.norm()), width_);
       for (int i = 0; i <= n; ++i)
