@@ -32,8 +32,9 @@ using brim::fuzz::Outcome;
 
 constexpr std::size_t kMostBytes = 1 << 20;
 constexpr unsigned kEvery = 64, kLate = 64;
-constexpr rlim_t kSpared = rlim_t{448} << 20;  // [bytes] of the 512 MiB that any file may take
-constexpr int kMilliseconds = 20;              // of processor time, for an input in the first process
+constexpr rlim_t kSpared = rlim_t{448} << 20;             // [bytes] of the 512 MiB that any file may take
+constexpr std::string_view kWantsMemory = "more memory";  // in the outcome of an input that asked for too much
+constexpr int kMilliseconds = 20;                         // of processor time, for an input in the first process
 
 __attribute__((section("__libfuzzer_extra_counters"))) std::uint8_t outcomes[1 << 14];
 
@@ -66,7 +67,10 @@ class Worker {
     if (!process_) start();
     std::copy(bytes.begin(), bytes.end(), shared_);
     try {
-      return process_->ask(static_cast<int>(bytes.size())).get_text();
+      const Outcome outcome = process_->ask(static_cast<int>(bytes.size())).get_text();
+      // Libraries lose what they had when memory ran out: the inputs after it would all be refused for that.
+      if (outcome.find(kWantsMemory) != Outcome::npos) process_.reset();
+      return outcome;
     } catch (const brim::InputError&) {
       process_.reset();
       throw;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "brim/core/shared.h"
 #include "brim/mesh/distance_grid.h"
 #include "brim/mesh/tri_mesh.h"
 #include "brim/raster/shape.h"
