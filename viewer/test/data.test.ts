@@ -217,6 +217,21 @@ test('plots exist for the series that a run has', () => {
   ]);
 });
 
+test('the phases of a frame add up to its time: contact is no second time in the solve', () => {
+  const seconds = (...x: number[]) => new Float64Array(x);
+  const [spec] = plotSpecs(
+    new Map([
+      ['seconds_detect', seconds(1, 2)],
+      ['seconds_solve', seconds(5, 8)],
+      ['seconds_solve_contact', seconds(3, 8)],
+    ]),
+  );
+  const of = (name: string) => Array.from(spec!.curves.find((c) => c.name === name)!.values);
+  expect(of('solve')).toEqual([2, 0]);
+  expect(of('solve contact')).toEqual([3, 8]);
+  expect(spec!.curves.reduce((sum, c) => sum + c.values[0]!, 0)).toBe(6);
+});
+
 test('series of a growing run are joined in order', () => {
   const joined = appendSeries(
     new Map([['time', new Float64Array([0, 1])]]),

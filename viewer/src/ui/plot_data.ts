@@ -17,6 +17,18 @@ export interface PlotSpec {
 
 const words = (name: string) => name.replaceAll('_', ' ');
 
+/** Seconds of each phase, which add up to those of the frame: contact's part of the solve is a curve of its own. */
+function phaseCurves(series: Series): Curve[] {
+  const contact = series.get('seconds_solve_contact');
+  return Object.entries(phaseColours).flatMap(([phase, colour]) => {
+    const whole = series.get(`seconds_${phase}`);
+    if (!whole) return [];
+    const shared = phase === 'solve' && contact;
+    const values = shared ? whole.map((s, f) => Math.max(0, s - (contact[f] ?? 0))) : whole;
+    return [{ name: words(phase), colour, values }];
+  });
+}
+
 /** The plots a run has data for. */
 export function plotSpecs(series: Series, sensors: SensorInfo[] = []): PlotSpec[] {
   const pick = (names: [string, string, string][]): Curve[] =>
@@ -24,11 +36,8 @@ export function plotSpecs(series: Series, sensors: SensorInfo[] = []): PlotSpec[
       const values = series.get(key);
       return values ? [{ name, colour, values }] : [];
     });
-  const phases = Object.entries(phaseColours).map(
-    ([phase, colour]) => [`seconds_${phase}`, words(phase), colour] as [string, string, string],
-  );
   const specs: PlotSpec[] = [
-    { title: 'Time per frame', unit: 's', kind: 'stack', curves: pick(phases) },
+    { title: 'Time per frame', unit: 's', kind: 'stack', curves: phaseCurves(series) },
     {
       title: 'Energy',
       unit: 'J',
