@@ -16,7 +16,7 @@ constexpr double kLevel = 0.02;
 constexpr double kSteep = 0.5;
 /// Halvings of the way to an edge: 2^-6 of a voxel.
 constexpr int kHalvings = 6;
-/// Points that are worked on together; their places fill a fifth of a first-level cache.
+/// Points that are worked on together: some 20 kB, which a first-level cache holds.
 constexpr int kTogether = 64;
 
 using Numbers = std::array<double, kTogether>;

@@ -77,7 +77,8 @@ const PosedDisplay* whole_posed(const Body& body) {
   const PosedDisplay* posed = posed_display(body);
   if (posed == nullptr || body.display().kind != Display::Kind::Triangles) return nullptr;
   const SharedList<Triangle>& wanted = body.display().triangles;
-  if (posed->piece_count() == 1 && wanted.data() == posed->piece(0).surface().triangles.data()) return posed;
+  if (posed->piece_count() == 1 && wanted.data() == posed->piece(0).surface().triangles.data())
+    return body.display().vertices == posed->piece(0).surface().vertices.size() ? posed : nullptr;
   std::size_t vertices = 0, triangles = 0;
   for (std::size_t i = 0; i < posed->piece_count(); ++i) {
     const TriMesh& mesh = posed->piece(i).surface();
