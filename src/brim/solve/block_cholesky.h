@@ -41,7 +41,7 @@ class BlockCholesky {
 
   std::size_t blocks() const { return order_.size(); }
   /// Scalar entries of the factor, zeros of joined supernodes included.
-  std::size_t entries() const { return entries_; }
+  std::size_t entries() const { return panel_.size(); }
 
  private:
   struct Supernode {
@@ -117,7 +117,6 @@ class BlockCholesky {
   std::vector<std::int32_t> row_, supernode_of_;
   std::vector<RowRun> row_run_;
   std::vector<float> panel_;
-  std::size_t entries_ = 0;  ///< of panel_ that count
   // The same as solves read it (panel::Stream): of large factors in ten bits, of small ones as floats.
   bool compressed_ = false;
   std::vector<panel::Triple> triple_stream_;

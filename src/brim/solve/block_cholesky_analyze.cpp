@@ -25,27 +25,11 @@ constexpr std::size_t kWorthCompressing = 200000;
 /// Subtrees are divided until each is less than this share of the work.
 constexpr double kShare = 1.0 / 12;
 
-/// Makes room for n at least, with a little more behind, so that memory does not follow every change of a pattern; what
-/// was there means nothing.
+/// Resizes with room for a little more, so that memory does not follow every change of a pattern.
 template <class T>
 void grow(std::vector<T>& v, std::size_t n) {
-  if (v.size() >= n) return;
-  if (v.capacity() < n) {
-    v.clear();
-    v.reserve(n + n / 4);
-  }
+  if (v.capacity() < n) v.reserve(n + n / 4);
   v.resize(n);
-}
-
-/// Merges two lists that ascend, one after another in memory. @param scratch  workspace
-void merge_neighbours(std::int32_t* first, std::int32_t* middle, std::int32_t* last,
-                      std::vector<std::int32_t>& scratch) {
-  if (first == middle || middle == last || middle[-1] < *middle) return;
-  scratch.assign(first, middle);
-  for (const std::int32_t x : scratch) {
-    while (middle != last && *middle < x) *first++ = *middle++;
-    *first++ = x;
-  }
 }
 
 /// Rows of a lower triangle: what lies left of the diagonal in each, in any order.
@@ -239,8 +223,7 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
     // What kernels read past the last row is not what another thread writes.
     total += s.stride * 3 * static_cast<std::size_t>(s.end - s.begin) + panel::kPad;
   }
-  entries_ = total + 2 * panel::kPad;
-  grow(panel_, entries_);
+  grow(panel_, total + 2 * panel::kPad);
   compressed_ = in_turn * total > kWorthCompressing;
   for (Supernode& s : supernode_) {
     const std::size_t rows = 3 * static_cast<std::size_t>(s.rows),
@@ -252,10 +235,11 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
     grow(triple_stream_, streamed);
   else
     grow(stream_, streamed);
-  const std::size_t scalars = 3 * static_cast<std::size_t>(n);
-  grow(square_columns_, panel::kSquare * scalars + panel::kPad);
-  grow(square_rows_, panel::kSquare * scalars + panel::kPad);
-  for (std::vector<float>* v : {&step_, &scale_, &x_}) grow(*v, scalars);
+  square_columns_.resize(panel::kSquare * 3 * static_cast<std::size_t>(n) + panel::kPad);
+  square_rows_.resize(square_columns_.size());
+  step_.resize(3 * static_cast<std::size_t>(n));
+  scale_.resize(3 * static_cast<std::size_t>(n));
+  x_.resize(3 * static_cast<std::size_t>(n));
   find_tasks();
   find_runs();
 }
@@ -266,8 +250,8 @@ void BlockCholesky::find_rows(std::size_t room) {
   supernode_of_.resize(order_.size());
   for (std::int32_t k = 0; k < count; ++k)
     for (std::int32_t j = supernode_[k].begin; j < supernode_[k].end; ++j) supernode_of_[j] = k;
-  // Own columns, and below them what the children have handed on, in lists that ascend, and what the matrix has there.
-  std::vector<std::int32_t> seen(order_.size(), -1), child(count, -1), sibling(count, -1), scratch;
+  // Own columns, and below them what the matrix has there and what the children have handed on.
+  std::vector<std::int32_t> seen(order_.size(), -1), child(count, -1), sibling(count, -1);
   for (std::int32_t k = 0; k < count; ++k) {
     const Supernode& s = supernode_[k];
     std::int32_t* const own = row_.data() + s.row;
@@ -277,18 +261,14 @@ void BlockCholesky::find_rows(std::size_t room) {
     const auto take = [&](std::int32_t row) {
       if (row >= s.end && seen[row] != k) seen[row] = k, *to++ = row;
     };
+    for (std::int32_t j = s.begin; j < s.end; ++j)
+      for (std::int32_t e = entry_first_[j]; e < entry_first_[j + 1]; ++e) take(entry_[e].row);
     for (std::int32_t c = child[k]; c != -1; c = sibling[c]) {
       const Supernode& t = supernode_[c];
       const std::int32_t* rows = row_.data() + t.row;
-      std::int32_t* const list = to;
       for (std::int32_t i = t.end - t.begin; i < t.rows; ++i) take(rows[i]);
-      merge_neighbours(below, list, to, scratch);
     }
-    std::int32_t* const list = to;
-    for (std::int32_t j = s.begin; j < s.end; ++j)
-      for (std::int32_t e = entry_first_[j]; e < entry_first_[j + 1]; ++e) take(entry_[e].row);
-    std::sort(list, to);
-    merge_neighbours(below, list, to, scratch);
+    std::sort(below, to);
     BRIM_CHECK(to - own, ==, s.rows);
     if (below == to) continue;
     const std::int32_t parent = supernode_of_[*below];
