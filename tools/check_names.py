@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Checks that no two files of a layer use the same name in their unnamed namespaces, so that they can be compiled together.
+"""Checks that no two files of a layer use the same name in their unnamed namespaces, so that they can be compiled together,
+and that each test, which may use any, has a namespace of its file's name.
 
 Types, constants and aliases clash by their name, functions by their name and the types of their arguments. Formatting by
 clang-format is taken for granted: what a namespace holds starts in the first column.
@@ -100,15 +101,25 @@ def clashes(root):
         yield f"{layer}: {name} in " + ", ".join(f"{path.relative_to(root)}:{line}" for path, line in places)
 
 
+def tests_without_their_namespace(root):
+    """Lines that say which tests have no namespace of their file's name."""
+    for path in sorted((root / "tests").glob("*/*_test.cpp")):
+        if f"::{path.stem} {{" not in path.read_text(encoding="utf-8"):
+            yield f"{path.relative_to(root)}: its namespace should be brim::{path.stem}"
+
+
 def main():
     root = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else __file__).resolve()
     root = root if root.is_dir() else root.parent.parent
     found = list(clashes(root))
     for line in found:
         print(f"names: {line}; give one of them another name")
-    if not found:
+    alone = list(tests_without_their_namespace(root))
+    for line in alone:
+        print(f"names: {line}")
+    if not found and not alone:
         print("names: no two files of a layer clash")
-    return 1 if found else 0
+    return 1 if found or alone else 0
 
 
 if __name__ == "__main__":

@@ -39,6 +39,15 @@ class Names(unittest.TestCase):
         self.assertEqual(self.found({"apps/cli/a.cpp": same, "apps/cli/b.cpp": same}), [])
         self.assertEqual(len(self.found({"apps/cli/a.cpp": same, "apps/cli/b.cpp": "using Json = nlohmann::ordered_json;"})), 1)
 
+    def test_a_test_has_a_namespace_of_its_files_name(self):
+        with tempfile.TemporaryDirectory() as folder:
+            root = pathlib.Path(folder)
+            (root / "tests/map").mkdir(parents=True)
+            (root / "tests/map/a_test.cpp").write_text("namespace brim::a_test {\n")
+            (root / "tests/map/b_test.cpp").write_text("namespace brim {\n")
+            (said,) = check_names.tests_without_their_namespace(root)
+        self.assertIn("tests/map/b_test.cpp", said)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -2,12 +2,15 @@
 // Prints the scripts' time (decode, show, draw), draw calls and triangles per frame, by the page's own clock, in Chromium
 // without a window. Drawing itself is done in software there, so its time says nothing of a graphics card and is left out.
 import { spawn } from 'node:child_process';
+import { existsSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import { chromium } from 'playwright-core';
 
 const [run, size = '1280x720'] = process.argv.slice(2);
 const [width, height] = size.split('x').map(Number);
-const brim = process.env.BRIM ?? fileURLToPath(new URL('../build/release/brim', import.meta.url));
+const builds = ['release', 'demo'].map((b) => fileURLToPath(new URL(`../build/${b}/brim`, import.meta.url)));
+const brim = process.env.BRIM ?? builds.find(existsSync);
+if (!brim) throw new Error('there is no program yet: ./dev build makes it, or BRIM names one');
 const server = spawn(brim, ['view', run, '--port', '0'], { stdio: ['ignore', 'pipe', 'inherit'] });
 const url = await new Promise((done) => {
   let text = '';

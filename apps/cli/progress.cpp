@@ -35,9 +35,18 @@ std::string bounds_text(const Expectation& e) {
   return std::isfinite(e.min) ? fmt::format(">= {:.6g}", e.min) : fmt::format("<= {:.6g}", e.max);
 }
 
+/// How a run stands to a bound. A bound that a shorter run did not get to, and a known miss that holds this once, fail
+/// nobody who did not ask for a check.
+const char* verdict(const ExpectationResult& f, bool check) {
+  if (f.as_expected()) return f.ok ? "ok" : "miss";
+  if (check) return "FAIL";
+  if (!f.reached) return "open";
+  return f.ok ? "ok" : "FAIL";
+}
+
 }  // namespace
 
-std::string findings_table(const std::vector<ExpectationResult>& findings) {
+std::string findings_table(const std::vector<ExpectationResult>& findings, bool check) {
   std::string out;
   for (const ExpectationResult& f : findings) {
     const Expectation& e = f.expectation;
@@ -45,11 +54,10 @@ std::string findings_table(const std::vector<ExpectationResult>& findings) {
     if (e.from > 0.0 || std::isfinite(e.to))
       what += fmt::format(" [{:.4g} s, {}]", e.from, std::isfinite(e.to) ? fmt::format("{:.4g} s", e.to) : "end");
     const std::string value = f.reached ? fmt::format("{:.6g}", f.value) : "not reached";
-    const char* word = f.as_expected() ? (f.ok ? "ok" : "miss") : "FAIL";
-    out += fmt::format("  {:4}  {:<52} {:>12}   {}\n", word, what, value, bounds_text(e));
+    out += fmt::format("  {:4}  {:<52} {:>12}   {}\n", verdict(f, check), what, value, bounds_text(e));
     if (!e.known_miss.empty())
       out += fmt::format("        {}: {}\n",
-                         f.ok        ? "holds, and is marked as a known miss"
+                         f.ok        ? "holds in this run, and is marked as a known miss"
                          : f.worse() ? fmt::format("worse than {:g}, and known", e.known_worst)
                                      : "known",
                          e.known_miss);

@@ -22,7 +22,8 @@ class Progress {
   double last_shown_ = -1.0;
 };
 
-/// Each expectation, its value and its bounds, one a line.
-std::string findings_table(const std::vector<ExpectationResult>& findings);
+/// Each expectation, its value and its bounds, one a line: "ok", "miss" (and known), "open" (the run ends before it) or
+/// "FAIL". Under a check only what is as expected does not fail, as its exit says.
+std::string findings_table(const std::vector<ExpectationResult>& findings, bool check);
 
 }  // namespace brim::cli

@@ -109,7 +109,8 @@ int run(const Options& o) {
     fmt::print(stderr,
                "brim: {}: its process ended before the first frame was on disk, so the run was made from its start\n",
                plan.folder);
-  if (!o.json && (o.check || !result.findings.empty())) std::fputs(findings_table(result.findings).c_str(), stdout);
+  if (!o.json && (o.check || !result.findings.empty()))
+    std::fputs(findings_table(result.findings, o.check).c_str(), stdout);
   if (o.profile) std::fputs(profile.text(thread_count()).c_str(), o.json ? stderr : stdout);
   if (live && result.end != RunEnd::Interrupted) {
     fmt::print(stderr, "brim: the viewer goes on; Ctrl-C ends it\n");

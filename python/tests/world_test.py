@@ -2,6 +2,8 @@
 
 import gc
 import pickle
+import subprocess
+import sys
 import threading
 import unittest
 
@@ -368,6 +370,13 @@ class Threads(unittest.TestCase):
             thread.join(timeout=120)
             self.assertFalse(thread.is_alive())
         self.assertTrue(all("in the middle of a step" in e for e in errors), errors)
+
+
+class Threads(unittest.TestCase):
+    def test_a_program_that_sets_how_many_ends_as_others_do(self):
+        for set_them in ("brim.set_threads(1)", "brim.set_threads(2); brim.set_threads(0)", "w = brim.World(time_step=0.01); brim.set_threads(1); w.step()"):
+            done = subprocess.run([sys.executable, "-c", f"import brim; {set_them}"], capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr), (0, ""), set_them)
 
 
 if __name__ == "__main__":

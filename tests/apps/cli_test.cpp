@@ -6,7 +6,7 @@
 #include "apps/program.h"
 #include "brim/record/run_reader.h"
 
-namespace brim {
+namespace brim::cli_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -122,6 +122,22 @@ TEST_F(Program, CheckEndsWithOneWhenAnExpectationIsNotMet) {
   EXPECT_EQ(o.code, 1);
   EXPECT_NE(o.out.find("FAIL"), std::string::npos) << o.out;
   EXPECT_EQ(run("run high.json -o other").code, 0) << "without --check a bound is only reported";
+}
+
+TEST_F(Program, WithoutACheckNoRunFailsByEndingEarlyOrByHoldingWhatIsKnownToBeMissed) {
+  std::string text = good(0.0);
+  const std::string bound = R"("expect": [)";
+  text.insert(
+      text.find(bound) + bound.size(),
+      R"({"metric": "substeps", "min": 1, "known_miss": "none"}, {"metric": "max_speed", "from": 1000, "max": 9}, )");
+  write("marked.json", text);
+  const Outcome plain = run("run marked.json -o plain"), checked = run("run marked.json -o checked --check");
+  EXPECT_EQ(plain.out.find("FAIL"), std::string::npos) << plain.out;
+  EXPECT_NE(plain.out.find("open  max_speed"), std::string::npos) << plain.out;
+  EXPECT_NE(plain.out.find("holds in this run"), std::string::npos) << plain.out;
+  EXPECT_EQ(checked.code, 1);
+  EXPECT_NE(checked.out.find("FAIL  substeps"), std::string::npos) << checked.out;
+  EXPECT_NE(checked.out.find("FAIL  max_speed"), std::string::npos) << checked.out;
 }
 
 TEST_F(Program, JsonLinesAreOnePerFrame) {
@@ -340,4 +356,4 @@ TEST_F(Program, SchemaIsPrintedAndAccepted) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::cli_test

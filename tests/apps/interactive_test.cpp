@@ -6,7 +6,7 @@
 #include "brim/record/run_reader.h"
 
 /// Runs whose bodies are pulled about in the viewer while they are made.
-namespace brim {
+namespace brim::interactive_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -111,4 +111,4 @@ TEST_F(Interactive, KeepsToTheClockAndEndsWhereItIsTold) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::interactive_test

@@ -13,7 +13,7 @@
 #include "support/worlds.h"
 
 /// What trees of links do, alone and among other bodies.
-namespace brim {
+namespace brim::articulated_body_test {
 namespace {
 
 using testing::random_tree;
@@ -389,4 +389,4 @@ TEST(ArticulatedBody, AChainComesToRestOnASoftBlock) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::articulated_body_test

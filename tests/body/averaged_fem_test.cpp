@@ -10,7 +10,7 @@
 #include "brim/mesh/tet_lattice.h"
 #include "support/particle_laws.h"
 
-namespace brim {
+namespace brim::averaged_fem_test {
 namespace {
 
 using testing::flat;
@@ -156,4 +156,4 @@ TEST(AveragedFem, ShareOutsideItsRangeIsRefused) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::averaged_fem_test

@@ -9,7 +9,7 @@
 #include "support/carried.h"
 #include "support/particle_laws.h"
 
-namespace brim {
+namespace brim::block_system_test {
 namespace {
 
 constexpr unsigned kSeed = 71;
@@ -96,4 +96,4 @@ TEST(BlockSystem, GrainsHaveNone) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::block_system_test

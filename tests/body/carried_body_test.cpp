@@ -6,7 +6,7 @@
 #include "support/tiles.h"
 
 /// Laws of bodies whose nodes carry particles of matter: deformable volumes and meshless solids.
-namespace brim {
+namespace brim::carried_body_test {
 namespace {
 
 using testing::flat;
@@ -235,4 +235,4 @@ TEST(SoftImage, ElementsOfManyModuliObeyTheLawsOfElasticParticles) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::carried_body_test

@@ -6,7 +6,7 @@
 #include "support/worlds.h"
 
 /// Bodies whose nodes carry particles of matter, in small worlds.
-namespace brim {
+namespace brim::carried_worlds_test {
 namespace {
 
 using testing::meshless;
@@ -107,4 +107,4 @@ TEST(CarriedBody, MeetsARigidBodyAClothAndARigidImage) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::carried_worlds_test

@@ -9,7 +9,7 @@
 #include "support/particle_laws.h"
 #include "support/tiles.h"
 
-namespace brim {
+namespace brim::cloth_body_test {
 namespace {
 
 using testing::flat;
@@ -304,4 +304,4 @@ TEST(ClothBody, BadInputIsRefusedWithAMessage) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::cloth_body_test

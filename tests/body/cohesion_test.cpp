@@ -7,7 +7,7 @@
 #include "brim/body/particle_fluid/particle_fluid_body.h"
 #include "support/worlds.h"
 
-namespace brim {
+namespace brim::cohesion_test {
 namespace {
 
 constexpr double kSpacing = 0.05, kTension = 25.0;
@@ -127,4 +127,4 @@ TEST(Cohesion, ACubicDropBecomesRoundAndKeepsItsMomentum) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::cohesion_test

@@ -11,7 +11,7 @@
 
 /// The contact force of every kind whose density meets that of others, carried by its map, against the energy of
 /// contact E = Σ ½ k h³ ρ̄²: each is pressed into a tilted plane.
-namespace brim {
+namespace brim::contact_energy_test {
 namespace {
 
 constexpr unsigned kSeed = 84;
@@ -250,4 +250,4 @@ TEST(ContactEnergy, TheGeometricTermTakesBackTheStiffnessOfABallThatTurnsInItsPl
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::contact_energy_test

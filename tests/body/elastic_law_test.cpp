@@ -6,7 +6,7 @@
 
 #include "support/solids.h"
 
-namespace brim {
+namespace brim::elastic_law_test {
 namespace {
 
 constexpr unsigned kSeed = 23;
@@ -67,4 +67,4 @@ TEST(ElasticLaw, ProjectionRemovesOnlyTheNegativePart) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::elastic_law_test

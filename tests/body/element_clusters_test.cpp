@@ -8,7 +8,7 @@
 
 #include "support/solids.h"
 
-namespace brim::testing {
+namespace brim::testing::element_clusters_test {
 namespace {
 
 constexpr unsigned kSeed = 5;
@@ -95,4 +95,4 @@ TEST(ElementClusters, ParticlesWithoutElementsAreElements) {
 }
 
 }  // namespace
-}  // namespace brim::testing
+}  // namespace brim::testing::element_clusters_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace brim {
+namespace brim::face_map_test {
 namespace {
 
 constexpr unsigned kSeed = 23;
@@ -162,4 +162,4 @@ TEST(FaceMap, PointFarFromAllFluidDoesNotMove) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::face_map_test

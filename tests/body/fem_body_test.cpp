@@ -10,7 +10,7 @@
 #include "support/particle_laws.h"
 #include "support/tiles.h"
 
-namespace brim {
+namespace brim::fem_body_test {
 namespace {
 
 using testing::flat;
@@ -398,4 +398,4 @@ TEST(FemBody, BadInputIsRefusedWithAMessage) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::fem_body_test

@@ -4,7 +4,7 @@
 #include "support/cube_on_plane.h"
 
 /// The force between a finite-element cube and a plane, where the sphere of penalty_test.cpp stands for rigid bodies.
-namespace brim {
+namespace brim::fem_contact_quality_test {
 namespace {
 
 using testing::ContactQuality;
@@ -61,4 +61,4 @@ TEST(FemContactQuality, ARampOfOneVoxelWouldNotDo) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::fem_contact_quality_test

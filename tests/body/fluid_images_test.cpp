@@ -6,7 +6,7 @@
 
 #include "support/particle_fluids.h"
 
-namespace brim {
+namespace brim::fluid_images_test {
 namespace {
 
 using namespace testing::fluids;
@@ -179,4 +179,4 @@ TEST(FluidImages, TheDiagonalBlocksAreThoseOfTheSystemWithItsContacts) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::fluid_images_test

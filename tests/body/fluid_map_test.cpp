@@ -4,7 +4,7 @@
 
 #include "support/particle_fluids.h"
 
-namespace brim {
+namespace brim::fluid_map_test {
 namespace {
 
 using namespace testing::fluids;
@@ -143,4 +143,4 @@ TEST(FluidMap, DiagonalBlocksAreThoseOfTheProduct) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::fluid_map_test

@@ -11,7 +11,7 @@
 #include "support/solids.h"
 #include "support/worlds.h"
 
-namespace brim {
+namespace brim::grid_fluid_body_test {
 namespace {
 
 using testing::options_at;
@@ -382,4 +382,4 @@ TEST(GridFluidBody, WhatCannotBeIsRefused) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::grid_fluid_body_test

@@ -5,7 +5,7 @@
 #include <Eigen/Dense>
 #include <random>
 
-namespace brim {
+namespace brim::grid_poisson_test {
 namespace {
 
 constexpr unsigned kSeed = 17;
@@ -115,4 +115,4 @@ TEST(GridPoisson, ClosedBoxWithoutAir_IsSolvedUpToAConstant) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::grid_poisson_test

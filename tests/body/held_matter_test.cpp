@@ -5,7 +5,7 @@
 #include "support/carried.h"
 #include "support/particle_laws.h"
 
-namespace brim {
+namespace brim::held_matter_test {
 namespace {
 
 constexpr unsigned kSeed = 59;
@@ -114,4 +114,4 @@ TEST(HeldMatter, BodiesWithItObeyTheLawsOfElasticParticles) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::held_matter_test

@@ -5,7 +5,7 @@
 #include "brim/body/articulated/articulated_body.h"
 #include "support/trees.h"
 
-namespace brim {
+namespace brim::joint_forces_test {
 namespace {
 
 using testing::random_tree;
@@ -194,4 +194,4 @@ TEST(JointForces, AJointWithNothingInItHasNoForce) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::joint_forces_test

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <vector>
 
-namespace brim {
+namespace brim::level_set_test {
 namespace {
 
 std::vector<double> sampled(const MacGrid& g, const auto& distance) {
@@ -120,4 +120,4 @@ TEST(LevelSet, CorrectionBringsTheVolumeBack) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::level_set_test

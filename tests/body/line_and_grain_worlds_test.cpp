@@ -13,7 +13,7 @@
 #include "support/worlds.h"
 
 /// Springs, rods and grains against obstacles, rigid bodies, cloth and elements: small worlds.
-namespace brim {
+namespace brim::line_and_grain_worlds_test {
 namespace {
 
 using testing::ground;
@@ -283,4 +283,4 @@ TEST(PointsWorld, GrainsLieInAHeldClothAndPushARigidBoxAside) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::line_and_grain_worlds_test

@@ -9,7 +9,7 @@
 #include "support/implicit.h"
 #include "support/particle_laws.h"
 
-namespace brim {
+namespace brim::mass_spring_body_test {
 namespace {
 
 using testing::flat;
@@ -273,4 +273,4 @@ TEST(MassSpringBody, BadInputIsRefusedWithAMessage) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::mass_spring_body_test

@@ -6,7 +6,7 @@
 #include "support/particle_laws.h"
 
 /// Laws of meshless solids alone: shape functions, strain, bending.
-namespace brim {
+namespace brim::meshless_body_test {
 namespace {
 
 using testing::box_distance;
@@ -125,4 +125,4 @@ TEST(MeshlessBody, CantileverIsTheBeams) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::meshless_body_test

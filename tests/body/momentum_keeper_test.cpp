@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace brim {
+namespace brim::momentum_keeper_test {
 namespace {
 
 /// Wet cells within any of some boxes of cells, and the masses of their faces.
@@ -80,4 +80,4 @@ TEST(MomentumKeeper, WhatDidNotChangeIsLeftAlone) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::momentum_keeper_test

@@ -5,7 +5,7 @@
 #include "brim/core/error.h"
 #include "brim/math/rotation.h"
 
-namespace brim {
+namespace brim::obstacle_body_test {
 namespace {
 
 ObstacleModel animated() {
@@ -95,4 +95,4 @@ TEST(ObstacleBody, KeysMustExistAndIncreaseInTime) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::obstacle_body_test

@@ -5,7 +5,7 @@
 #include "support/carried.h"
 #include "support/soft_worlds.h"
 
-namespace brim {
+namespace brim::octants_test {
 namespace {
 
 /// Calls f(node) for the nodes of a block that stencils at an octant's own nodes read.
@@ -62,4 +62,4 @@ TEST(Octants, BodiesOfAllKindsFillThoseThatAreWantedAsTheyFillWholeTiles) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::octants_test

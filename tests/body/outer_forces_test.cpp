@@ -5,7 +5,7 @@
 #include "brim/body/rigid/rigid_body.h"
 #include "brim/raster/shape.h"
 
-namespace brim {
+namespace brim::outer_forces_test {
 namespace {
 
 RigidModel unit_ball() {
@@ -35,4 +35,4 @@ TEST(OuterForces, AddToTheBodysOwnUntilTheyAreSetAgain) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::outer_forces_test

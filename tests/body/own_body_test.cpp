@@ -9,7 +9,7 @@
 #include "brim/mesh/primitives.h"
 
 /// What follows from deform, inverse_deform, distance and energy.
-namespace brim {
+namespace brim::own_body_test {
 namespace {
 
 constexpr double kRadius = 0.1, kDensity = 500.0;
@@ -203,4 +203,4 @@ TEST(OwnBody, WhatCannotBeABodyIsRefused) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::own_body_test

@@ -11,7 +11,7 @@
 #include "support/particle_fluids.h"
 #include "support/worlds.h"
 
-namespace brim {
+namespace brim::particle_fluid_test {
 namespace {
 
 using namespace testing::fluids;
@@ -348,4 +348,4 @@ TEST(ParticleFluid, OneThreadAndThreeGiveTheSameBits) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::particle_fluid_test

@@ -11,7 +11,7 @@
 #include "support/particle_laws.h"
 #include "support/worlds.h"
 
-namespace brim {
+namespace brim::points_body_test {
 namespace {
 
 using testing::flat;
@@ -246,4 +246,4 @@ TEST(PointsBody, BadInputIsRefusedWithAMessage) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::points_body_test

@@ -7,7 +7,7 @@
 #include "brim/core/error.h"
 #include "brim/math/rotation.h"
 
-namespace brim {
+namespace brim::rigid_body_test {
 namespace {
 
 constexpr unsigned kSeed = 91;
@@ -197,4 +197,4 @@ TEST(RigidBody, MassAndInertiaMustBePositive) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::rigid_body_test

@@ -10,7 +10,7 @@
 #include "support/particle_laws.h"
 #include "support/tiles.h"
 
-namespace brim {
+namespace brim::rod_body_test {
 namespace {
 
 using testing::flat;
@@ -250,4 +250,4 @@ TEST(RodBody, BadInputIsRefusedWithAMessage) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::rod_body_test

@@ -9,7 +9,7 @@
 #include "support/implicit.h"
 #include "support/particle_laws.h"
 
-namespace brim {
+namespace brim::spin_test {
 namespace {
 
 /// One body of each deformable kind, free, about half a metre large, spinning at 6 rad/s about an axis of none of its
@@ -119,4 +119,4 @@ TEST(Spin, AboutAFixedParticleStays) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::spin_test

@@ -9,7 +9,7 @@
 #include "support/principal_block.h"
 #include "support/solids.h"
 
-namespace brim {
+namespace brim::tet_lanes_test {
 namespace {
 
 constexpr unsigned kSeed = 91;
@@ -216,4 +216,4 @@ TEST(TetLanes, ACrushedOneIsFinite) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::tet_lanes_test

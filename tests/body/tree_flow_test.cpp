@@ -7,7 +7,7 @@
 #include "brim/body/articulated/articulated_body.h"
 #include "support/trees.h"
 
-namespace brim {
+namespace brim::tree_flow_test {
 namespace {
 
 using testing::random_tree;
@@ -87,4 +87,4 @@ TEST(TreeFlow, AtRestNothingMoves) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::tree_flow_test

@@ -7,7 +7,7 @@
 #include "brim/body/articulated/articulated_body.h"
 #include "support/trees.h"
 
-namespace brim {
+namespace brim::tree_map_test {
 namespace {
 
 using testing::random_tree;
@@ -160,4 +160,4 @@ TEST(TreeMap, ALinkThatIsFixedToTheWorldDoesNotMove) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::tree_map_test

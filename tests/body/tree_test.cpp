@@ -9,7 +9,7 @@
 #include "support/trees.h"
 
 /// Laws of the recursions over a tree; matrices are assembled by their definitions.
-namespace brim {
+namespace brim::tree_test {
 namespace {
 
 using testing::mass_matrix;
@@ -194,4 +194,4 @@ TEST(Tree, WhatCannotBeATreeIsRefused) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::tree_test

@@ -5,7 +5,7 @@
 #include "support/worlds.h"
 
 /// A user's own body on particles of volume, with one coordinate.
-namespace brim {
+namespace brim::volume_layer_user_test {
 namespace {
 
 /// ∂x_i/∂q = z_i e_z × x_i.
@@ -125,4 +125,4 @@ TEST(VolumeLayerOfAUser, ABallThatPushesTheTopOfABarTwistsIt) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::volume_layer_user_test

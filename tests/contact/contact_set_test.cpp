@@ -10,7 +10,7 @@
 #include "brim/math/ramp.h"
 #include "support/touching.h"
 
-namespace brim {
+namespace brim::contact_set_test {
 namespace {
 
 using testing::plane_pose;
@@ -259,4 +259,4 @@ TEST(ContactSet, NoTilesGiveNoContacts) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::contact_set_test

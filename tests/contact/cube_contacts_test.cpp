@@ -11,7 +11,7 @@
 #include "brim/raster/grid_shape.h"
 #include "support/touching.h"
 
-namespace brim {
+namespace brim::cube_contacts_test {
 namespace {
 
 using testing::Touching;
@@ -154,4 +154,4 @@ TEST(CubeContacts, WidestGapIsWhereTheDensitiesJustReach) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::cube_contacts_test

@@ -11,7 +11,7 @@
 #include "contact/solid_side.h"
 
 /// Points of contact near the edge of a face go to the edge; those on curved surfaces and in a face's middle stay.
-namespace brim {
+namespace brim::face_edges_test {
 namespace {
 
 constexpr double h = 0.1;
@@ -83,4 +83,4 @@ TEST(FaceEdges, BetweenTwoEdgesAPointGoesToTheMiddle) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::face_edges_test

@@ -10,7 +10,7 @@
 #include "contact/solid_side.h"
 
 /// What touches at a point is carried at that point, what touches along a line on that line; faces keep their points.
-namespace brim {
+namespace brim::patch_center_test {
 namespace {
 
 constexpr double h = 0.1;
@@ -126,4 +126,4 @@ TEST(PatchCenter, FacesAndEdgesStay) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::patch_center_test

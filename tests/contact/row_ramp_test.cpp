@@ -4,7 +4,7 @@
 
 #include "brim/math/ramp.h"
 
-namespace brim {
+namespace brim::row_ramp_test {
 namespace {
 
 TEST(RowRamp, InvertsTheRampAtEveryDensity) {
@@ -26,4 +26,4 @@ TEST(RowRamp, TellsSmallDensitiesToTheirLastDigits) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::row_ramp_test

@@ -7,7 +7,7 @@
 #include "brim/contact/contact_set.h"
 
 /// What a row says of a side, against the formulas written out at one node.
-namespace brim {
+namespace brim::side_row_test {
 namespace {
 
 constexpr unsigned kSeed = 75;
@@ -83,4 +83,4 @@ TEST(SideRow, PointsAndBendsAsDistancesDoWhereTheseTellAndIsAsLongAsTheDensities
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::side_row_test

@@ -6,7 +6,7 @@
 
 #include "brim/math/ramp.h"
 
-namespace brim {
+namespace brim::stencil_test {
 namespace {
 
 constexpr unsigned kSeed = 71;
@@ -134,4 +134,4 @@ TEST(Stencil, GradientOfATiltedPlaneIsIsotropic) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::stencil_test

@@ -7,7 +7,7 @@
 #include <string>
 #include <type_traits>
 
-namespace brim {
+namespace brim::error_test {
 namespace {
 
 std::string message_of_failed_check(int left, int right) {
@@ -61,4 +61,4 @@ TEST(Errors, KeepTheUsersFaultsApartFromTheProgrammers) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::error_test

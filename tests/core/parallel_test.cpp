@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-namespace brim {
+namespace brim::parallel_test {
 namespace {
 
 // Numbers of very different size, so that a different order of addition shows in the last bits.
@@ -45,7 +45,7 @@ TEST(OrderedSum, OfNothingIsZeroAndCallsNothing) {
 
 TEST(OrderedSum, HasTheSameBitsForOneTwoAndFourThreads) {
   const unsigned seed = std::random_device{}();
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
+  SCOPED_TRACE(::testing::Message() << "seed " << seed);
   const std::vector<double> values = wild_numbers(100'003, seed);
   const std::size_t block = 64;
 
@@ -122,4 +122,4 @@ TEST(ThreadLimit, OfOneKeepsTheWorkOnTheCallingThread) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::parallel_test

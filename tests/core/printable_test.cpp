@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace brim {
+namespace brim::printable_test {
 namespace {
 
 TEST(Printable, PlainTextOfAnyLanguageIsLeftAsItIs) {
@@ -29,4 +29,4 @@ TEST(Printable, BytesThatAreNoUtf8AreSpelled) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::printable_test

@@ -10,7 +10,7 @@
 
 #include "brim/core/parallel.h"
 
-namespace brim {
+namespace brim::profile_test {
 namespace {
 
 struct Named {
@@ -103,4 +103,4 @@ TEST(Profile, SetOnAgain_StartsFromZero) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::profile_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace brim {
+namespace brim::shared_test {
 namespace {
 
 struct Pair {
@@ -33,4 +33,4 @@ TEST(Shared, AnEmptyListIsOneOfNothing) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::shared_test

@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-namespace brim {
+namespace brim::thread_team_test {
 namespace {
 
 /// More threads than most machines that test have cores: what waits for others must let them run.
@@ -154,4 +154,4 @@ TEST(ThreadTeam, WakesThreadsThatHaveGoneToSleep) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::thread_team_test

@@ -7,7 +7,7 @@
 #include "checkout_paths.h"
 #include "fuzz/file_targets.h"
 
-namespace brim {
+namespace brim::inputs_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -34,4 +34,4 @@ INSTANTIATE_TEST_SUITE_P(Targets, FuzzInputs, ::testing::ValuesIn(fuzz::kFileTar
                          [](const auto& target) { return std::string(target.param.name); });
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::inputs_test

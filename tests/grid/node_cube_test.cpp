@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace brim {
+namespace brim::node_cube_test {
 namespace {
 
 bool has(const NodeMask& m, int i, int j, int k) {
@@ -57,4 +57,4 @@ TEST(NodeMask, GrowsByTheNeighboursThatASearchFinds) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::node_cube_test

@@ -10,7 +10,7 @@
 
 #include "brim/core/error.h"
 
-namespace brim {
+namespace brim::child_reader_test {
 namespace {
 
 std::string message(ChildReader::Serve serve, int questions = 1) {
@@ -144,4 +144,4 @@ TEST(ChildReader, NoProcessIsLeftBehind) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::child_reader_test

@@ -14,7 +14,7 @@
 #include <gdcmImageWriter.h>
 #endif
 
-namespace brim {
+namespace brim::dicom_test {
 namespace {
 
 using test::DicomSlice;
@@ -311,4 +311,4 @@ TEST(Dicom, WithoutGdcmItIsRefusedWithTheReason) {
 #endif
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::dicom_test

@@ -10,7 +10,7 @@
 #include "brim/mesh/mass_properties.h"
 #include "io/temporary_folder.h"
 
-namespace brim {
+namespace brim::polygon_formats_test {
 namespace {
 
 const std::string kPlyHead =
@@ -165,4 +165,4 @@ TEST(PolygonFormats, MutatedFilesNeitherCrashNorHang) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::polygon_formats_test

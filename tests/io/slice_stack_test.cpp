@@ -9,7 +9,7 @@
 
 #include "brim/core/error.h"
 
-namespace brim {
+namespace brim::slice_stack_test {
 namespace {
 
 /// n slices of a turned, tilted stack in any order. @param step  [mm] from one to the next
@@ -103,4 +103,4 @@ TEST(SliceStack, PlacesRoundedByTheScannerAreTaken) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::slice_stack_test

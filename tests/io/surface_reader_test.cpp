@@ -14,7 +14,7 @@
 #include "io/temporary_folder.h"
 #include "mesh/data.h"
 
-namespace brim {
+namespace brim::surface_reader_test {
 namespace {
 
 constexpr const char* kQuadObj = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n";
@@ -170,4 +170,4 @@ TEST(ObjWriter, WritesWhatThePlainReaderReadsBackBitForBit) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::surface_reader_test

@@ -14,7 +14,7 @@ struct TemporaryFolder {
   std::filesystem::path path;
 
   TemporaryFolder() {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
     path = std::filesystem::temp_directory_path() / (std::string("brim_") + info->test_suite_name() + "_" +
                                                      info->name() + "_" + std::to_string(std::random_device{}()));
     std::filesystem::create_directories(path);

@@ -12,7 +12,7 @@
 #include "brim/mesh/tet_lattice.h"
 #include "io/temporary_folder.h"
 
-namespace brim {
+namespace brim::tet_reader_test {
 namespace {
 
 // Bytes of a value in the given order.
@@ -206,4 +206,4 @@ TEST(TetReader, RefusesEveryTruncation) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::tet_reader_test

@@ -7,7 +7,7 @@
 #include "brim/core/error.h"
 #include "io/temporary_folder.h"
 
-namespace brim {
+namespace brim::urdf_reader_test {
 namespace {
 
 const char* const kGood = R"(<?xml version="1.0"?>
@@ -128,4 +128,4 @@ TEST_F(UrdfReader, WhatCannotBeReadIsRefusedWithTheLine) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::urdf_reader_test

@@ -14,7 +14,7 @@
 #include "checkout_paths.h"
 #include "io/temporary_folder.h"
 
-namespace brim {
+namespace brim::volume_reader_test {
 namespace {
 
 /// Bytes of a NIfTI-1 file of int16 voxels, in either byte order.
@@ -276,4 +276,4 @@ TEST(VolumeReader, RealVolumesAreReadAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::volume_reader_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace brim {
+namespace brim::balls_map_test {
 namespace {
 
 constexpr unsigned kSeed = 29;
@@ -127,4 +127,4 @@ TEST(BallsMap, RowsSelectionAndDiagonalAreThoseOfTheMap) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::balls_map_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace brim {
+namespace brim::line_weights_test {
 namespace {
 
 constexpr unsigned kSeed = 17;
@@ -158,4 +158,4 @@ TEST(LineWeights, SegmentsWithoutLengthCarryTheForceWithoutTheTorque) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::line_weights_test

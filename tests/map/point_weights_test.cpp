@@ -6,7 +6,7 @@
 
 #include "brim/core/parallel.h"
 
-namespace brim {
+namespace brim::point_weights_test {
 namespace {
 
 constexpr unsigned kSeed = 20260721;
@@ -120,4 +120,4 @@ TEST(PointWeights, ThreadsDoNotChangeABit) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::point_weights_test

@@ -7,7 +7,7 @@
 
 #include "brim/math/rotation.h"
 
-namespace brim {
+namespace brim::rigid_map_test {
 namespace {
 
 constexpr unsigned kSeed = 41;
@@ -138,4 +138,4 @@ TEST(RigidMap, NoPointsGiveNoForce) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::rigid_map_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace brim {
+namespace brim::row_blocks_test {
 namespace {
 
 using Block = RowBlocks::Block;
@@ -44,4 +44,4 @@ TEST(RowBlocks, MultiplyAsTheBlocksTheyStandFor) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::row_blocks_test

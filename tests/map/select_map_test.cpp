@@ -6,7 +6,7 @@
 #include "brim/map/point_weights.h"
 #include "brim/map/shell_weights.h"
 
-namespace brim {
+namespace brim::select_map_test {
 namespace {
 
 constexpr std::size_t kParticles = 40, kPoints = 60;
@@ -56,7 +56,7 @@ std::unique_ptr<Map> shell_weights(Scatter& scatter) {
 
 using Maker = std::unique_ptr<Map> (*)(Scatter&);
 
-class SelectMap : public testing::TestWithParam<Maker> {};
+class SelectMap : public ::testing::TestWithParam<Maker> {};
 
 TEST_P(SelectMap, SomeOfTheRowsDoWhatTheyDidAmongAll) {
   Scatter scatter;
@@ -111,7 +111,7 @@ TEST_P(SelectMap, RoomOfAnotherChoiceIsTakenOver) {
   for (std::size_t i = 0; i < Q.size(); ++i) EXPECT_NEAR(Q[i], alone[i], 1e-14);
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, SelectMap, testing::Values(point_weights, shell_weights));
+INSTANTIATE_TEST_SUITE_P(Kinds, SelectMap, ::testing::Values(point_weights, shell_weights));
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::select_map_test

@@ -7,7 +7,7 @@
 
 #include "brim/mesh/tri_mesh.h"
 
-namespace brim {
+namespace brim::shell_weights_test {
 namespace {
 
 constexpr unsigned kSeed = 7;
@@ -189,4 +189,4 @@ TEST(ShellWeights, ASqueezedSheetIsNoShortLever) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::shell_weights_test

@@ -7,7 +7,7 @@
 #include "brim/map/rigid_map.h"
 #include "brim/map/rows_map.h"
 
-namespace brim {
+namespace brim::weight_rows_test {
 namespace {
 
 constexpr unsigned kSeed = 17;
@@ -146,4 +146,4 @@ TEST(WeightRows, NoPointsMakeNoForces) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::weight_rows_test

@@ -7,7 +7,7 @@
 
 #include "brim/core/parallel.h"
 
-namespace brim {
+namespace brim::block_diagonal_test {
 namespace {
 
 constexpr unsigned kSeed = 33;
@@ -102,4 +102,4 @@ TEST(BlockDiagonal, AnyNumberOfThreadsGivesTheSameBits) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::block_diagonal_test

@@ -7,7 +7,7 @@
 #include "brim/core/parallel.h"
 #include "brim/math/block_rows.h"
 
-namespace brim {
+namespace brim::block_matrix_test {
 namespace {
 
 constexpr unsigned kSeed = 81;
@@ -150,4 +150,4 @@ TEST(BlockMatrix, ASumOfMatricesIsTheirSum) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::block_matrix_test

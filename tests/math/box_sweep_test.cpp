@@ -5,7 +5,7 @@
 #include <random>
 #include <set>
 
-namespace brim {
+namespace brim::box_sweep_test {
 namespace {
 
 std::set<std::pair<int, int>> pairs_of(const std::vector<Aabb>& boxes, std::span<const std::int32_t> group = {}) {
@@ -85,4 +85,4 @@ TEST(BoxSweep, BoxesOfOneGroupAreLeftAlone) {
 TEST(BoxSweep, NoBoxesHaveNoPairs) { EXPECT_TRUE(pairs_of({}).empty()); }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::box_sweep_test

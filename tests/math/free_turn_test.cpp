@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-namespace brim {
+namespace brim::free_turn_test {
 namespace {
 
 const Vec3 kInertia(1.0, 2.0, 3.0);
@@ -55,4 +55,4 @@ TEST(FreeTurn, FastOnesAreCutIntoPieces) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::free_turn_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace brim {
+namespace brim::ramp_test {
 namespace {
 
 constexpr unsigned kSeed = 31;
@@ -59,4 +59,4 @@ TEST(Ramp, SlopeIsTheDerivative) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::ramp_test

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-namespace brim {
+namespace brim::rotation_test {
 namespace {
 
 constexpr unsigned kSeed = 32;
@@ -57,4 +57,4 @@ TEST(Rotation, SeriesAtZeroJoinsTheQuotientSmoothly) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::rotation_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace brim {
+namespace brim::small_symmetric_test {
 namespace {
 
 constexpr unsigned kSeed = 5;
@@ -69,4 +69,4 @@ TEST(SmallSymmetric, TellsHowNearAMatrixIsToSingular) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::small_symmetric_test

@@ -5,7 +5,7 @@
 #include <Eigen/SVD>
 #include <random>
 
-namespace brim {
+namespace brim::svd3_test {
 namespace {
 
 constexpr unsigned kSeed = 17;
@@ -57,4 +57,4 @@ TEST(Svd3, PolarRotationOfARotationIsItself) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::svd3_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace brim {
+namespace brim::areal_mass_test {
 namespace {
 
 constexpr double kDensity = 1000.0;
@@ -38,4 +38,4 @@ TEST(ArealMass, GoesOverFromWiresToSolidAsVoxelsGetFiner) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::areal_mass_test

@@ -13,7 +13,7 @@
 #include "brim/mesh/topology.h"
 #include "mesh/data.h"
 
-namespace brim {
+namespace brim::distance_grid_test {
 namespace {
 
 DistanceGridOptions spacing(double h, SurfaceTreatment treatment = SurfaceTreatment::Closed) {
@@ -258,4 +258,4 @@ TEST(DistanceGrid, HoldsMessyMeshesAsSheetsAndByTheirWindingNumber) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::distance_grid_test

@@ -8,7 +8,7 @@
 #include "brim/mesh/distance.h"
 #include "brim/mesh/primitives.h"
 
-namespace brim {
+namespace brim::distance_row_test {
 namespace {
 
 constexpr double kFar = 1e9;
@@ -107,4 +107,4 @@ TEST(DistanceRow, LeastValuesLieBelowTheValueAndTheTrueDistance) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::distance_row_test

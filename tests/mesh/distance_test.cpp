@@ -7,7 +7,7 @@
 #include "brim/mesh/topology.h"
 #include "mesh/data.h"
 
-namespace brim {
+namespace brim::distance_test {
 namespace {
 
 TEST(Distance, FindsEachFeatureOfATriangle) {
@@ -118,4 +118,4 @@ TEST(Distance, RefusesSurfacesWithoutTrianglesOrWithNotANumber) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::distance_test

@@ -4,7 +4,7 @@
 
 #include "brim/mesh/primitives.h"
 
-namespace brim {
+namespace brim::flat_surface_test {
 namespace {
 
 TriMesh turned_square(double lift) {
@@ -23,4 +23,4 @@ TEST(FlatSurface, IsFoundInAnyPlaneAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::flat_surface_test

@@ -7,7 +7,7 @@
 #include "brim/core/error.h"
 #include "brim/mesh/mass_properties.h"
 
-namespace brim {
+namespace brim::lattice_around_test {
 namespace {
 
 constexpr unsigned kSeed = 6;
@@ -79,4 +79,4 @@ TEST(LatticeAround, NothingAndTooMuchAreRefused) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::lattice_around_test

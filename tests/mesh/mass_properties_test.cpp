@@ -8,7 +8,7 @@
 #include "brim/mesh/primitives.h"
 #include "mesh/data.h"
 
-namespace brim {
+namespace brim::mass_properties_test {
 namespace {
 
 using std::numbers::pi;
@@ -87,4 +87,4 @@ TEST(MassProperties, RefusesInsideOutMeshesAndBadDensities) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::mass_properties_test

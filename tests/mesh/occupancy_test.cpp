@@ -11,7 +11,7 @@
 #include "brim/mesh/topology.h"
 #include "support/images.h"
 
-namespace brim {
+namespace brim::occupancy_test {
 namespace {
 
 constexpr IntensityWindow kWindow{0, 100};
@@ -227,4 +227,4 @@ TEST(CellMeans, OfABarDenserAtOneEndMoveItsCentre) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::occupancy_test

@@ -9,7 +9,7 @@
 #include "brim/mesh/mass_properties.h"
 #include "brim/mesh/topology.h"
 
-namespace brim {
+namespace brim::primitives_test {
 namespace {
 
 using std::numbers::pi;
@@ -119,4 +119,4 @@ TEST(Primitives, RefuseSizesWithoutMeaning) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::primitives_test

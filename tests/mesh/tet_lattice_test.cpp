@@ -14,7 +14,7 @@
 #include "brim/mesh/topology.h"
 #include "mesh/data.h"
 
-namespace brim {
+namespace brim::tet_lattice_test {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
@@ -166,4 +166,4 @@ TEST(TetLattice, FillsSpotAndItsVolume) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::tet_lattice_test

@@ -9,7 +9,7 @@
 #include "brim/mesh/primitives.h"
 #include "mesh/data.h"
 
-namespace brim {
+namespace brim::topology_test {
 namespace {
 
 TEST(Topology, CountsWhatIsWrongWithAMessyMesh) {
@@ -172,4 +172,4 @@ TEST(Topology, RealMeshesAreWhatTheyAreSaidToBe) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::topology_test

@@ -6,7 +6,7 @@
 
 #include "brim/math/ramp.h"
 
-namespace brim {
+namespace brim::averaged_solid_test {
 namespace {
 
 constexpr double kStep = 0.05;
@@ -85,4 +85,4 @@ TEST(AveragedSolid, CubesHaveTheSameDistancesAsPoints) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::averaged_solid_test

@@ -11,7 +11,7 @@
 #include "brim/raster/grid_shape.h"
 #include "brim/raster/known_distance.h"
 
-namespace brim {
+namespace brim::cube_distances_test {
 namespace {
 
 constexpr unsigned kSeed = 61;
@@ -81,4 +81,4 @@ TEST(CubeRamp, IsTheRampOfEveryDistance) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::cube_distances_test

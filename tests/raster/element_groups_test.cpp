@@ -6,7 +6,7 @@
 #include "brim/raster/tile_cover.h"
 #include "support/solids.h"
 
-namespace brim {
+namespace brim::element_groups_test {
 namespace {
 
 using Pair = std::array<std::int32_t, 2>;
@@ -90,4 +90,4 @@ TEST(ElementGroups, PassByWhatIsNotWanted) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::element_groups_test

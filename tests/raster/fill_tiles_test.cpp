@@ -4,7 +4,7 @@
 
 #include "brim/raster/shape.h"
 
-namespace brim {
+namespace brim::fill_tiles_test {
 namespace {
 
 TEST(FillTiles, WritesWhatTheShapeOfTheSameDistanceWrites) {
@@ -44,4 +44,4 @@ TEST(FillTiles, ANodeOnTheSurfaceHasHalfAndNoTilesAreFine) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::fill_tiles_test

@@ -9,7 +9,7 @@
 #include "brim/mesh/primitives.h"
 #include "support/tiles.h"
 
-namespace brim {
+namespace brim::grid_shape_test {
 namespace {
 
 using testing::expect_present;
@@ -96,4 +96,4 @@ TEST(GridShape, PresenceListsEveryTileWhoseBlockHasDensity) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::grid_shape_test

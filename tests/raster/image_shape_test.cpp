@@ -10,7 +10,7 @@
 #include "support/images.h"
 #include "support/tiles.h"
 
-namespace brim {
+namespace brim::image_shape_test {
 namespace {
 
 constexpr double kStep = 0.005, kH = 0.02, kW = 3 * kH;
@@ -131,4 +131,4 @@ TEST(ImageShape, ThreadsDoNotChangeABit) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::image_shape_test

@@ -6,7 +6,7 @@
 
 #include "support/solids.h"
 
-namespace brim {
+namespace brim::node_span_test {
 namespace {
 
 TEST(NodeSpan, RoundsAsTheLibraryDoes) {
@@ -47,4 +47,4 @@ TEST(NodeSpan, ElementsHaveTheNodesOfTheBoxOfTheirCorners) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::node_span_test

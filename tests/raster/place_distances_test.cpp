@@ -9,7 +9,7 @@
 #include "brim/raster/known_distance.h"
 #include "brim/raster/shape.h"
 
-namespace brim {
+namespace brim::place_distances_test {
 namespace {
 
 TEST(PlaceDistances, AreThoseOfTheShapesAtEachPlaceBitForBit) {
@@ -27,4 +27,4 @@ TEST(PlaceDistances, AreThoseOfTheShapesAtEachPlaceBitForBit) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::place_distances_test

@@ -7,7 +7,7 @@
 #include "support/solids.h"
 #include "support/tiles.h"
 
-namespace brim {
+namespace brim::raster_capsules_test {
 namespace {
 
 using testing::for_each_node;
@@ -127,4 +127,4 @@ TEST(RasterPoints, NothingGivesNothing) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::raster_capsules_test

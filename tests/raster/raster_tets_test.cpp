@@ -10,7 +10,7 @@
 #include "support/solids.h"
 #include "support/tiles.h"
 
-namespace brim {
+namespace brim::raster_tets_test {
 namespace {
 
 using testing::for_each_node;
@@ -220,4 +220,4 @@ TEST(RasterTets, FarApartTilesAndBrokenPositionsAreSurvived) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::raster_tets_test

@@ -8,7 +8,7 @@
 #include "support/solids.h"
 #include "support/tiles.h"
 
-namespace brim {
+namespace brim::raster_triangles_test {
 namespace {
 
 using testing::for_each_node;
@@ -125,4 +125,4 @@ TEST(RasterTriangles, TriangleWithoutAreaIsItsLongestEdge) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::raster_triangles_test

@@ -14,7 +14,7 @@
 #include "brim/raster/convex_distance.h"
 #include "support/tiles.h"
 
-namespace brim {
+namespace brim::shape_test {
 namespace {
 
 using testing::expect_present;
@@ -248,4 +248,4 @@ TEST(Shape, SizesMustBePositiveAndFinite) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::shape_test

@@ -4,7 +4,7 @@
 
 #include "support/solids.h"
 
-namespace brim {
+namespace brim::splat_reach_test {
 namespace {
 
 constexpr unsigned kSeed = 23;
@@ -104,4 +104,4 @@ TEST(SplatReach, IsStraightAboveAndBelowWhereASurfaceIsFlat) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::splat_reach_test

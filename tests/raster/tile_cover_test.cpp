@@ -7,7 +7,7 @@
 
 #include "support/solids.h"
 
-namespace brim {
+namespace brim::tile_cover_test {
 namespace {
 
 constexpr unsigned kSeed = 17;
@@ -67,4 +67,4 @@ TEST(TileCover, HugeRegionsTakeMoreThanNeededNeverLess) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::tile_cover_test

@@ -6,7 +6,7 @@
 
 #include "brim/math/ramp.h"
 
-namespace brim {
+namespace brim::tile_pyramid_test {
 namespace {
 
 /// Blocks of a density given by a function of the node, on tiles of step 1.
@@ -88,4 +88,4 @@ TEST(TilePyramid, MissingTilesAreEmpty) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::tile_pyramid_test

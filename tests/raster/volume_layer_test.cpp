@@ -8,7 +8,7 @@
 #include "brim/math/ramp.h"
 #include "support/tiles.h"
 
-namespace brim {
+namespace brim::volume_layer_test {
 namespace {
 
 constexpr double kH = 0.02, kW = 3 * kH;
@@ -234,4 +234,4 @@ TEST(VolumeLayer, ThreadsDoNotChangeABit) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::volume_layer_test

@@ -8,7 +8,7 @@
 
 #include "brim/core/error.h"
 
-namespace brim {
+namespace brim::column_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -92,4 +92,4 @@ TEST_F(Columns, AShapeThatSaysMoreThanTheFileStoresIsRefused) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::column_test

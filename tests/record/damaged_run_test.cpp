@@ -5,7 +5,7 @@
 #include "support/recorded_fall.h"
 
 /// Files that are damaged, or no runs at all.
-namespace brim {
+namespace brim::damaged_run_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -96,4 +96,4 @@ TEST_F(Run, OtherFilesAreNotTakenForRuns) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::damaged_run_test

@@ -11,7 +11,7 @@
 #include "support/made_run.h"
 #include "support/worlds.h"
 
-namespace brim {
+namespace brim::export_readers_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -278,4 +278,4 @@ TEST_F(ReadersOfDensities, BrimReadsTheVolumeOfABallFromOpenVdb) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::export_readers_test

@@ -10,7 +10,7 @@
 #include "brim/record/export/format.h"
 #include "support/made_run.h"
 
-namespace brim {
+namespace brim::export_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -146,4 +146,4 @@ TEST(Export, ABodysNameMeansItsNumberedCopiesAndItsContacts) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::export_test

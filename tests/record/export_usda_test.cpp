@@ -11,7 +11,7 @@
 #include "brim/record/export/export.h"
 #include "support/made_run.h"
 
-namespace brim {
+namespace brim::export_usda_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -270,4 +270,4 @@ TEST_F(Usda, OneFrameNeedsNoSamples) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::export_usda_test

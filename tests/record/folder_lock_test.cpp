@@ -8,7 +8,7 @@
 
 #include "brim/core/error.h"
 
-namespace brim {
+namespace brim::folder_lock_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -29,4 +29,4 @@ TEST(FolderLock, IsHeldByOneAtATimeAndLeavesNothingBehind) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::folder_lock_test

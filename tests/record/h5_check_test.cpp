@@ -9,7 +9,7 @@
 #include "brim/record/h5.h"
 #include "checkout_paths.h"
 
-namespace brim::h5 {
+namespace brim::h5::h5_check_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -33,4 +33,4 @@ TEST(H5Check, WholeFilesAndThoseThatTheLibraryRefusesArePassedOn) {
 }
 
 }  // namespace
-}  // namespace brim::h5
+}  // namespace brim::h5::h5_check_test

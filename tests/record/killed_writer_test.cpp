@@ -12,7 +12,7 @@
 #include "brim/record/h5.h"
 #include "brim/record/journal.h"
 
-namespace brim {
+namespace brim::killed_writer_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -178,4 +178,4 @@ TEST_F(KilledWriter, AJournalThatIsCutOrOfAnotherFileIsNotTakenOver) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::killed_writer_test

@@ -4,7 +4,7 @@
 #include "support/recorded_fall.h"
 
 /// What a run records of where attachments and joints hold.
-namespace brim {
+namespace brim::link_ends_test {
 namespace {
 
 using testing::Run;
@@ -119,4 +119,4 @@ TEST_F(Run, WithoutAttachmentsThereAreNoEnds) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::link_ends_test

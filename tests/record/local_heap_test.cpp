@@ -11,7 +11,7 @@
 #include "brim/record/h5.h"
 #include "checkout_paths.h"
 
-namespace brim::h5 {
+namespace brim::h5::local_heap_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -83,4 +83,4 @@ TEST(LocalHeap, ARunWithARingOfFreeRoomIsRefusedInOneLine) {
 }
 
 }  // namespace
-}  // namespace brim::h5
+}  // namespace brim::h5::local_heap_test

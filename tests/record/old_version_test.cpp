@@ -6,7 +6,7 @@
 #include "support/version_1_run.h"
 
 /// Runs of earlier versions.
-namespace brim {
+namespace brim::old_version_test {
 namespace {
 
 using testing::kScene;
@@ -82,4 +82,4 @@ TEST_F(Run, ARunOfTheFirstVersionReadsAlikeAndIsGoneOnWithToTheSameBits) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::old_version_test

@@ -5,7 +5,7 @@
 #include "brim/body/changing_surface.h"
 #include "brim/scene/scene.h"
 
-namespace brim {
+namespace brim::posed_display_test {
 namespace {
 
 TEST(PosedDisplay, PiecesAtTheirPosesAreTheDisplayBitForBit) {
@@ -42,4 +42,4 @@ TEST(PosedDisplay, PiecesAtTheirPosesAreTheDisplayBitForBit) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::posed_display_test

@@ -8,7 +8,7 @@
 #include "support/recorded_fall.h"
 
 /// A run that is gone on with is the run that was never interrupted.
-namespace brim {
+namespace brim::resume_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -123,4 +123,4 @@ TEST_F(Run, WhatOnlySaysHowLongAndWhatIsExpectedIsNoChangeOfAScene) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::resume_test

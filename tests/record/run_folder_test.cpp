@@ -4,7 +4,7 @@
 #include "support/recorded_fall.h"
 
 /// What happens to folders and the files of others.
-namespace brim {
+namespace brim::run_folder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -44,4 +44,4 @@ TEST_F(Run, FoldersWithOtherFilesAreNeverTouched) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::run_folder_test

@@ -10,7 +10,7 @@
 #include "brim/scene/scene.h"
 #include "support/heap.h"
 
-namespace brim {
+namespace brim::run_memory_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -73,4 +73,4 @@ TEST_F(LongRun, KeepsNoMemoryPerFrame) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::run_memory_test

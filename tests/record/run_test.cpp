@@ -9,7 +9,7 @@
 #include "support/recorded_fall.h"
 
 /// What a run records is what there was.
-namespace brim {
+namespace brim::run_test {
 namespace {
 
 using testing::kScene;
@@ -193,4 +193,4 @@ TEST_F(Run, XdmfIsWellFormedAndNamesWhatTheFileHolds) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::run_test

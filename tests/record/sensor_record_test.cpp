@@ -14,7 +14,7 @@
 #include "brim/scene/scene.h"
 #include "brim/world/sense/sensors.h"
 
-namespace brim {
+namespace brim::sensor_record_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -160,4 +160,4 @@ TEST_F(SensorRecords, ARunWithoutSensorsHasNone) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::sensor_record_test

@@ -9,7 +9,7 @@
 #include "brim/response/penalty.h"
 #include "support/touching.h"
 
-namespace brim {
+namespace brim::constraint_test {
 namespace {
 
 using testing::plane_pose;
@@ -195,4 +195,4 @@ TEST(Constraint, TargetsByHand) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::constraint_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace brim {
+namespace brim::cut_model_test {
 namespace {
 
 using Vec2 = Eigen::Vector2d;
@@ -42,4 +42,4 @@ TEST(CutModel, FindsTheLeastPointOfUpToFourCuts) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::cut_model_test

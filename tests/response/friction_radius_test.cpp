@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace brim {
+namespace brim::friction_radius_test {
 namespace {
 
 std::vector<RowPoint> corners_at(std::initializer_list<Vec3> points) {
@@ -51,4 +51,4 @@ TEST(FrictionRadius, OneCornerKeepsItsPlaceAndGripsLieAcross) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::friction_radius_test

@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-namespace brim {
+namespace brim::node_places_test {
 namespace {
 
 TEST(NodePlaces, FindsTheNodesWithinSoManyStepsOfAll) {
@@ -47,4 +47,4 @@ TEST(NodePlaces, StopsAtTheFirstThatServesAndForgets) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::node_places_test

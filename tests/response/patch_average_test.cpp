@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-namespace brim {
+namespace brim::patch_average_test {
 namespace {
 
 constexpr unsigned kSeed = 81;
@@ -67,4 +67,4 @@ TEST(PatchAverage, EqualsTheSumOverAllPairsOfTentsInDenseAndInScatteredPatches) 
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::patch_average_test

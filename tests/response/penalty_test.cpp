@@ -11,7 +11,7 @@
 #include "support/contact_quality.h"
 #include "support/touching.h"
 
-namespace brim {
+namespace brim::penalty_test {
 namespace {
 
 using testing::contact_quality;
@@ -262,4 +262,4 @@ TEST(Penalty, NoContactsAreNoWork) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::penalty_test

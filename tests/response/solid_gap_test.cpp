@@ -6,7 +6,7 @@
 
 #include "brim/raster/shape.h"
 
-namespace brim {
+namespace brim::solid_gap_test {
 namespace {
 
 constexpr double h = 0.05;  // [m] a box of 0.2 m has four voxels
@@ -221,4 +221,4 @@ TEST(SolidGap, AStandingCylinderHasPlacesAllAround) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::solid_gap_test

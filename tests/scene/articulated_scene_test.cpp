@@ -7,7 +7,7 @@
 #include "checkout_paths.h"
 
 /// Scenes with trees of links: what they build, and what is refused.
-namespace brim {
+namespace brim::articulated_scene_test {
 namespace {
 
 const char* const kGood = R"({
@@ -106,4 +106,4 @@ TEST(ArticulatedScene, AJointThatMovesNothingIsRefused) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::articulated_scene_test

@@ -10,7 +10,7 @@
 #include "brim/scene/scene.h"
 #include "scene/scene_mistakes.h"
 
-namespace brim {
+namespace brim::bad_scenes_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -99,4 +99,4 @@ TEST_F(BadScenes, DeepNestingIsRefusedAndDoesNotCrash) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::bad_scenes_test

@@ -6,7 +6,7 @@
 #include "brim/scene/scene.h"
 
 /// Work and memory are bounded, and the bound is said.
-namespace brim {
+namespace brim::bounds_test {
 namespace {
 
 std::string message(const auto& f) {
@@ -83,4 +83,4 @@ TEST(Bounds, NamesOfBodiesArePlain) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::bounds_test

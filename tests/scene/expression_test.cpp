@@ -8,7 +8,7 @@
 
 #include "brim/core/error.h"
 
-namespace brim {
+namespace brim::expression_test {
 namespace {
 
 Json value_of(const std::string& name) {
@@ -50,4 +50,4 @@ TEST(Expression, WhatIsNotUnderstoodIsRefused) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::expression_test

@@ -10,7 +10,7 @@
 #include "brim/core/error.h"
 
 /// The rules of arithmetic and what is refused: tests/scene/expression_test.cpp.
-namespace brim {
+namespace brim::formula_test {
 namespace {
 
 Formula::Meaning meaning_of(const std::string& name) {
@@ -41,4 +41,4 @@ TEST(Formula, TheDeepestNestingThatIsAllowedIsEvaluated) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::formula_test

@@ -8,7 +8,7 @@
 #include "brim/mesh/primitives.h"
 #include "brim/scene/scene.h"
 
-namespace brim {
+namespace brim::given_arrays_test {
 namespace {
 
 constexpr const char* kScene = R"({"brim": 1, "name": "given", "frames": 1, "bodies": [
@@ -80,4 +80,4 @@ TEST(GivenArrays, BrokenMeshesAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::given_arrays_test

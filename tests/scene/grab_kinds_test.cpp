@@ -8,7 +8,7 @@
 #include "brim/world/world.h"
 
 /// Hands on bodies of every kind, and in the timeline of a scene.
-namespace brim {
+namespace brim::grab_kinds_test {
 namespace {
 
 TEST(GrabScenes, EveryKindIsPulledExceptFluidsOnGridsAndWhatIsFixed) {
@@ -102,4 +102,4 @@ TEST(GrabScenes, ATimelineSaysWhatCannotBeBeforeTheRunBegins) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::grab_kinds_test

@@ -7,7 +7,7 @@
 #include "brim/scene/scene.h"
 
 /// Scenes with grid fluids: what is accepted, and what each mistake is told.
-namespace brim {
+namespace brim::grid_fluid_scene_test {
 namespace {
 
 std::string message(const std::string& keys) {
@@ -61,4 +61,4 @@ TEST(GridFluidScene, EachMistakeIsToldWithItsPlace) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::grid_fluid_scene_test

@@ -11,7 +11,7 @@
 #include "io/dicom_writer.h"
 #include "support/images.h"
 
-namespace brim {
+namespace brim::image_volume_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -258,4 +258,4 @@ TEST_F(ImageVolumes, BadInputIsRefusedWithAMessage) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::image_volume_test

@@ -11,7 +11,7 @@
 #include "brim/scene/scene.h"
 #include "support/sensing.h"
 
-namespace brim {
+namespace brim::include_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -267,4 +267,4 @@ TEST_F(Include, MistakesInWhatIsWiredUpAreSaidWhereTheyStand) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::include_test

@@ -8,7 +8,7 @@
 #include "brim/world/world.h"
 
 /// Attachments and forces on bodies of every kind, and what scenes say of them.
-namespace brim {
+namespace brim::links_test {
 namespace {
 
 /// Matter that moves through cells has no points.
@@ -260,4 +260,4 @@ TEST(LinkScenes, AHingeAboutARodsOwnAxisHasNoDrive) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::links_test

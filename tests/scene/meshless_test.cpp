@@ -3,7 +3,7 @@
 #include "brim/core/error.h"
 #include "brim/scene/scene.h"
 
-namespace brim {
+namespace brim::meshless_test {
 namespace {
 
 World build(const std::string& keys) {
@@ -51,4 +51,4 @@ TEST(MeshlessScenes, BadInputIsRefusedWithAMessage) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::meshless_test

@@ -12,7 +12,7 @@
 #include "checkout_paths.h"
 
 /// The example of docs/bodies/your_own.md, whose source is compiled into this test.
-namespace brim {
+namespace brim::own_kind_test {
 namespace {
 
 const std::string kExample = std::string(BRIM_SOURCE_DIR) + "/examples/user_body/";
@@ -83,4 +83,4 @@ TEST(OwnKind, NamesAndKeysThatAreTakenAreRefused) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::own_kind_test

@@ -11,7 +11,7 @@
 #include "brim/core/error.h"
 
 /// Figures that outlive the process that made them.
-namespace brim {
+namespace brim::pair_log_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -120,4 +120,4 @@ TEST_F(PairLogTest, WhatIsKeptIsNotRunAgain) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::pair_log_test

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 /// The page of pairs, from results that are made up.
-namespace brim {
+namespace brim::pair_page_test {
 namespace {
 
 PairResult result(const std::string& upper, const std::string& lower, const std::string& failure = "") {
@@ -102,4 +102,4 @@ TEST(PairPage, KindsThatAreAddedBringTheirNotesOfEveryWorldThatTheTableHas) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::pair_page_test

@@ -9,7 +9,7 @@
 #include "brim/scene/scene.h"
 
 /// The table of pairs: what it reads, what it measures, and a few of its cells.
-namespace brim {
+namespace brim::pairs_test {
 namespace {
 
 /// A ball on a ball, small and quick.
@@ -207,4 +207,4 @@ TEST(Pairs, KindsThatAreQuickToRunMeetABallAndASoftBlock) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::pairs_test

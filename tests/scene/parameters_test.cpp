@@ -9,7 +9,7 @@
 #include "brim/scene/presets.h"
 #include "brim/scene/scene.h"
 
-namespace brim {
+namespace brim::parameters_test {
 namespace {
 
 /// A ball on a floor whose numbers are parameters.
@@ -205,4 +205,4 @@ TEST(Errors, OfFormulasPresetsAndIncludesAreToldWithTheRestAndOnce) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::parameters_test

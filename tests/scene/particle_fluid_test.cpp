@@ -5,7 +5,7 @@
 #include "brim/core/error.h"
 #include "brim/scene/scene.h"
 
-namespace brim {
+namespace brim::particle_fluid_test {
 namespace {
 
 std::string scene_with(const std::string& fluid, const std::string& world = R"({"voxel_size": 0.05})") {
@@ -75,4 +75,4 @@ TEST(ParticleFluidScene, RefusesWhatWouldLeakOrHasNoVolume) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::particle_fluid_test

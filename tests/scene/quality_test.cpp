@@ -6,7 +6,7 @@
 #include "brim/scene/scene.h"
 
 /// One word for how sharply a world is solved.
-namespace brim {
+namespace brim::quality_test {
 namespace {
 
 WorldOptions options(const std::string& world) {
@@ -47,4 +47,4 @@ TEST(Quality, AKeyThatIsGivenCountsBeforeIt) {
 TEST(Quality, OtherWordsAreRefused) { EXPECT_THROW(options(R"("quality": "best")"), InputError); }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::quality_test

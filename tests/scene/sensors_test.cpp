@@ -9,7 +9,7 @@
 #include "support/sensing.h"
 
 /// Sensors on bodies of every kind, and what scenes say of them.
-namespace brim {
+namespace brim::sensors_test {
 namespace {
 
 using testing::reading;
@@ -112,4 +112,4 @@ TEST(SensorScenes, ExpectationsNameWhatIsThere) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::sensors_test

@@ -7,7 +7,7 @@
 #include "brim/scene/scene.h"
 
 /// Scenes with springs, rods and grains: what is accepted, and what each mistake is told.
-namespace brim {
+namespace brim::spring_rod_grain_scenes_test {
 namespace {
 
 struct Case {
@@ -184,4 +184,4 @@ TEST(SpringRodGrainScenes, ARodIsDividedEvenlyAndKeepsItsEnds) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::spring_rod_grain_scenes_test

@@ -10,7 +10,7 @@
 #include "brim/world/world.h"
 
 /// Edits at given times, and edits of bodies of every kind.
-namespace brim {
+namespace brim::timeline_test {
 namespace {
 
 std::string scene_with(const std::string& timeline) {
@@ -137,4 +137,4 @@ TEST(EveryKind, IsFrozenMovedRemovedAndResumed) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::timeline_test

@@ -9,7 +9,7 @@
 #include "brim/scene/scene.h"
 #include "brim/world/world.h"
 
-namespace brim {
+namespace brim::wind_field_test {
 namespace {
 
 std::string scene_of(const std::string& wind) {
@@ -71,4 +71,4 @@ TEST(WindField, MistakesAreSaidWhereTheyStand) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::wind_field_test

@@ -11,7 +11,7 @@
 #include "checkout_paths.h"
 
 /// Which kind takes which wiring: every kind is given each, and what comes of it is the table of docs/links.md.
-namespace brim {
+namespace brim::wiring_table_test {
 namespace {
 
 struct Wiring {
@@ -110,4 +110,4 @@ TEST(WiringTable, IsWhatEveryKindDoes) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::wiring_table_test

@@ -10,7 +10,7 @@
 #include "brim/core/error.h"
 #include "checkout_paths.h"
 
-namespace brim::viewer {
+namespace brim::viewer::array_message_test {
 namespace {
 
 /// The message that viewer/test/codec.test.ts writes with the TypeScript twin.
@@ -54,4 +54,4 @@ TEST(ArrayMessage, ANameTooLongIsADefect) {
 }
 
 }  // namespace
-}  // namespace brim::viewer
+}  // namespace brim::viewer::array_message_test

@@ -12,7 +12,7 @@
 #include "server/rebuilt_world.h"
 #include "support/worlds.h"
 
-namespace brim::viewer {
+namespace brim::viewer::density_slice_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -131,4 +131,4 @@ TEST(RebuiltWorlds, HaveTheRecordedStateOfEveryFrame) {
 }
 
 }  // namespace
-}  // namespace brim::viewer
+}  // namespace brim::viewer::density_slice_test

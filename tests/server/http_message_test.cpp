@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace brim::viewer {
+namespace brim::viewer::http_message_test {
 namespace {
 
 TEST(HttpMessage, ARequestIsReadWhole) {
@@ -70,4 +70,4 @@ TEST(HttpMessage, HostsAreReadWithoutTheirPorts) {
 }
 
 }  // namespace
-}  // namespace brim::viewer
+}  // namespace brim::viewer::http_message_test

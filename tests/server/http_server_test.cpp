@@ -13,7 +13,7 @@
 
 #include "brim/core/error.h"
 
-namespace brim::viewer {
+namespace brim::viewer::http_server_test {
 namespace {
 
 using Clock = std::chrono::steady_clock;
@@ -56,7 +56,7 @@ class Wire {
   bool good_ = false;
 };
 
-class HttpServerTest : public testing::Test {
+class HttpServerTest : public ::testing::Test {
  protected:
   HttpServerTest()
       : server_(
@@ -201,4 +201,4 @@ TEST(HttpServerAlone, StoppedBeforeItListensItEnds) {
 }
 
 }  // namespace
-}  // namespace brim::viewer
+}  // namespace brim::viewer::http_server_test

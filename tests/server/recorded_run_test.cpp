@@ -19,7 +19,7 @@
 #include "brim/scene/scene.h"
 #include "brim/world/report_fields.h"
 
-namespace brim::viewer {
+namespace brim::viewer::recorded_run_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -161,7 +161,7 @@ double slowest_wall(const fs::path& folder) {
   return slowest;
 }
 
-class RecordedRunTest : public testing::Test {
+class RecordedRunTest : public ::testing::Test {
  protected:
   fs::path folder_ = fs::temp_directory_path() / fmt::format("brim_recorded_{}", getpid());
   ~RecordedRunTest() override { fs::remove_all(folder_); }
@@ -329,4 +329,4 @@ TEST_F(RecordedRunTest, WhatIsNotThereIsAnInputError) {
 }
 
 }  // namespace
-}  // namespace brim::viewer
+}  // namespace brim::viewer::recorded_run_test

@@ -16,7 +16,7 @@
 
 #include "brim/core/error.h"
 
-namespace brim::viewer {
+namespace brim::viewer::viewer_server_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -44,7 +44,7 @@ class MadeUpRun : public RunSource {
   std::string series(std::int64_t from) override { return "series from " + std::to_string(from); }
 };
 
-class ViewerServerTest : public testing::Test {
+class ViewerServerTest : public ::testing::Test {
  protected:
   ViewerServerTest() {
     std::signal(SIGPIPE, SIG_IGN);  // the client does not mind a server that stops listening
@@ -254,4 +254,4 @@ TEST_F(ViewerServerTest, APortInUseIsAnInputError) {
 }
 
 }  // namespace
-}  // namespace brim::viewer
+}  // namespace brim::viewer::viewer_server_test

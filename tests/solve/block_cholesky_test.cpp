@@ -7,7 +7,7 @@
 
 #include "brim/core/parallel.h"
 
-namespace brim {
+namespace brim::block_cholesky_test {
 namespace {
 
 /// What entries below the diagonal in 1,023 steps leave of a solution, with the condition of the matrices here.
@@ -163,4 +163,4 @@ TEST(BlockCholesky, BranchesSharedByThreadsGiveTheSameBits) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::block_cholesky_test

@@ -8,7 +8,7 @@
 
 #include "brim/core/parallel.h"
 
-namespace brim {
+namespace brim::conjugate_gradient_test {
 namespace {
 
 constexpr unsigned kSeed = 51;
@@ -266,4 +266,4 @@ TEST(ConjugateGradient, AnyNumberOfThreadsGivesTheSameBits) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::conjugate_gradient_test

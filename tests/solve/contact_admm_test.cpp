@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-namespace brim {
+namespace brim::contact_admm_test {
 namespace {
 
 /// Contacts on masses that hang together, more rows than velocities: a matrix of responses that is singular.
@@ -108,4 +108,4 @@ TEST(ContactAdmm, UnlikeMassesOnTopOfEachOtherCarryTheirWeights) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::contact_admm_test

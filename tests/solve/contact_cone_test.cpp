@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace brim {
+namespace brim::contact_cone_test {
 namespace {
 
 Mat3 random_response(std::mt19937& rng) {
@@ -55,4 +55,4 @@ TEST(ContactCone, AllSolutionsOfAContactThatMayJamHaveNoResidual) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::contact_cone_test

@@ -5,7 +5,7 @@
 #include <Eigen/Cholesky>
 #include <random>
 
-namespace brim {
+namespace brim::dense_factor_test {
 namespace {
 
 /// Symmetric, semidefinite, its diagonal about 1.
@@ -52,4 +52,4 @@ TEST(DenseFactor, SaysWhereAMatrixIsTooNearToASingularOne) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::dense_factor_test

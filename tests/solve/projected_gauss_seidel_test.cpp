@@ -9,7 +9,7 @@
 #include "brim/core/parallel.h"
 #include "brim/solve/contact_cone.h"
 
-namespace brim {
+namespace brim::projected_gauss_seidel_test {
 namespace {
 
 using Entry = ProjectedGaussSeidel::Entry;
@@ -242,4 +242,4 @@ TEST(ProjectedGaussSeidel, PairsSharedByThreadsGiveTheSameBits) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::projected_gauss_seidel_test

@@ -8,7 +8,7 @@
 #include "brim/math/rotation.h"
 #include "brim/solve/projected_gauss_seidel.h"
 
-namespace brim {
+namespace brim::rigid_pair_rows_test {
 namespace {
 
 using Side = RigidPairRows::Side;
@@ -123,4 +123,4 @@ TEST(RigidPairRows, AVisitLeavesVelocitiesAndImpulsesInStepAndMomentumWhereItWas
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::rigid_pair_rows_test

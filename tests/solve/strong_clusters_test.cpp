@@ -6,7 +6,7 @@
 #include <map>
 #include <random>
 
-namespace brim::testing {
+namespace brim::testing::strong_clusters_test {
 namespace {
 
 constexpr unsigned kSeed = 5;
@@ -59,4 +59,4 @@ TEST(StrongClusters, GrowUntilNoTwoThatAreCoupledFitTogether) {
 }
 
 }  // namespace
-}  // namespace brim::testing
+}  // namespace brim::testing::strong_clusters_test

@@ -11,7 +11,7 @@
 #include "support/dense_contacts.h"
 #include "support/soft_worlds.h"
 
-namespace brim::testing {
+namespace brim::testing::coarse_grid_test {
 namespace {
 
 constexpr unsigned kSeed = 11;
@@ -209,4 +209,4 @@ TEST(CoarseGrid, LargeSlabsOnEachOtherTakeFewIterations) {
 }
 
 }  // namespace
-}  // namespace brim::testing
+}  // namespace brim::testing::coarse_grid_test

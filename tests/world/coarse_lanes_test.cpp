@@ -6,7 +6,7 @@
 
 #include "support/solids.h"
 
-namespace brim {
+namespace brim::coarse_lanes_test {
 namespace {
 
 constexpr unsigned kSeed = 23;
@@ -60,4 +60,4 @@ TEST(CoarseLanes, ContactsAddTheProductsOfTheirSides) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::coarse_lanes_test

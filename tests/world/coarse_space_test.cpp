@@ -4,7 +4,7 @@
 
 #include "support/worlds.h"
 
-namespace brim::testing {
+namespace brim::testing::coarse_space_test {
 namespace {
 
 /// Iterations per solve over the first steps of a tower of boxes.
@@ -28,4 +28,4 @@ TEST(CoarseSpace, ATowerOfRigidBodiesNeedsNoIterationsPerStorey) {
 }
 
 }  // namespace
-}  // namespace brim::testing
+}  // namespace brim::testing::coarse_space_test

@@ -11,7 +11,7 @@
 #include "support/worlds.h"
 
 /// Laws of contact by constraint rows: friction, restitution, momentum, rest.
-namespace brim {
+namespace brim::constraint_test {
 namespace {
 
 using testing::ball;
@@ -355,4 +355,4 @@ TEST(ConstraintContact, PenaltyAndConstraintsHoldAStackTogether) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::constraint_test

@@ -10,7 +10,7 @@
 #include "support/soft_worlds.h"
 #include "support/solids.h"
 
-namespace brim::testing {
+namespace brim::testing::contact_factor_test {
 namespace {
 
 constexpr unsigned kSeed = 7;
@@ -229,4 +229,4 @@ TEST(ContactFactor, TakesASheetWholeSoThatItNeedsFewIterations) {
 }
 
 }  // namespace
-}  // namespace brim::testing
+}  // namespace brim::testing::contact_factor_test

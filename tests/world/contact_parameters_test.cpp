@@ -7,7 +7,7 @@
 #include "support/worlds.h"
 
 /// Warnings of contact that cannot hold what it is given.
-namespace brim {
+namespace brim::contact_parameters_test {
 namespace {
 
 using testing::box;
@@ -93,4 +93,4 @@ TEST(ContactParameters, ALightBoxOnAHeavyOneIsNotTold) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::contact_parameters_test

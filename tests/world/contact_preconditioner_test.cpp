@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace brim::testing {
+namespace brim::testing::contact_preconditioner_test {
 namespace {
 
 /// Four contacts along z, of which number 2 is in no row.
@@ -48,4 +48,4 @@ TEST(ContactPreconditioner, TellsStiffnessInAnotherDirection) {
 }
 
 }  // namespace
-}  // namespace brim::testing
+}  // namespace brim::testing::contact_preconditioner_test

@@ -9,7 +9,7 @@
 #include "support/soft_worlds.h"
 #include "support/worlds.h"
 
-namespace brim {
+namespace brim::contact_stage_test {
 namespace {
 
 constexpr unsigned kSeed = 102;
@@ -145,4 +145,4 @@ TEST(ContactStage, ABodyInAnEmptyPlaceIsNotRasterized) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::contact_stage_test

@@ -7,7 +7,7 @@
 #include "brim/body/cloth/cloth_body.h"
 #include "brim/mesh/primitives.h"
 
-namespace brim {
+namespace brim::direct_rows_test {
 namespace {
 
 constexpr unsigned kSeed = 31;
@@ -126,4 +126,4 @@ TEST(DirectRows, ABodyWithoutContactsHasNoCoordinates) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::direct_rows_test

@@ -5,7 +5,7 @@
 #include "support/edited_worlds.h"
 
 /// What may be done to a world between its steps, and that a world which was edited goes on as if it had been made so.
-namespace brim::testing {
+namespace brim::testing::editing_test {
 namespace {
 
 TEST(Materials, AnEditBeforeTheFirstStepMakesTheWorldThatWasMadeSo) {
@@ -150,4 +150,4 @@ TEST(Schedule, EachEditHappensOnceAtTheStepThatBeginsThen) {
 }
 
 }  // namespace
-}  // namespace brim::testing
+}  // namespace brim::testing::editing_test

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace brim {
+namespace brim::edits_test {
 namespace {
 
 Edits some_edits() {
@@ -79,4 +79,4 @@ TEST(Edits, DamagedMemoryGivesOnlyWhatMakesSense) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::edits_test

@@ -8,7 +8,7 @@
 #include "support/particle_fluids.h"
 #include "support/worlds.h"
 
-namespace brim {
+namespace brim::fill_stage_test {
 namespace {
 
 using namespace testing::fluids;
@@ -196,4 +196,4 @@ TEST(FillStage, OneThreadAndThreeGiveTheSameBits) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::fill_stage_test

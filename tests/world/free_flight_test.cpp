@@ -15,7 +15,7 @@
 #include "support/soft_worlds.h"
 
 /// Bodies that nothing touches, against the parabola.
-namespace brim {
+namespace brim::free_flight_test {
 namespace {
 
 constexpr double kStep = 1.0 / 60.0;
@@ -153,4 +153,4 @@ TEST(FreeFlight, BouncesNeverGainHeight) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::free_flight_test

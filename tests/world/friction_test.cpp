@@ -9,7 +9,7 @@
 
 /// Coulomb's law under penalties: what is inside of the cone sticks soon, what is outside of it slides by the
 /// difference.
-namespace brim {
+namespace brim::friction_test {
 namespace {
 
 using testing::box;
@@ -101,4 +101,4 @@ TEST(Friction, OfABlockThatSpreadsUnderItsWeightIsThatOfItsLoad) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::friction_test

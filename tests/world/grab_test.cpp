@@ -8,7 +8,7 @@
 #include "support/soft_worlds.h"
 
 /// Laws of what is pulled about by hand (World::grab). For every kind: tests/scene/grab_kinds_test.cpp.
-namespace brim {
+namespace brim::grab_test {
 namespace {
 
 using testing::ball;
@@ -145,4 +145,4 @@ TEST(Grab, SaysWhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::grab_test

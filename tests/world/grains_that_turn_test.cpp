@@ -4,7 +4,7 @@
 #include "support/soft_worlds.h"
 
 /// Grains that turn, in small worlds.
-namespace brim {
+namespace brim::grains_that_turn_test {
 namespace {
 
 PointsOptions grains(double radius = 0.05) {
@@ -102,4 +102,4 @@ TEST(GrainsThatTurn, ARunThatIsResumedGoesOnBitForBit) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::grains_that_turn_test

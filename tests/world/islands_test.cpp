@@ -5,7 +5,7 @@
 #include "brim/body/rigid/rigid_body.h"
 #include "support/soft_worlds.h"
 
-namespace brim {
+namespace brim::islands_test {
 namespace {
 
 TEST(Islands, AreNumberedInTheOrderOfTheirFirstBodies) {
@@ -37,4 +37,4 @@ TEST(Islands, WhatHitsTheGroundDoesNotStirWhatLiesElsewhere) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::islands_test

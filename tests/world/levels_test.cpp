@@ -13,7 +13,7 @@
 #include "support/soft_worlds.h"
 
 /// Bodies that contact sees coarsely: where they meet, what it does to motion, and how runs stay reproducible.
-namespace brim::testing {
+namespace brim::testing::levels_test {
 namespace {
 
 constexpr double kH = 0.05;
@@ -189,4 +189,4 @@ TEST(Levels, ABudgetMakesCoarserAndItsLevelsMakeTheSameRunAgain) {
 }
 
 }  // namespace
-}  // namespace brim::testing
+}  // namespace brim::testing::levels_test

@@ -7,7 +7,7 @@
 #include "support/soft_worlds.h"
 
 /// Laws of joints between bodies (LinkJoint).
-namespace brim {
+namespace brim::link_joints_test {
 namespace {
 
 using testing::box;
@@ -250,4 +250,4 @@ TEST(LinkJoints, WhatCannotBeIsRefused) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::link_joints_test

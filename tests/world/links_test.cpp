@@ -9,7 +9,7 @@
 #include "support/soft_worlds.h"
 
 /// Laws of attachments between bodies and to space. Those for every kind: tests/scene/links_test.cpp.
-namespace brim {
+namespace brim::links_test {
 namespace {
 
 using testing::ball;
@@ -244,4 +244,4 @@ TEST(World, ABodyThatThrowsWhileItIsTakenInLeavesTheWorldAsItWas) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::links_test

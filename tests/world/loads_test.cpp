@@ -8,7 +8,7 @@
 #include "support/solids.h"
 #include "support/worlds.h"
 
-namespace brim {
+namespace brim::loads_test {
 namespace {
 
 using testing::box;
@@ -139,4 +139,4 @@ TEST(Loads, ASceneThatMakesContactSofterThanItsBodiesIsToldOnce) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::loads_test

@@ -8,7 +8,7 @@
 
 /// Laws of attachments, joints and forces that hold particles of a fluid. Those for every kind:
 /// tests/scene/links_test.cpp.
-namespace brim {
+namespace brim::loose_links_test {
 namespace {
 
 using testing::blob;
@@ -207,4 +207,4 @@ TEST(LooseLinks, AnyNumberOfThreadsGivesTheSameBits) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::loose_links_test

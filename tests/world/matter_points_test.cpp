@@ -4,7 +4,7 @@
 
 #include "support/carried.h"
 
-namespace brim {
+namespace brim::matter_points_test {
 namespace {
 
 /// A hollow ball as a scanner sees it, its wall thinner than the lattice that carries it.
@@ -41,4 +41,4 @@ TEST(MatterPoints, AWideRegionOfAScanIsHeldWithinVoxelsOfWhatWasAskedFor) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::matter_points_test

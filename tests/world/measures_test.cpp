@@ -8,7 +8,7 @@
 #include "brim/world/display_measures.h"
 #include "support/worlds.h"
 
-namespace brim {
+namespace brim::measures_test {
 namespace {
 
 using testing::box;
@@ -268,4 +268,4 @@ TEST(DisplayMeasures, TheLevelOfAPoolIsThatOfMostColumnsAwayFromWhatFloats) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::measures_test

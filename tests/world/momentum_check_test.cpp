@@ -6,7 +6,7 @@
 
 #include "support/worlds.h"
 
-namespace brim {
+namespace brim::momentum_check_test {
 namespace {
 
 constexpr unsigned kSeed = 103;
@@ -54,4 +54,4 @@ TEST(MomentumCheck, RigidMotionMovesEveryPointOfABodyAsOneSolid) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::momentum_check_test

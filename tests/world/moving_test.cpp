@@ -7,7 +7,7 @@
 #include "support/edited_worlds.h"
 
 /// Bodies that are frozen, moved and pushed between steps.
-namespace brim::testing {
+namespace brim::testing::moving_test {
 namespace {
 
 TEST(Freeze, ABoxCarriesABallAsAnObstacleDoes) {
@@ -229,4 +229,4 @@ TEST(SetVelocity, GivesMomentumAndSpinAboutTheCentreOfMass) {
 }
 
 }  // namespace
-}  // namespace brim::testing
+}  // namespace brim::testing::moving_test

@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-namespace brim {
+namespace brim::number_fold_test {
 namespace {
 
 using Take = NumberFold::Take;
@@ -51,4 +51,4 @@ TEST(NumberFold, WhatIsNotANumberDoesNotHide) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::number_fold_test

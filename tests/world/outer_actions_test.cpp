@@ -7,7 +7,7 @@
 #include "support/soft_worlds.h"
 
 /// Laws of what acts from outside. Those for every kind: tests/scene/links_test.cpp.
-namespace brim {
+namespace brim::outer_actions_test {
 namespace {
 
 using testing::ball;
@@ -187,4 +187,4 @@ TEST(OuterActions, WhatCannotBeIsRefused) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::outer_actions_test

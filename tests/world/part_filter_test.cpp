@@ -8,7 +8,7 @@
 #include "support/soft_worlds.h"
 
 /// Rules of which parts of bodies touch. What scenes say of them: tests/scene/links_test.cpp.
-namespace brim {
+namespace brim::part_filter_test {
 namespace {
 
 using testing::position;
@@ -222,4 +222,4 @@ TEST(PartFilter, WhatCarriesNoRegionIsRefused) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::part_filter_test

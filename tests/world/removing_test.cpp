@@ -4,7 +4,7 @@
 #include "support/edited_worlds.h"
 
 /// That a world from which bodies are taken goes on as if it had been made so.
-namespace brim::testing {
+namespace brim::testing::removing_test {
 namespace {
 
 /// The same bodies in both, but for `extra`, which a has as number 1.
@@ -132,4 +132,4 @@ TEST(Remove, WhatHeldToItIsDetachedAndItsForcesEnd) {
 }
 
 }  // namespace
-}  // namespace brim::testing
+}  // namespace brim::testing::removing_test

@@ -8,7 +8,7 @@
 #include "support/worlds.h"
 
 /// What is sampled of rigid solids at their references, kept and moved along.
-namespace brim {
+namespace brim::rigid_contacts_test {
 namespace {
 
 constexpr unsigned kSeed = 31;
@@ -219,4 +219,4 @@ TEST(ReferencePoses, ComeBackFromMemoryAsTheyWere) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::rigid_contacts_test

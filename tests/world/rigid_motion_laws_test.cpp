@@ -4,7 +4,7 @@
 #include "support/worlds.h"
 
 /// Rigid bodies on rows, against the mechanics of rigid bodies.
-namespace brim {
+namespace brim::rigid_motion_laws_test {
 namespace {
 
 constexpr double kGravity = 9.81, kStep = 1.0 / 120.0;
@@ -131,4 +131,4 @@ TEST(SpinningOnRows, FrictionBrakesWithTheTorqueOfAnEvenPressure) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::rigid_motion_laws_test

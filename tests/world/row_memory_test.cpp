@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace brim {
+namespace brim::row_memory_test {
 namespace {
 
 TEST(RowMemory, PointsFindTheNearestOfTheirPairOnceAndWithinTwoVoxels) {
@@ -33,4 +33,4 @@ TEST(RowMemory, PointsFindTheNearestOfTheirPairOnceAndWithinTwoVoxels) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::row_memory_test

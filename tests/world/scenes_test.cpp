@@ -5,7 +5,7 @@
 #include "support/worlds.h"
 
 /// What rigid bodies do on the ground, on inclines, in stacks and against walls.
-namespace brim {
+namespace brim::scenes_test {
 namespace {
 
 using testing::ball;
@@ -272,4 +272,4 @@ TEST(Scene, TwoFreeBodiesThatCollideKeepTheirMomentum) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::scenes_test

@@ -5,7 +5,7 @@
 #include "support/soft_worlds.h"
 
 /// Islands at rest are left out of the step, and come back when something touches them.
-namespace brim::testing {
+namespace brim::testing::sleep_test {
 namespace {
 
 WorldOptions sleeping(Response response = Response::Constraint) {
@@ -162,4 +162,4 @@ TEST(Sleep, FluidsNeverSleep) {
 }
 
 }  // namespace
-}  // namespace brim::testing
+}  // namespace brim::testing::sleep_test

@@ -7,7 +7,7 @@
 #include "support/soft_worlds.h"
 
 /// Laws of a world as such, where bodies of several kinds touch: determinism, memory.
-namespace brim {
+namespace brim::soft_world_test {
 namespace {
 
 /// Names of the bodies that touch in a step, "a-b".
@@ -57,4 +57,4 @@ TEST(SoftWorld, AThousandStepsOfElasticBodiesInContactTakeNoMoreMemory) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::soft_world_test

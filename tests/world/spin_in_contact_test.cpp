@@ -2,7 +2,7 @@
 
 #include "support/soft_worlds.h"
 
-namespace brim {
+namespace brim::spin_in_contact_test {
 namespace {
 
 struct Momenta {
@@ -69,4 +69,4 @@ TEST(SpinInContact, WhatALooseSolveLeavesIsGivenBackWhereRowsActToo) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::spin_in_contact_test

@@ -4,7 +4,7 @@
 
 #include "support/soft_worlds.h"
 
-namespace brim {
+namespace brim::substeps_test {
 namespace {
 
 using testing::ball;
@@ -174,4 +174,4 @@ TEST(Substeps, WhatIsSqueezedOutMovesNoFartherThanAllowed) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::substeps_test

@@ -12,7 +12,7 @@
 #include "brim/mesh/primitives.h"
 #include "brim/raster/grid_shape.h"
 
-namespace brim {
+namespace brim::tile_culling_test {
 namespace {
 
 constexpr double kStep = 0.1;
@@ -55,7 +55,7 @@ TEST(TileRoom, TwoBallsThatTouchInTheTileHaveRoomAndTwoFarApartHaveNone) {
 
 TEST(TileRoom, NoTileWithAContactIsRuledOutForRandomPlacesOfBoxesBallsAndSampledRings) {
   constexpr unsigned kSeed = 20260103;
-  SCOPED_TRACE(testing::Message() << "seed " << kSeed);
+  SCOPED_TRACE(::testing::Message() << "seed " << kSeed);
   std::mt19937 random(kSeed);
   std::uniform_real_distribution<double> in(-1.0, 1.0);
   const auto ring = [] {
@@ -117,4 +117,4 @@ TEST(TileRoom, APartThatKnowsNoBoundIsNeverRuledOut) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::tile_culling_test

@@ -8,7 +8,7 @@
 #include "brim/core/error.h"
 #include "support/worlds.h"
 
-namespace brim {
+namespace brim::touch_rules_test {
 namespace {
 
 TEST(TouchRules, ANameIsMatchedByItselfItsStemAndPatterns) {
@@ -116,4 +116,4 @@ TEST(TouchRules, ABoxFallsThroughTheGroundThatItDoesNotTouchUntilItIsToldTo) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::touch_rules_test

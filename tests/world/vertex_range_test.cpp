@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace brim {
+namespace brim::vertex_range_test {
 namespace {
 
 TEST(VertexRange, IsTheLeastAndTheLargestOfAllPoints) {
@@ -41,4 +41,4 @@ TEST(VertexRange, EqualListsShareOne) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::vertex_range_test

@@ -12,7 +12,7 @@
 
 /// Laws of wind on what has no triangles, and on bodies of several parts. On surfaces: outer_actions_test.cpp. On every
 /// kind: tests/scene/wiring_table_test.cpp.
-namespace brim {
+namespace brim::wind_test {
 namespace {
 
 using testing::options_at;
@@ -212,4 +212,4 @@ TEST(OuterActions, AForceInARegionOfAFluidActsOnTheParticlesThatWereThere) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::wind_test

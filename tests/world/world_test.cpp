@@ -10,7 +10,7 @@
 #include "support/soft_worlds.h"
 
 /// Laws of a world as such: state, determinism, cost. What bodies do in it is in scenes_test.cpp.
-namespace brim {
+namespace brim::world_test {
 namespace {
 
 using testing::ball;
@@ -216,4 +216,4 @@ TEST(World, PartsMeetAtTheFinerOfTheirTwoSteps) {
 }
 
 }  // namespace
-}  // namespace brim
+}  // namespace brim::world_test

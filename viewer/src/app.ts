@@ -49,6 +49,7 @@ export class App {
   private updating: Promise<void> | undefined;
   private updateAgain = false;
   private lastTick = 0;
+  private compact = false; // the window is narrow
 
   constructor(private readonly bare: boolean) {
     this.picture = new Picture(this.canvas);
@@ -67,6 +68,7 @@ export class App {
       tiles: (on) => this.picture.setTiles(on),
       links: (on) => this.picture.setLinks(on),
       slice: () => void this.slicing.refresh(),
+      middle: () => (this.bare ? this.picture.stage.center.toArray() : this.picture.middle()),
     });
     this.slicing = new Slicing(this.picture, this.panel);
     this.picking = new Picking(this.canvas, this.picture, () => this.run);
@@ -88,7 +90,6 @@ export class App {
       this.timeline.element,
       this.help,
     );
-    if (window.innerWidth < kCompact) this.panel.element.hidden = this.plots.element.hidden = true;
     bindKeys(this);
     if (!bare) new ResizeObserver(() => this.resize()).observe(this.view);
     this.resize();
@@ -144,7 +145,7 @@ export class App {
     this.picture.setRun(run, topologies, samples);
     this.picture.stage.setPose(defaultPose);
     this.panel.setRun(run, this.picture.colours);
-    this.panel.slice.setRun(run.bodies, run.slices === true, this.picture.stage.center.toArray());
+    this.panel.slice.setRun(run.bodies, run.slices === true);
     this.describe();
     if (samples[0]) this.display(samples[0]);
     if (this.acting) this.player.seek(this.player.frames - 1);
@@ -188,7 +189,7 @@ export class App {
       this.setSeries(appendSeries(this.series, await fetchSeries(known)));
       if (known === 0) {
         this.picture.frameScene(await this.samples());
-        this.panel.slice.setRun(run.bodies, run.slices === true, this.picture.stage.center.toArray());
+        this.panel.slice.setRun(run.bodies, run.slices === true);
         this.picture.stage.setPose(defaultPose);
       }
       if (following) this.player.seek(this.player.frames - 1);
@@ -290,6 +291,9 @@ export class App {
   }
 
   private resize() {
+    const compact = window.innerWidth < kCompact;
+    if (compact && !this.compact) this.panel.element.hidden = this.plots.element.hidden = true;
+    this.compact = compact;
     const box = this.view.getBoundingClientRect();
     if (box.width > 0 && box.height > 0) this.picture.stage.resize(box.width, box.height);
     this.picture.stage.draw(true);
@@ -304,7 +308,7 @@ export class App {
   }
   private toggleSide(side: HTMLElement, other: HTMLElement) {
     side.hidden = !side.hidden;
-    if (!side.hidden && window.innerWidth < kCompact) other.hidden = true;
+    if (!side.hidden && this.compact) other.hidden = true;
   }
   toggleHelp(): void {
     if (this.help.open) this.help.close();

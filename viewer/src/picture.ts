@@ -89,17 +89,28 @@ export class Picture {
   /** Fits light and ground to what some frames show. */
   frameScene(samples: Frame[]): void {
     const boxes = samples.map((s) => {
-      const box = new THREE.Box3();
-      for (const [body, p] of s.positions) {
-        const own = this.bodies[body]?.display === 'points' ? boxWithoutStrays(p) : boxOf(p);
-        if (!own.isEmpty()) box.union(own.expandByScalar(this.bodies[body]?.radius ?? 0));
-      }
+      const box = this.movingBox(s);
       return this.links.object.visible ? box.union(linkBox(s.links, this.linkInfos, box)) : box;
     });
     const box = framing(boxes, this.fixedBoxes);
     if (box.isEmpty()) return;
     this.stage.setBounds(box);
     this.findFloors();
+  }
+
+  /** Middle of what moves in the frame shown, [m]; that of the scene where nothing does. */
+  middle(): [number, number, number] {
+    const box = this.shown ? this.movingBox(this.shown) : new THREE.Box3();
+    return (box.isEmpty() ? this.stage.center : box.getCenter(new THREE.Vector3())).toArray();
+  }
+
+  private movingBox(frame: Frame): THREE.Box3 {
+    const box = new THREE.Box3();
+    for (const [body, p] of frame.positions) {
+      const own = this.bodies[body]?.display === 'points' ? boxWithoutStrays(p) : boxOf(p);
+      if (!own.isEmpty()) box.union(own.expandByScalar(this.bodies[body]?.radius ?? 0));
+    }
+    return box;
   }
 
   /** Fixed bodies that are flat, level and wider than the scene stand for endless floors. */

@@ -31,8 +31,9 @@ struct Limits {
   }
 };
 
+/// Never destroyed: a limit that lives as long as the program may end after whatever is made later.
 Limits& limits() {
-  static Limits limits;
+  static Limits& limits = *new Limits;
   return limits;
 }
 

@@ -21,6 +21,7 @@ export interface PanelEvents {
   tiles(on: boolean): void;
   links(on: boolean): void;
   slice(): void;
+  middle(): [number, number, number]; // [m] of what is shown
 }
 
 const kReadable = 200; // [ms] between two fillings of the table while the run plays
@@ -78,7 +79,10 @@ export class Panel {
     private readonly player: Player,
     private readonly on: PanelEvents,
   ) {
-    this.slice = new SliceCard(() => this.on.slice());
+    this.slice = new SliceCard(
+      () => this.on.slice(),
+      () => this.on.middle(),
+    );
     this.segments = styles.map(([style, label]) =>
       h('button', { type: 'button', 'data-style': style, onclick: () => this.setContacts(style) }, label),
     );

@@ -28,10 +28,16 @@ export class SliceCard {
   private readonly facts = h('p', { class: 'facts', 'aria-live': 'off' });
   private readonly controls: HTMLElement;
   private range: [number, number] = [0, 1];
-  private center: [number, number, number] = [0, 0, 0];
+  private placed = false; // by hand; otherwise the slice starts where something is
 
-  /** @param change called when another plane is wanted, or none */
-  constructor(private readonly change: () => void) {
+  /**
+   * @param change called when another plane is wanted, or none
+   * @param middle [m] of what is shown: where a slice starts
+   */
+  constructor(
+    private readonly change: () => void,
+    private readonly middle: () => [number, number, number],
+  ) {
     this.axisButtons = axes.map((name, axis) =>
       h('button', { type: 'button', 'data-axis': axis, onclick: () => this.setAxis(axis) }, name),
     );
@@ -43,6 +49,7 @@ export class SliceCard {
     this.place.addEventListener('input', () => {
       const [low, high] = this.range;
       this.wish = { ...this.wish, at: low + Number(this.place.value) * (high - low) };
+      this.placed = true;
       this.change();
     });
     this.who.addEventListener('change', () => {
@@ -81,13 +88,8 @@ export class SliceCard {
     this.refresh();
   }
 
-  /** @param center [m] of the scene: where the slice starts */
-  setRun(bodies: BodyInfo[], possible: boolean, center: [number, number, number]): void {
+  setRun(bodies: BodyInfo[], possible: boolean): void {
     this.element.hidden = !possible;
-    if (!this.on) {
-      this.center = center;
-      this.wish = { ...this.wish, at: center[this.wish.axis]! };
-    }
     if (this.who.options.length === bodies.length + 1) return;
     this.who.replaceChildren(
       h('option', { value: '-1' }, 'all bodies, in their colours'),
@@ -95,6 +97,7 @@ export class SliceCard {
     );
   }
   setOn(on: boolean): void {
+    if (on && !this.on && !this.placed) this.wish = { ...this.wish, at: this.middle()[this.wish.axis]! };
     this.on = on;
     this.box.checked = on;
     this.refresh();
@@ -102,14 +105,16 @@ export class SliceCard {
   }
 
   setAxis(axis: number): void {
-    this.wish = { ...this.wish, axis, at: this.center[axis] ?? 0 };
+    this.wish = { ...this.wish, axis, at: this.middle()[axis]! };
+    this.placed = false;
     this.refresh();
     this.change();
   }
 
   set(wish: Partial<SliceWish>): void {
     const axis = wish.axis ?? this.wish.axis;
-    this.wish = { axis, at: this.center[axis] ?? 0, body: this.wish.body, ...wish };
+    this.wish = { axis, at: this.middle()[axis]!, body: this.wish.body, ...wish };
+    this.placed = wish.at !== undefined;
     this.who.value = String(this.wish.body);
     this.setOn(true);
   }
