@@ -129,9 +129,10 @@ TEST_F(Program, WithoutACheckNoRunFailsByEndingEarlyOrByHoldingWhatIsKnownToBeMi
   const std::string bound = R"("expect": [)";
   text.insert(
       text.find(bound) + bound.size(),
-      R"({"metric": "substeps", "min": 1, "known_miss": "none"}, {"metric": "max_speed", "from": 1000, "max": 9}, )");
+      R"({"metric": "substeps", "to": 0.02, "min": 1, "known_miss": "none"}, {"metric": "max_speed", "from": 0.04, "max": 9}, )");
   write("marked.json", text);
-  const Outcome plain = run("run marked.json -o plain"), checked = run("run marked.json -o checked --check");
+  const Outcome plain = run("run marked.json -o plain --frames 2"),
+                checked = run("run marked.json -o checked --frames 2 --check");
   EXPECT_EQ(plain.out.find("FAIL"), std::string::npos) << plain.out;
   EXPECT_NE(plain.out.find("open  max_speed"), std::string::npos) << plain.out;
   EXPECT_NE(plain.out.find("holds in this run"), std::string::npos) << plain.out;
