@@ -50,9 +50,9 @@ std::vector<double> constant(const MacGrid& g, const Vec3& u) {
 
 TEST(FaceMap, ForcesAreTheTransposeOfVelocities) {
   const Dented d(kSeed);
-  for (const bool slip : {false, true}) {
+  for (const SurfaceMotion motion : {SurfaceMotion::Sticks, SurfaceMotion::Slips}) {
     FaceMap map;
-    map.reset(d.grid, d.wet, d.phi, slip, d.surface);
+    map.reset(d.grid, d.wet, d.phi, motion, d.surface);
     const auto v = random_faces(d.grid.faces(), kSeed + 1);
     std::mt19937 rng(kSeed + 2);
     std::uniform_real_distribution<double> unit(-1.0, 1.0);
@@ -72,12 +72,12 @@ TEST(FaceMap, ForcesAreTheTransposeOfVelocities) {
 TEST(FaceMap, ConstantFieldIsReproduced_SoLinearMomentumIsExact) {
   const Dented d(kSeed);
   FaceMap map;
-  map.reset(d.grid, d.wet, d.phi, false, d.surface);
+  map.reset(d.grid, d.wet, d.phi, SurfaceMotion::Sticks, d.surface);
   const Vec3 t(0.3, -0.8, 0.5);
   std::vector<Vec3> u(map.points());
   map.apply(constant(d.grid, t), u);
   for (const Vec3& e : u) EXPECT_LT((e - t).norm(), 1e-12);
-  map.reset(d.grid, d.wet, d.phi, true, d.inside);
+  map.reset(d.grid, d.wet, d.phi, SurfaceMotion::Slips, d.inside);
   map.apply(constant(d.grid, t), u);
   for (const Vec3& e : u) EXPECT_LT((e - t).norm(), 1e-12);
 }
@@ -85,7 +85,7 @@ TEST(FaceMap, ConstantFieldIsReproduced_SoLinearMomentumIsExact) {
 TEST(FaceMap, FluidThatSlipsMovesAlongItsNormalOnly) {
   const Dented d(kSeed);
   FaceMap map;
-  map.reset(d.grid, d.wet, d.phi, true, d.surface);
+  map.reset(d.grid, d.wet, d.phi, SurfaceMotion::Slips, d.surface);
   std::vector<Vec3> first(map.points()), second(map.points());
   map.apply(random_faces(d.grid.faces(), kSeed + 5), first);
   map.apply(random_faces(d.grid.faces(), kSeed + 6), second);
@@ -93,11 +93,29 @@ TEST(FaceMap, FluidThatSlipsMovesAlongItsNormalOnly) {
     EXPECT_LT(first[p].cross(second[p]).norm(), 1e-9 * (first[p].norm() * second[p].norm() + 1e-12)) << p;
 }
 
+TEST(FaceMap, TheSurfaceItselfFollowsItsMatterAlongItAndMovesAcrossItAsContactIsTold) {
+  const Dented d(kSeed);
+  const auto v = random_faces(d.grid.faces(), kSeed + 7);
+  std::vector<FaceWeight> row;
+  std::vector<Vec3> told(d.surface.size());
+  FaceMap map;
+  map.reset(d.grid, d.wet, d.phi, SurfaceMotion::Slips, d.surface);
+  map.apply(v, told);
+  double along = 0.0;
+  for (std::size_t p = 0; p < d.surface.size(); ++p) {
+    const Vec3 u = surface_velocity(d.grid, d.wet, d.phi, SurfaceMotion::Follows, v, d.surface[p], row);
+    const Vec3 n = told[p].normalized();
+    EXPECT_NEAR(u.dot(n), told[p].norm(), 1e-12);
+    along = std::max(along, (u - u.dot(n) * n).norm());
+  }
+  EXPECT_GT(along, 0.1);
+}
+
 TEST(FaceMap, DiagonalIsThatOfTheAssembledMatrix) {
   const Dented d(kSeed);
   FaceMap map;
   const std::vector<Vec3> points(d.surface.begin(), d.surface.begin() + 4);
-  map.reset(d.grid, d.wet, d.phi, false, points);
+  map.reset(d.grid, d.wet, d.phi, SurfaceMotion::Sticks, points);
   std::mt19937 rng(kSeed + 3);
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   std::vector<Mat3> K(points.size());
@@ -136,7 +154,7 @@ TEST(FaceMap, PressureOnALevelSurfaceReachesEveryColumnAlike) {
   for (int j = 0; j < 8; ++j)
     for (int i = 0; i < 8; ++i) points.push_back(Vec3(0.1 * i + 0.05, 0.1 * j + 0.05, 0.43));
   FaceMap map;
-  map.reset(g, wet, phi, true, points);
+  map.reset(g, wet, phi, SurfaceMotion::Slips, points);
   std::vector<double> Q(g.faces(), 0.0);
   map.apply_transpose(std::vector<Vec3>(points.size(), Vec3(0, 0, -2.0)), Q);
   double sum = 0.0;
@@ -149,13 +167,13 @@ TEST(FaceMap, PressureOnALevelSurfaceReachesEveryColumnAlike) {
 TEST(FaceMap, PointFarFromAllFluidDoesNotMove) {
   const Dented d(kSeed);
   FaceMap map;
-  map.reset(d.grid, d.wet, d.phi, true, std::vector<Vec3>{Vec3(0.03, -0.02, 9.0)});
+  map.reset(d.grid, d.wet, d.phi, SurfaceMotion::Slips, std::vector<Vec3>{Vec3(0.03, -0.02, 9.0)});
   std::vector<Vec3> u(1);
   std::vector<double> none(d.grid.faces(), 0.0);
   WetFaces dry;
   std::vector<double> air(d.grid.cells(), 1.0);
   dry.find(d.grid, air, {});
-  map.reset(d.grid, dry, air, true, d.surface);
+  map.reset(d.grid, dry, air, SurfaceMotion::Slips, d.surface);
   u.resize(map.points());
   map.apply(random_faces(d.grid.faces(), 1), u);
   for (const Vec3& e : u) EXPECT_EQ(e.norm(), 0.0);

@@ -93,7 +93,7 @@ TEST(LevelSet, CarriedBallKeepsShapeAndVolume) {
   double area = 0.0;
   const double before = level.volume(phi, 0.0, area);
   for (int s = 0; s < 30; ++s) {
-    level.advect(phi, 0.01, 6.0 * kGrid.dx, kClosed, [&](const Vec3&) { return u; });
+    level.advect(phi, 0.01, 6.0 * kGrid.dx, kClosed, [&](int, const Vec3&) { return u; });
     level.redistance(phi);
   }
   EXPECT_NEAR(level.volume(phi, 0.0, area), before, 0.02 * before);

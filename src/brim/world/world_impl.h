@@ -130,6 +130,8 @@ struct World::Impl {
   void find_contacts(double dt, StepReport& report);
   /// Wakes what something awake has contacts with. @return true where there was something
   bool wake_touched();
+  /// Tells bodies whose surface yields where it is touched where that is.
+  void tell_touched();
   /// Tells bodies with walls of their own what acted on them in a sub-step. @param mapped  [N] (n_v) contact forces on
   /// the coordinates of all bodies; empty: found here, where somebody asks
   void tell_walled(double dt, std::span<const double> mapped);

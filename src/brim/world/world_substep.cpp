@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "brim/body/spinning_balls.h"
+#include "brim/body/touched_surface.h"
 #include "brim/body/walled.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
@@ -56,6 +57,22 @@ void World::Impl::find_contacts(double dt, StepReport& report) {
   } while (sleep.on() && wake_touched());
 }
 
+void World::Impl::tell_touched() {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    auto* touched = dynamic_cast<TouchedSurface*>(bodies[b].get());
+    if (touched == nullptr) continue;
+    std::vector<Vec3> points;
+    const ContactSet& contacts = stage.contacts();
+    for (const ContactPair& p : contacts.pairs) {
+      const bool a = parts[p.part_a].body_index == static_cast<int>(b),
+                 other = parts[p.part_b].body_index == static_cast<int>(b);
+      for (std::size_t c = p.begin; c < p.end && (a || other); ++c)
+        points.push_back(a ? contacts.point[c] : contacts.point_b(c));
+    }
+    touched->note_contacts(points);
+  }
+}
+
 bool World::Impl::solve_substep(double dt, StepReport& report) {
   const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
   prescribe(dt);
@@ -65,6 +82,7 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
   }
 
   find_contacts(dt, report);
+  tell_touched();
   if (!links.empty())
     links.append(parts, state.q, first_q, static_cast<int>(parts.size()) - 1, state.time, dt, stage.contacts());
   ContactSet& contacts = stage.contacts();

@@ -119,8 +119,8 @@ void surface_faces(const MacGrid& g, const WetFaces& wet, std::span<const double
 
 }  // namespace
 
-void surface_row(const MacGrid& g, const WetFaces& wet, std::span<const double> phi, bool slip, const Vec3& x,
-                 std::vector<FaceWeight>& row) {
+void surface_row(const MacGrid& g, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
+                 const Vec3& x, std::vector<FaceWeight>& row) {
   row.clear();
   // The point of the surface nearest to x, and the mean normal around it.
   Vec3 slope, n = slope_of_two_cells(g, phi, x);
@@ -146,20 +146,31 @@ void surface_row(const MacGrid& g, const WetFaces& wet, std::span<const double> 
   for (FaceWeight& e : row) e.weight = (part * e.weight.x() / std::max(along, 1e-12)) * n;
   // What the flow through the surface does not tell, the matter does. Where g and n differ, a fluid that slips is
   // better left alone: the difference would stir it.
-  const Mat3 rest = slip && !deep ? Mat3((1.0 - part) * n * n.transpose())
-                                  : Mat3(Mat3::Identity() - (part / std::max(along, 1e-12)) * n * area.transpose());
+  Mat3 rest = Mat3::Identity();
+  if (deep || motion == SurfaceMotion::Sticks)
+    rest -= (part / std::max(along, 1e-12)) * n * area.transpose();
+  else
+    rest = (motion == SurfaceMotion::Follows ? rest : Mat3(n * n.transpose())) - part * n * n.transpose();
   bool found = true;
   for (int a = 0; a < 3; ++a)
     found = interpolate(g, wet, a, at, [&](int face, double w) { row.push_back({face, w * rest.col(a)}); }) && found;
   if (!found) row.clear();
 }
 
-void FaceMap::reset(const MacGrid& g, const WetFaces& wet, std::span<const double> phi, bool slip,
+Vec3 surface_velocity(const MacGrid& g, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
+                      std::span<const double> v, const Vec3& x, std::vector<FaceWeight>& row) {
+  surface_row(g, wet, phi, motion, x, row);
+  Vec3 u = Vec3::Zero();
+  for (const FaceWeight& e : row) u += v[e.face] * e.weight;
+  return u;
+}
+
+void FaceMap::reset(const MacGrid& g, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
                     std::span<const Vec3> points) {
   const std::size_t n = points.size();
   if (row_.size() < n) row_.resize(n);
   parallel_for(
-      n, [&](std::size_t p) { surface_row(g, wet, phi, slip, points[p], row_[p]); }, 64);
+      n, [&](std::size_t p) { surface_row(g, wet, phi, motion, points[p], row_[p]); }, 64);
   row_start_.assign(n + 1, 0);
   for (std::size_t p = 0; p < n; ++p) row_start_[p + 1] = row_start_[p] + row_[p].size();
   entry_.resize(row_start_.back());

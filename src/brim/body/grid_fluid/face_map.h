@@ -22,21 +22,24 @@ struct FaceWeight {
 /// with x_f where the surface cuts the line between the two cells' centres, K a Gaussian of 0.6 cells, n the mean ∇φ
 /// over two cells, w the trilinear weights among wet faces, each times how much fluid it moves (Σ w = 1), and
 ///   R = (1 − β) n nᵀ             for a fluid that slips,
-///   R = I − β n gᵀ/(g·n)         for one that does not; it reproduces a constant field.
+///   R = I − β n gᵀ/(g·n)         for one that sticks; it reproduces a constant field,
+///   R = I − β n nᵀ               for the surface itself, which has the velocity of its matter along it.
 /// A fluid that knows no shear must take none, else a contact normal that is not quite that of the surface would drive
-/// it along the wall for ever. More than two cells below the surface (at the walls of the box) u is Σ w v. Both contact
-/// and the motion of the level set use this velocity: were they to differ, contact would do work on a surface that does
-/// not move. Empty far from any wet face.
-/// @param slip  the fluid slips along solids
-void surface_row(const MacGrid& grid, const WetFaces& wet, std::span<const double> phi, bool slip, const Vec3& x,
-                 std::vector<FaceWeight>& row);
+/// it along the wall for ever. More than two cells below the surface (at the walls of the box) u is Σ w v. Empty far
+/// from any wet face.
+enum class SurfaceMotion { Slips, Sticks, Follows };
+void surface_row(const MacGrid& grid, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
+                 const Vec3& x, std::vector<FaceWeight>& row);
+/// u for these velocities of faces, [m/s]. @param row  workspace
+Vec3 surface_velocity(const MacGrid& grid, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
+                      std::span<const double> v, const Vec3& x, std::vector<FaceWeight>& row);
 
 /// Map of a grid fluid: points move as the surface nearest to them. The linear momentum of contact is exact for a fluid
 /// that does not slip; one that slips takes the part of each force along its normal. Angular momentum is not exact.
 /// Constant during a step.  Tests: tests/body/face_map_test.cpp
 class FaceMap final : public Map {
  public:
-  void reset(const MacGrid& grid, const WetFaces& wet, std::span<const double> phi, bool slip,
+  void reset(const MacGrid& grid, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
              std::span<const Vec3> points);
 
   std::size_t points() const override { return row_start_.empty() ? 0 : row_start_.size() - 1; }

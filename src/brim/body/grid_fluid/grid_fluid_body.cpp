@@ -3,7 +3,6 @@
 #include <cmath>
 #include <utility>
 
-#include "brim/body/grid_fluid/face_map.h"
 #include "brim/core/error.h"
 
 namespace brim {
@@ -111,15 +110,9 @@ void GridFluidBody::update(double, std::span<const double> q, std::span<const do
   v_.assign(v.begin(), v.end());
 }
 
-void GridFluidBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
+double GridFluidBody::leaving(double dt, std::span<const double> phi, std::span<const double> v) const {
   const MacGrid& g = model_.grid;
-  extended_.assign(v.begin(), v.end());
-  double fastest = 0.0, leaving = 0.0;
-  for (std::size_t f = 0; f < v.size(); ++f)
-    if (wet_.kind[f] == Kind::Free) fastest = std::max(fastest, std::abs(v[f]));
-  const double cells = std::min(std::ceil(fastest * dt / g.dx), 20.0);
-  extend_velocity(g, wet_, model_.open, static_cast<int>(cells) + kExtraLayers, extended_, marks_);
-
+  double sum = 0.0;
   for (int a = 0; a < 3; ++a)
     for (const int side : {0, 1}) {
       if (!model_.open[2 * a + side]) continue;
@@ -129,20 +122,40 @@ void GridFluidBody::advance(double dt, std::span<double> q, std::span<const doub
         for (int j = first.y(); j <= last.y(); ++j)
           for (int i = first.x(); i <= last.x(); ++i) {
             const int f = g.face(a, i, j, k);
-            if (wet_.kind[f] == Kind::Free) leaving += (side == 0 ? -v[f] : v[f]) * g.dx * g.dx * dt;
+            if (wet_.kind[f] != Kind::Free) continue;
+            // As much of the face as its cell is full.
+            const Vec3i cell = Vec3i(i, j, k) - side * Vec3i::Unit(a);
+            sum += (side == 0 ? -v[f] : v[f]) * level_.fraction(phi, cell.x(), cell.y(), cell.z());
           }
     }
+  return std::max(0.0, sum * g.dx * g.dx * dt);
+}
+
+void GridFluidBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
+  const MacGrid& g = model_.grid;
+  extended_.assign(v.begin(), v.end());
+  double fastest = 0.0;
+  for (std::size_t f = 0; f < v.size(); ++f)
+    if (wet_.kind[f] == Kind::Free) fastest = std::max(fastest, std::abs(v[f]));
+  const double cells = std::min(std::ceil(fastest * dt / g.dx), 20.0);
+  extend_velocity(g, wet_, model_.open, static_cast<int>(cells) + kExtraLayers, extended_, marks_);
 
   const auto phi = q.first(g.cells());
-  level_.advect(phi, dt, (cells + 3.0) * g.dx, model_.open, [&](const Vec3& x) -> Vec3 {
+  const double left = q.back() - leaving(dt, phi, v);
+  level_.advect(phi, dt, (cells + 3.0) * g.dx, model_.open, [&](int cell, const Vec3& x) -> Vec3 {
     thread_local std::vector<FaceWeight> row;
-    surface_row(g, wet_, phi_, slips(), x, row);
+    const auto at = [&](SurfaceMotion motion, const Vec3& y) {
+      return surface_velocity(g, wet_, phi_, motion, v, y, row);
+    };
+    const double near = touched_.nearness(cell);
     Vec3 u = Vec3::Zero();
-    for (const FaceWeight& e : row) u += v[e.face] * e.weight;
+    // Along its own normal alone, or without the midpoint, a curved surface would sweep more than its matter does.
+    if (near < 1.0) u = (1.0 - near) * at(SurfaceMotion::Follows, x - 0.5 * dt * at(SurfaceMotion::Follows, x));
+    if (near > 0.0) u += near * at(touched_motion(), x);
     return u;
   });
   level_.redistance(phi);
-  q.back() = std::max(0.0, q.back() - std::max(0.0, leaving));
+  q.back() = std::max(0.0, left);
   level_.correct_volume(phi, q.back(), kMostShift * g.dx);
 }
 

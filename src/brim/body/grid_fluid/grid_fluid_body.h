@@ -5,14 +5,17 @@
 #include "brim/body/body.h"
 #include "brim/body/changing_surface.h"
 #include "brim/body/flow_places.h"
+#include "brim/body/grid_fluid/face_map.h"
 #include "brim/body/grid_fluid/face_transport.h"
 #include "brim/body/grid_fluid/level_set.h"
 #include "brim/body/grid_fluid/mac_grid.h"
 #include "brim/body/grid_fluid/momentum_keeper.h"
 #include "brim/body/grid_fluid/pressure_projection.h"
+#include "brim/body/grid_fluid/touched_cells.h"
 #include "brim/body/grid_fluid/wet_faces.h"
 #include "brim/body/movable_base.h"
 #include "brim/body/restless.h"
+#include "brim/body/touched_surface.h"
 #include "brim/body/walled.h"
 
 namespace brim {
@@ -34,13 +37,15 @@ struct GridFluidModel {
 ///   q = level set at the cells, then the volume that is to be kept [m³];   v = face velocities [m/s]
 /// Volume is kept twice. In the common solve: the body's preconditioner maps any impulse to velocities that keep the
 /// volume of every wet cell, so conjugate gradients never leave these, and pressure, contact and all solids are solved
-/// together. After it: the level set is moved, and shifted along its normal by what moving it has lost.
-/// The box's closed sides let fluid slip.
+/// together. After it: the level set is moved, and shifted along its normal by what moving it has lost. It moves with
+/// the matter at the surface; near contacts with the velocity that contact was told: were they to differ there, contact
+/// would do work on a surface that does not move. The box's closed sides let fluid slip.
 class GridFluidBody final : public Body,
                             public Walled,
                             public ChangingSurface,
                             public FlowPlaces,
                             public Restless,
+                            public TouchedSurface,
                             public MovableBase {
  public:
   /// @throws InputError for a grid without cells, or numbers out of range
@@ -84,6 +89,7 @@ class GridFluidBody final : public Body,
   Vec3 angular_momentum(std::span<const double> v) const override;
   bool confined() const override { return wet_.touches_walls; }
   void note_impulse(std::span<const double> impulse) override;
+  void note_contacts(std::span<const Vec3> points) override { touched_.note(model_.grid, points); }
   Vec3 wall_impulse() const override { return wall_impulse_; }
   bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
 
@@ -113,7 +119,12 @@ class GridFluidBody final : public Body,
   /// A face weighs as much of its share θ as makes all faces across an axis weigh what the volume does. What θ alone
   /// leaves out is cells cut by the surface whose centres are dry.
   void weigh_faces();
-  bool slips() const { return model_.material.friction == 0.0; }
+  /// How contact takes the surface's motion.
+  SurfaceMotion touched_motion() const {
+    return model_.material.friction == 0.0 ? SurfaceMotion::Slips : SurfaceMotion::Sticks;
+  }
+  /// [m³] that leaves through the open sides in a step. phi and v are those of its start and its end.
+  double leaving(double dt, std::span<const double> phi, std::span<const double> v) const;
 
   GridFluidModel model_;
   Vec3 start_origin_;       ///< [m] of the grid
@@ -137,6 +148,8 @@ class GridFluidBody final : public Body,
   std::vector<double> mass_;
   Vec3 wall_impulse_ = Vec3::Zero();  ///< [N s] by the walls, in the last sub-step
   Vec3 held_ = Vec3::Zero();          ///< [N s] what acted on faces that walls hold, in this one
+
+  TouchedCells touched_;
 
   // Workspace:
   mutable LevelSet level_;

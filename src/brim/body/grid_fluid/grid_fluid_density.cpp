@@ -59,7 +59,7 @@ void GridFluidBody::rasterize(int, double h, double w, std::span<const TileKey> 
 void GridFluidBody::make_map(int, std::span<const Vec3> points, std::span<const std::int32_t>,
                              std::unique_ptr<Map>& map) const {
   if (!map) map = std::make_unique<FaceMap>();
-  static_cast<FaceMap&>(*map).reset(model_.grid, wet_, phi_, slips(), points);
+  static_cast<FaceMap&>(*map).reset(model_.grid, wet_, phi_, touched_motion(), points);
 }
 
 }  // namespace brim

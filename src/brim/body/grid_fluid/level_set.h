@@ -22,7 +22,8 @@ class LevelSet {
   void redistance(std::span<double> phi);
 
   /// φ ← φ where the matter was a time dt ago (semi-Lagrangian, tricubic). Only within `band` of the surface.
-  /// @param velocity  [m/s] at (the centre of) a cell: Vec3 velocity(const Vec3& x), called from any thread
+  /// @param velocity  [m/s] of a cell, whose centre is x: Vec3 velocity(int cell, const Vec3& x), called from any
+  /// thread
   /// @param open      sides of the box (−x, +x, −y, ...) beyond which there is air
   template <class Velocity>
   void advect(std::span<double> phi, double dt, double band, const std::array<bool, 6>& open,
@@ -32,7 +33,7 @@ class LevelSet {
       const int c = grid_.cell(i, j, k);
       scratch_[c] = phi[c];
       if (std::abs(phi[c]) > band) return;
-      const Vec3 center = grid_.cell_center(i, j, k), x = center - dt * velocity(center);
+      const Vec3 center = grid_.cell_center(i, j, k), x = center - dt * velocity(c, center);
       scratch_[c] = cubic(phi, x);
       for (int a = 0; a < 3; ++a) {
         if (open[2 * a]) scratch_[c] = std::max(scratch_[c], box.lo[a] - x[a]);
