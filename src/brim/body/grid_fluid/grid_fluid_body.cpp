@@ -147,12 +147,9 @@ void GridFluidBody::advance(double dt, std::span<double> q, std::span<const doub
     const auto at = [&](SurfaceMotion motion, const Vec3& y) {
       return surface_velocity(g, wet_, phi_, motion, v, y, row);
     };
-    const double near = touched_.nearness(cell);
-    Vec3 u = Vec3::Zero();
+    if (touched_.has(cell)) return at(touched_motion(), x);
     // Along its own normal alone, or without the midpoint, a curved surface would sweep more than its matter does.
-    if (near < 1.0) u = (1.0 - near) * at(SurfaceMotion::Follows, x - 0.5 * dt * at(SurfaceMotion::Follows, x));
-    if (near > 0.0) u += near * at(touched_motion(), x);
-    return u;
+    return at(SurfaceMotion::Follows, x - 0.5 * dt * at(SurfaceMotion::Follows, x));
   });
   level_.redistance(phi);
   q.back() = std::max(0.0, left);

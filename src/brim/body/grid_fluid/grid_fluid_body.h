@@ -38,8 +38,8 @@ struct GridFluidModel {
 /// Volume is kept twice. In the common solve: the body's preconditioner maps any impulse to velocities that keep the
 /// volume of every wet cell, so conjugate gradients never leave these, and pressure, contact and all solids are solved
 /// together. After it: the level set is moved, and shifted along its normal by what moving it has lost. It moves with
-/// the matter at the surface; near contacts with the velocity that contact was told: were they to differ there, contact
-/// would do work on a surface that does not move. The box's closed sides let fluid slip.
+/// the matter at the surface; where it is touched with the velocity that contact was told: were they to differ there,
+/// contact would do work on a surface that does not move. The box's closed sides let fluid slip.
 class GridFluidBody final : public Body,
                             public Walled,
                             public ChangingSurface,
