@@ -14,6 +14,10 @@ struct FaceWeight {
   Vec3 weight;
 };
 
+/// What of its matter's own velocity the surface of a fluid has besides the flow through it: in contact none where the
+/// fluid slips, and all where it sticks; the surface itself follows its matter along it.
+enum class SurfaceMotion { Slips, Sticks, Follows };
+
 /// The velocity of the surface at the point nearest to x, as a sum over faces. A force on the surface of a fluid is a
 /// pressure: it must reach the faces as the pressure of the air beyond the surface would, or it stirs the fluid
 /// (balanced forces, Francois et al. 2006). So along the normal n the velocity is the flow through the surface,
@@ -27,7 +31,7 @@ struct FaceWeight {
 /// A fluid that knows no shear must take none, else a contact normal that is not quite that of the surface would drive
 /// it along the wall for ever. More than two cells below the surface (at the walls of the box) u is Σ w v. Empty far
 /// from any wet face.
-enum class SurfaceMotion { Slips, Sticks, Follows };
+/// @param motion  which R
 void surface_row(const MacGrid& grid, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
                  const Vec3& x, std::vector<FaceWeight>& row);
 /// u for these velocities of faces, [m/s]. @param row  workspace
