@@ -142,13 +142,14 @@ def immersed(run, fluid, number, frame, shape):
 
 
 def immersed_in_basin(run, fluid, number, frame, shape, area):
-    """Share of a box or ball under the surface of particles in a basin of vertical walls and a floor at z = 0.
+    """Share of a box or ball under the surface of a fluid in a basin of vertical walls and a floor at z = 0.
 
-    The surface is where the water's volume, spacing³ a particle, fills the basin around the body: A z = N s³ + V share(z). A
+    The surface is where the water's volume W, spacing³ a particle, fills the basin around the body: A z = W + V share(z). A
     narrow pool has too few columns beside the body: its layers lie along walls and body, and columns cut them anywhere.
     """
     share, volume = shares(run, number, frame, shape)
-    water = len(fluid.positions(frame)) * fluid.step**3
+    kept = fluid.volume(frame)
+    water = len(fluid.positions(frame)) * fluid.step**3 if kept is None else kept
     lo, hi = 0.0, (water + volume) / area
     for _ in range(50):
         middle = 0.5 * (lo + hi)

@@ -267,6 +267,7 @@ TEST(GridFluidBody, WaterAroundABallHeldStillHardlyMoves) {
 /// A slab of half the water's density let go at the surface of a pool; its draft, [m], is the mean of the last second.
 struct Floating {
   double draft = 0.0, volume = 0.0, worst_volume = 0.0;
+  double momentum_error = 0.0;  ///< [-] the worst
 };
 Floating float_slab(double dx, double seconds) {
   const int n = static_cast<int>(std::lround(1.0 / dx));
@@ -287,7 +288,7 @@ Floating float_slab(double dx, double seconds) {
   f.volume = fluid_of(w).volume();
   int counted = 0;
   for (int s = 0; s < static_cast<int>(seconds / 0.01); ++s) {
-    w.step();
+    f.momentum_error = std::max(f.momentum_error, w.step().momentum_error);
     f.worst_volume = std::max(f.worst_volume, std::abs(fluid_of(w).volume() / f.volume - 1.0));
     if (s < static_cast<int>((seconds - 1.0) / 0.01)) continue;
     // What Archimedes says of the level: half of the slab is displaced.
@@ -299,13 +300,14 @@ Floating float_slab(double dx, double seconds) {
   return f;
 }
 
-TEST(GridFluidBody, SlabFloatsAsDeepAsOneWiderByACellWould) {
+TEST(GridFluidBody, SlabFloatsAsArchimedesSaysAndNoMomentumIsLost) {
   const Floating f = float_slab(1.0 / 16.0, 2.5);
   RecordProperty("draft", std::to_string(f.draft));
   EXPECT_LT(f.worst_volume, 0.02);
-  // Its edges push the water away from its sides by less than a cell: what floats is a slab that much wider.
-  EXPECT_GT(f.draft, 0.12 * 0.6 * 0.6 / std::pow(0.6 + 2.0 / 16.0, 2));
-  EXPECT_LT(f.draft, 0.12 * 1.03);
+  // 1.9 cells deep; measured 0.8 % too little. What floats moves for ever, and its mean depends on rounding by 2 %.
+  EXPECT_NEAR(f.draft, 0.12, 0.04 * 0.12);
+  // The water slips, and contact acts in the direction that it takes whole.
+  EXPECT_LT(f.momentum_error, 1e-12);
 }
 
 TEST(GridFluidBody, WaterRestsOnAPlaneAndCarriesASoftSolid) {

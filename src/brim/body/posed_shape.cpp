@@ -13,9 +13,9 @@ PosedShape::PosedShape(std::shared_ptr<const Shape> shape, Shared<TriMesh> surfa
       known_(dynamic_cast<const KnownDistance*>(shape_.get())),
       surface_(std::move(surface)) {}
 
-const KnownDistance* PosedShape::known_distance_averaged(double w) const {
-  const auto* detailed = dynamic_cast<const AveragedDistances*>(shape_.get());
-  return detailed != nullptr ? &detailed->averaged(w) : known_;
+const KnownDistance* PosedShape::known_distance_averaged(double w, Averaged which) const {
+  const auto* shape = dynamic_cast<const AveragedDistances*>(shape_.get());
+  return shape != nullptr && (which == Averaged::All || shape->detailed()) ? &shape->averaged(w) : known_;
 }
 
 double PosedShape::box_reach(const Vec3& center) const {

@@ -23,8 +23,10 @@ class PosedShape {
   const Pose& pose() const { return pose_; }
   /// How the shape tells its distances; null where its density is not a ramp of them.
   const KnownDistance* known_distance() const { return known_; }
-  /// The same as seen in coarse voxels: shapes with detail are averaged over the ramp. @param w  [m] ramp width
-  const KnownDistance* known_distance_averaged(double w) const;
+  /// Which shapes are averaged over the ramp: those with detail, for coarse voxels, or all.
+  enum class Averaged { Detailed, All };
+  /// The same as the means over balls as wide as the ramp. @param w  [m] ramp width
+  const KnownDistance* known_distance_averaged(double w, Averaged which) const;
   void place(const Pose& pose) { pose_ = pose; }
 
   /// Distance from a point to the farthest corner of the solid's box, [m]; 0 when the box is infinite.

@@ -42,6 +42,7 @@ class GridShape final : public Shape, public KnownDistance, public AveragedDista
     if (!solid) solid = std::make_unique<AveragedSolid>(*grid_, pyramid_->field(w));
     return *solid;
   }
+  bool detailed() const override { return true; }
   Aabb bounds() const override { return box_; }
   double thickness() const override { return thickness_; }
 

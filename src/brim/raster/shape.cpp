@@ -1,6 +1,8 @@
 #include "brim/raster/shape.h"
 
 #include "brim/core/error.h"
+#include "brim/raster/averaged_shape.h"
+#include "brim/raster/ball_share.h"
 #include "brim/raster/convex_distance.h"
 #include "brim/raster/cube_distances.h"
 #include "brim/raster/known_distance.h"
@@ -40,10 +42,22 @@ class ShapeOf : public Shape, public KnownDistance, public ConvexDistance {
   const Self& self() const { return static_cast<const Self&>(*this); }
 };
 
-class Sphere final : public ShapeOf<Sphere> {
+/// The same for a shape with a formula for the share of its matter in a ball.
+template <class Self>
+class RoundedShapeOf : public ShapeOf<Self>, public AveragedDistances {
+ public:
+  const KnownDistance& averaged(double w) const final { return widths_.of(static_cast<const Self&>(*this), w); }
+  bool detailed() const final { return false; }
+
+ private:
+  AveragedWidths<Self> widths_;
+};
+
+class Sphere final : public RoundedShapeOf<Sphere> {
  public:
   explicit Sphere(double r) : r_(r) {}
   double operator()(const Vec3& p) const { return p.norm() - r_; }
+  double share(const Vec3& p, double w) const { return ball_share_of_sphere(p, w, r_); }
   double distance_and_gradient(const Vec3& p, Vec3& gradient) const override {
     const double r = p.norm();
     gradient = r > 0.0 ? Vec3(p / r) : Vec3(Vec3::Zero());
@@ -63,13 +77,14 @@ class Sphere final : public ShapeOf<Sphere> {
   double r_;
 };
 
-class Box final : public ShapeOf<Box> {
+class Box final : public RoundedShapeOf<Box> {
  public:
   explicit Box(const Vec3& extents) : half_(0.5 * extents) {}
   double operator()(const Vec3& p) const {
     const Vec3 d = p.cwiseAbs() - half_;
     return d.cwiseMax(0.0).norm() + std::min(d.maxCoeff(), 0.0);
   }
+  double share(const Vec3& p, double w) const { return ball_share_of_box(p, w, half_); }
   double distance_and_gradient(const Vec3& p, Vec3& gradient) const override {
     const Vec3 d = p.cwiseAbs() - half_;
     Eigen::Index axis = 0;
@@ -95,13 +110,14 @@ class Box final : public ShapeOf<Box> {
   Vec3 half_;
 };
 
-class CapsuleShape final : public ShapeOf<CapsuleShape> {
+class CapsuleShape final : public RoundedShapeOf<CapsuleShape> {
  public:
   CapsuleShape(double r, double length) : r_(r), half_(0.5 * length) {}
   double operator()(const Vec3& p) const {
     const double z = p.z() - std::clamp(p.z(), -half_, half_);
     return std::sqrt(p.x() * p.x() + p.y() * p.y() + z * z) - r_;
   }
+  double share(const Vec3& p, double w) const { return ball_share_of_capsule(p, w, r_, half_); }
   double distance_and_gradient(const Vec3& p, Vec3& gradient) const override {
     const Vec3 d(p.x(), p.y(), p.z() - std::clamp(p.z(), -half_, half_));
     const double r = d.norm();
@@ -119,7 +135,7 @@ class CapsuleShape final : public ShapeOf<CapsuleShape> {
   double r_, half_;
 };
 
-class Cylinder final : public ShapeOf<Cylinder> {
+class Cylinder final : public RoundedShapeOf<Cylinder> {
  public:
   Cylinder(double r, double height) : r_(r), half_(0.5 * height) {}
   double operator()(const Vec3& p) const {
@@ -127,6 +143,7 @@ class Cylinder final : public ShapeOf<Cylinder> {
     const double dz = std::abs(p.z()) - half_;
     return std::hypot(std::max(dr, 0.0), std::max(dz, 0.0)) + std::min(std::max(dr, dz), 0.0);
   }
+  double share(const Vec3& p, double w) const { return ball_share_of_cylinder(p, w, r_, half_); }
   double distance_and_gradient(const Vec3& p, Vec3& gradient) const override {
     const double r = std::hypot(p.x(), p.y()), dr = r - r_, dz = std::abs(p.z()) - half_;
     const Vec3 side = r > 0.0 ? Vec3(p.x() / r, p.y() / r, 0.0) : Vec3(Vec3::Zero());

@@ -60,6 +60,8 @@ class Penalty {
   ~Penalty();
   /// Finds the normals alone, for points that are placed by them before the maps are made; begin then keeps them.
   void find_normals(const ContactSet& contacts, std::span<const PairState> pairs);
+  /// After find_normals: another normal of contact c. @param n  unit, towards a
+  void set_normal(std::size_t c, const Vec3& n) { normal_[c] = n; }
   /// @param velocity_a, velocity_b  [m/s] matter of each part at every contact point, at the start of the step
   void begin(const ContactSet& contacts, std::span<const PairState> pairs, const PenaltyOptions& options,
              std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b);

@@ -176,10 +176,13 @@ void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<c
     c.pair = ContactPair{pa, pb, m.h, ramp * m.h, m.margin, 0, 0};
     c.region = m.region;
     c.level = m.level;
+    c.averaged = average_ && parts[pa].info.conforming != parts[pb].info.conforming;
     c.by_part = PartFilter::concerns(parts[pa], parts[pb]);
     c.tiles.clear(), c.octants.clear();
-    c.layer_a = access_[pa].is_solid() ? -1 : layer_of(pa, m.h, m.level, m.region);
-    c.layer_b = access_[pb].is_solid() ? -1 : layer_of(pb, m.h, m.level, m.region);
+    // What is no solid is averaged from samples half as far apart.
+    const auto level = [&](std::int32_t p) { return c.averaged && !parts[p].info.conforming ? 1 : m.level; };
+    c.layer_a = access_[pa].is_solid() ? -1 : layer_of(pa, m.h, level(pa), m.region);
+    c.layer_b = access_[pb].is_solid() ? -1 : layer_of(pb, m.h, level(pb), m.region);
   }
   for (std::size_t l = 0; l < layer_count_; ++l) require_few(parts[layers_[l].part], layers_[l].region, layers_[l].h);
 }

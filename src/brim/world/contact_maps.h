@@ -8,6 +8,7 @@
 
 #include "brim/contact/contact_set.h"
 #include "brim/core/parallel.h"
+#include "brim/map/directed_map.h"
 #include "brim/map/map.h"
 #include "brim/map/map_rows.h"
 #include "brim/world/contact_rows.h"
@@ -33,6 +34,19 @@ class ContactMaps {
   /// True when the maps as last built hold all of the chosen contacts, and not many others.
   bool serves(std::span<const std::uint8_t> chosen) const;
 
+  /// Calls f(c, n) for each contact of which a part takes force whole along one direction alone: n along it, towards a.
+  template <class F>
+  void for_directed(const F& f) const {
+    for (const Side& s : side_) {
+      const auto* directed = s.begin < s.end ? dynamic_cast<const DirectedMap*>(s.map.get()) : nullptr;
+      if (directed == nullptr) continue;
+      for (std::size_t r = s.begin; r < s.end; ++r) {
+        const Vec3& out = directed->directions()[r - s.begin];
+        const std::size_t c = contact_[r];
+        if (!out.isZero(0.0)) f(c, row_a_[c] == r ? Vec3(-out) : out);
+      }
+    }
+  }
   /// Velocity of both parts' matter at each contact, [m/s]; like relative, for maps of all contacts.
   void velocities(std::span<const double> v, std::span<Vec3> a, std::span<Vec3> b) const;
   /// Relative velocity a − b at each contact; parts of immobile bodies count as zero.

@@ -116,8 +116,10 @@ void ContactStage::access(std::span<const WorldPart> parts) {
 
 CubeSide ContactStage::side_of(std::int32_t part, const Candidate& c) const {
   CubeSide side = access_[part].solid;
-  if (c.level > 0 && average_ && side.solid != nullptr)
-    side.solid = access_[part].posed->known_distance_averaged(c.pair.w);
+  if (side.solid == nullptr || !(c.averaged || (c.level > 0 && average_))) return side;
+  using Averaged = PosedShape::Averaged;
+  side.solid = access_[part].posed->known_distance_averaged(c.pair.w, c.averaged ? Averaged::All : Averaged::Detailed);
+  side.by_distances = side.by_distances && side.solid->by_rows();
   return side;
 }
 

@@ -86,7 +86,9 @@ class ContactStage {
   struct Candidate {
     std::int32_t layer_a = -1, layer_b = -1;  ///< of the sides that are no solids
     ContactPair pair;
-    int level = 0;         ///< at which the two see each other
+    int level = 0;  ///< at which the two see each other
+    /// One takes the shape of the other, and its density is a share of matter: so is the other's.
+    bool averaged = false;
     bool by_part = false;  ///< rules are about parts of them: they may lie within each other
     Aabb region;
     std::vector<TileKey> tiles;    ///< of pairs with a layer

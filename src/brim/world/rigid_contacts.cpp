@@ -128,7 +128,7 @@ void RigidContacts::follow(int coarsest) {
 
 CubeSide RigidContacts::side_of(std::int32_t part, const Touch& t) const {
   CubeSide side = side_[part];
-  if (t.level > 0 && average_) side.solid = solid_[part]->known_distance_averaged(t.w);
+  if (t.level > 0 && average_) side.solid = solid_[part]->known_distance_averaged(t.w, PosedShape::Averaged::Detailed);
   return side;
 }
 

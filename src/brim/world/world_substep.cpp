@@ -94,6 +94,7 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
     response.find_normals(contacts, laws.penalties());
     place_under_balls(parts, response.normals(), contacts);
     maps.build(parts, contacts, first_v);
+    maps.for_directed([&](std::size_t c, const Vec3& n) { response.set_normal(c, n); });
     maps.velocities(state.v, velocity_a, velocity_b);
     const double g = options.environment.gravity.norm();
     PenaltyOptions p;

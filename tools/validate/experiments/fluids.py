@@ -1,7 +1,7 @@
 """Fluids."""
 import numpy as np
 
-from fluid_measures import Particles, immersed_in_basin
+from fluid_measures import Grid, Particles, immersed_in_basin
 from validate import fits
 from validate.experiment import cases, experiment
 from validate.scenes import G, ball, box, rigid, scene
@@ -64,6 +64,25 @@ def floats(case):
 
 
 SPACING = 0.05
+TANK = {"lo": [-0.4, -0.4, 0], "hi": [0.4, 0.4, 0.9]}
+
+
+@experiment(law="half of it is under water", source="Archimedes", unit="-", tolerance=0.10, theory=0.5,
+            cases=cases(shape=("box", "sphere"), cells=(2.4, 3.6, 5.2), place=(0.002, 0.027)), measure=lambda c, r: share_in_tank(c, r),
+            misses={"shape sphere, cells 3.6, place 0.027": "a ball so small has few faces of the grid around it, in one place others than in the next: 7 % too deep a "
+                                                            "half of a cell away"})
+def floats_on_a_grid(case):
+    """A cube or ball half as dense as water falls into a grid fluid and floats, so many cells wide, in the middle of a cell or at its side: the
+    share of it that is under the surface, mean from 1.5 to 3 s. The surface is where the water's volume fills the tank around the body."""
+    size = SPACING * case.cells
+    body = box(size, size, size) if case.shape == "box" else ball(0.5 * size)
+    water = {"kind": "grid_fluid", "name": "water", "cell_size": SPACING, "box": TANK, "fill": [{"kind": "plane", "point": [0, 0, 0.5], "normal": [0, 0, 1]}]}
+    return scene([water, rigid("body", body, (case.place, 0.5 * case.place, 0.52 + 0.5 * size), SPACING, density=500)], 3.0, dt=0.01, friction=0.0, frame=10)
+
+
+def share_in_tank(case, run):
+    fluid = Grid(run.file, run.number("water"), {"cell_size": SPACING, "box": TANK})
+    return np.mean([immersed_in_basin(run.file, fluid, run.number("body"), f, case.shape, 0.64) for f in range(run.at(1.5), run.frames)])
 
 
 def share_under_water(case, run):

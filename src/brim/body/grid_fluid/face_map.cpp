@@ -9,9 +9,11 @@ namespace brim {
 namespace {
 
 /// [cells] standard deviation of the kernel K, and where it is cut off.
-constexpr double kWidth = 0.6, kReach = 2.0;
+constexpr double kWidth = 0.75, kReach = 2.0;
 /// [cells] depth below the surface at which a point belongs to the matter, not to the surface.
 constexpr double kDeep = 2.0;
+/// K, but for its constant, which makes it end at the cut. @param t2  [cells²]
+double gauss(double t2) { return std::exp(-t2 / (2.0 * kWidth * kWidth)); }
 /// ε of the class: below it the surface around a point is too ragged to have a normal.
 constexpr double kLeastArea = 0.1;
 
@@ -111,7 +113,7 @@ void surface_faces(const MacGrid& g, const WetFaces& wet, std::span<const double
             cut[a] += side * phi[cell] / (phi[cell] - phi[other]);
             const double t2 = cut.squaredNorm();
             if (t2 > kReach * kReach) continue;
-            const double t = std::exp(-t2 / (2.0 * kWidth * kWidth));
+            const double t = gauss(t2) - gauss(kReach * kReach);
             f(side < 0 ? g.face(a, c) : g.face(a, c + Vec3i::Unit(a)), a, side < 0 ? t : -t);
           }
       }
@@ -119,7 +121,7 @@ void surface_faces(const MacGrid& g, const WetFaces& wet, std::span<const double
 
 }  // namespace
 
-void surface_row(const MacGrid& g, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
+Vec3 surface_row(const MacGrid& g, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
                  const Vec3& x, std::vector<FaceWeight>& row) {
   row.clear();
   // The point of the surface nearest to x, and the mean normal around it.
@@ -155,6 +157,8 @@ void surface_row(const MacGrid& g, const WetFaces& wet, std::span<const double> 
   for (int a = 0; a < 3; ++a)
     found = interpolate(g, wet, a, at, [&](int face, double w) { row.push_back({face, w * rest.col(a)}); }) && found;
   if (!found) row.clear();
+  if (!found || deep || motion == SurfaceMotion::Sticks) return Vec3::Zero();
+  return (part / std::max(along, 1e-12) * area + (1.0 - part) * n).normalized();
 }
 
 Vec3 surface_velocity(const MacGrid& g, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
@@ -169,8 +173,9 @@ void FaceMap::reset(const MacGrid& g, const WetFaces& wet, std::span<const doubl
                     std::span<const Vec3> points) {
   const std::size_t n = points.size();
   if (row_.size() < n) row_.resize(n);
+  direction_.resize(n);
   parallel_for(
-      n, [&](std::size_t p) { surface_row(g, wet, phi, motion, points[p], row_[p]); }, 64);
+      n, [&](std::size_t p) { direction_[p] = surface_row(g, wet, phi, motion, points[p], row_[p]); }, 64);
   row_start_.assign(n + 1, 0);
   for (std::size_t p = 0; p < n; ++p) row_start_[p + 1] = row_start_[p] + row_[p].size();
   entry_.resize(row_start_.back());

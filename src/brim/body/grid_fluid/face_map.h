@@ -4,6 +4,7 @@
 
 #include "brim/body/grid_fluid/mac_grid.h"
 #include "brim/body/grid_fluid/wet_faces.h"
+#include "brim/map/directed_map.h"
 #include "brim/map/map.h"
 
 namespace brim {
@@ -23,29 +24,33 @@ enum class SurfaceMotion { Slips, Sticks, Follows };
 /// (balanced forces, Francois et al. 2006). So along the normal n the velocity is the flow through the surface,
 ///   s_f = ±K(|x − x_f|)  for faces f between a wet and a dry cell, signed towards the dry one;   g = Σ_f s_f e_f
 ///   u = β n/(g·n) Σ_f s_f v_f + R Σ_f w_f v_f,     β = (g·n)²/((g·n)² + ε²)
-/// with x_f where the surface cuts the line between the two cells' centres, K a Gaussian of 0.6 cells, n the mean ∇φ
-/// over two cells, w the trilinear weights among wet faces, each times how much fluid it moves (Σ w = 1), and
+/// with x_f where the surface cuts the line between the two cells' centres, K a Gaussian of 0.75 cells less what it is
+/// at two, where it ends, n the mean ∇φ over two cells, w the trilinear weights among wet faces, each times how much
+/// fluid it moves (Σ w = 1), and
 ///   R = (1 − β) n nᵀ             for a fluid that slips,
 ///   R = I − β n gᵀ/(g·n)         for one that sticks; it reproduces a constant field,
 ///   R = I − β n nᵀ               for the surface itself, which has the velocity of its matter along it.
 /// A fluid that knows no shear must take none, else a contact normal that is not quite that of the surface would drive
-/// it along the wall for ever. More than two cells below the surface (at the walls of the box) u is Σ w v. Empty far
-/// from any wet face.
+/// it along the wall for ever. So one that slips takes a force f as Pf, P = p nᵀ with p = β g/(g·n) + (1 − β) n, and
+/// what lies along p it takes whole: Pp = p. More than two cells below the surface (at the walls of the box) u is Σ w
+/// v. Empty far from any wet face.
 /// @param motion  which R
-void surface_row(const MacGrid& grid, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
+/// @return p over its length; zero where u is that of a constant field, and every force is taken whole
+Vec3 surface_row(const MacGrid& grid, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
                  const Vec3& x, std::vector<FaceWeight>& row);
 /// u for these velocities of faces, [m/s]. @param row  workspace
 Vec3 surface_velocity(const MacGrid& grid, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
                       std::span<const double> v, const Vec3& x, std::vector<FaceWeight>& row);
 
-/// Map of a grid fluid: points move as the surface nearest to them. The linear momentum of contact is exact for a fluid
-/// that does not slip; one that slips takes the part of each force along its normal. Angular momentum is not exact.
-/// Constant during a step.  Tests: tests/body/face_map_test.cpp
-class FaceMap final : public Map {
+/// Map of a grid fluid: points move as the surface nearest to them. The linear momentum of contact is exact: for a
+/// fluid that slips, of forces along its directions. Angular momentum is not exact. Constant during a step. Tests:
+/// tests/body/face_map_test.cpp
+class FaceMap final : public Map, public DirectedMap {
  public:
   void reset(const MacGrid& grid, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
              std::span<const Vec3> points);
 
+  std::span<const Vec3> directions() const override { return direction_; }
   std::size_t points() const override { return row_start_.empty() ? 0 : row_start_.size() - 1; }
   void apply(std::span<const double> v, std::span<Vec3> u) const override;
   void apply_transpose(std::span<const Vec3> f, std::span<double> Q) const override;
@@ -54,6 +59,7 @@ class FaceMap final : public Map {
  private:
   std::vector<std::size_t> row_start_;
   std::vector<FaceWeight> entry_;             ///< by point
+  std::vector<Vec3> direction_;               ///< by point
   std::vector<std::vector<FaceWeight>> row_;  ///< workspace
 };
 

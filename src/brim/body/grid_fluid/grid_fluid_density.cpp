@@ -1,3 +1,6 @@
+#include <cmath>
+
+#include "brim/body/grid_fluid/averaged_level.h"
 #include "brim/body/grid_fluid/face_map.h"
 #include "brim/body/grid_fluid/grid_fluid_body.h"
 #include "brim/raster/fill_tiles.h"
@@ -22,11 +25,7 @@ double GridFluidBody::relative_speed_bound(int, std::span<const double> v) const
   return most.norm();
 }
 
-double GridFluidBody::distance(const Vec3& x) const {
-  const Aabb box = model_.grid.box();
-  const double beyond = (box.lo - x).cwiseMax(x - box.hi).maxCoeff();
-  return std::max(beyond, sample_cells(model_.grid, phi_, x));
-}
+double GridFluidBody::distance(const Vec3& x) const { return boxed_distance(model_.grid, phi_, x); }
 
 void GridFluidBody::presence(int, double h, double w, const Aabb& region, std::vector<TileKey>& out) const {
   if (bounds_.empty()) return;
@@ -34,11 +33,12 @@ void GridFluidBody::presence(int, double h, double w, const Aabb& region, std::v
   const Aabb where = region.intersection(bounds_.inflated(0.5 * w + h));
   if (where.empty()) return;
   const TileRange range = tiles_meeting(where.inflated(h), h);
+  const double near = std::max(0.5 * w, 1.25 * g.dx);  // what a cell is seen from
   for (int z = range.lo.z; z <= range.hi.z; ++z)
     for (int y = range.lo.y; y <= range.hi.y; ++y)
       for (int x = range.lo.x; x <= range.hi.x; ++x) {
-        // Every cell that a node of the block may be interpolated from.
-        const Aabb block = tile_box({x, y, z}, h).inflated(h);
+        // Every cell that a node of the block may be averaged over.
+        const Aabb block = tile_box({x, y, z}, h).inflated(h + 1.5 * g.dx);
         const auto place = [&](double p, int a) {
           return std::clamp(static_cast<int>(std::floor((p - g.origin[a]) / g.dx - 0.5)), 0, g.n[a] - 1);
         };
@@ -46,14 +46,14 @@ void GridFluidBody::presence(int, double h, double w, const Aabb& region, std::v
         for (int k = place(block.lo.z(), 2); k <= std::min(place(block.hi.z(), 2) + 1, g.n.z() - 1) && !found; ++k)
           for (int j = place(block.lo.y(), 1); j <= std::min(place(block.hi.y(), 1) + 1, g.n.y() - 1) && !found; ++j)
             for (int i = place(block.lo.x(), 0); i <= std::min(place(block.hi.x(), 0) + 1, g.n.x() - 1) && !found; ++i)
-              found = phi_[g.cell(i, j, k)] < 0.5 * w;
+              found = phi_[g.cell(i, j, k)] < near;
         if (found) out.push_back({x, y, z});
       }
 }
 
 void GridFluidBody::rasterize(int, double h, double w, std::span<const TileKey> tiles,
                               std::span<DensityBlock> out) const {
-  fill_tiles([this](const Vec3& r) { return distance(r); }, tiles, h, w, out);
+  fill_tiles([this](const Vec3& r) { return averaged_distance(model_.grid, phi_, r); }, tiles, h, w, out);
 }
 
 void GridFluidBody::make_map(int, std::span<const Vec3> points, std::span<const std::int32_t>,

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <bit>
+#include <map>
+#include <memory>
+#include <mutex>
+
+#include "brim/math/ramp.h"
+#include "brim/raster/averaged_distances.h"
+#include "brim/raster/known_distance.h"
+
+namespace brim {
+
+/// A convex shape averaged over balls of diameter w. @tparam Shape  has double operator()(p), its distance, and
+/// double share(p, w), the share of its matter in the ball about p
+template <class Shape>
+class AveragedShape final : public KnownDistance {
+ public:
+  /// @param shape  must outlive this  @param w  [m]
+  AveragedShape(const Shape& shape, double w) : shape_(shape), w_(w) {}
+  double slack() const override { return w_; }
+  double rough_distance(const Vec3& p) const override {
+    const double d = shape_(p), half = 0.5 * w_;
+    // At an edge matter begins to be seen as far from it as half a ramp along each of the two faces.
+    if (std::abs(d) > 2.0 * half) return d;
+    const double share = shape_.share(p, w_);
+    if (share > 0.0 && share < 1.0) return ramp_inverse(share, w_);
+    return share > 0.0 ? std::min(d, -half) : std::max(d, half);
+  }
+  /// Of a convex solid the mean is nowhere less than the distance by half a ramp.
+  double least_distance(const Vec3& p) const override { return shape_(p) - 0.5 * w_; }
+  void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
+    const CubeFrame f(pose, cube);
+    wanted.for_rows([&](int j, int k, std::uint8_t row) {
+      for (int bits = row; bits != 0; bits &= bits - 1) {
+        const int i = std::countr_zero(static_cast<unsigned>(bits));
+        d[cube_index(i, j, k)] = static_cast<float>(rough_distance(f.base + i * f.dx + j * f.dy + k * f.dz));
+      }
+    });
+  }
+  bool by_rows() const override { return false; }
+
+ private:
+  const Shape& shape_;
+  double w_;
+};
+
+/// Makes the averaged solids of a shape the first time that each width is asked for.
+template <class Shape>
+class AveragedWidths {
+ public:
+  const KnownDistance& of(const Shape& shape, double w) const {
+    const std::scoped_lock lock(mutex_);
+    auto& solid = width_[w];
+    if (!solid) solid = std::make_unique<AveragedShape<Shape>>(shape, w);
+    return *solid;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  mutable std::map<double, std::unique_ptr<AveragedShape<Shape>>> width_;
+};
+
+}  // namespace brim
