@@ -176,7 +176,7 @@ class Body:
 
     @property
     def material(self) -> dict[str, Any]:
-        """Of its first part: name, friction, restitution, response. Set it to such a dict, or to the name of one of the
+        """Of its first part: name, friction, restitution, rolling_resistance [m], response. Set it to such a dict, or to the name of one of the
         world's materials, and all parts have it; the response then stays the body's own."""
         return self._core.material(self._number)
 
@@ -188,7 +188,7 @@ class Body:
         self._core.set_material(self._number, keys)
 
     def set_material(self, **keys: Any) -> None:
-        """Changes some of name, friction, restitution and response ("penalty", "constraint", "inherit"). @raises InputError"""
+        """Changes some of name, friction, restitution, rolling_resistance and response ("penalty", "constraint", "inherit"). @raises InputError"""
         self._core.set_material(self._number, keys)
 
     # ---- measures ----------------------------------------------------------------------------------------------------

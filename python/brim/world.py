@@ -239,7 +239,7 @@ class World:
         self._core.remove((self[body] if isinstance(body, str) else body).number)
 
     def set_material(self, name: str, **keys: Any) -> None:
-        """Changes a material for all bodies that have it: friction, restitution, response ("penalty", "constraint",
+        """Changes a material for all bodies that have it: friction, restitution, rolling_resistance [m], response ("penalty", "constraint",
         "inherit"), and name. @raises InputError; KeyError when no body has it"""
         having = [body for body in self.bodies if body.material["name"] == name]
         if not having:
@@ -248,7 +248,7 @@ class World:
             body.set_material(**keys)
 
     def set_pair(self, a: str, b: str, **keys: Any) -> None:
-        """Replaces what a pair of materials has: friction, stiffness [Pa], restitution, response; what is left out follows
+        """Replaces what a pair of materials has: friction, stiffness [Pa], restitution, rolling_resistance [m], response; what is left out follows
         from the two. As an entry of "pairs" in a scene file. @raises InputError"""
         self._core.set_pair_material(a, b, keys)
 

@@ -59,12 +59,12 @@ class Session {
   /// x → R x + t. @param rotation  R row by row
   void move(int body, const std::array<double, 9>& rotation, const std::array<double, 3>& translation);
   void set_velocity(int body, const std::array<double, 3>& velocity, const std::array<double, 3>& angular_velocity);
-  /// @param material  "name", "friction", "restitution", "response", as material() gives them
+  /// @param material  "name", "friction", "restitution", "rolling_resistance", "response", as material() gives them
   void set_material(int body, const py::dict& material);
   py::dict material(int body);
   /// A material of the scene by its name. @throws InputError
   py::dict named_material(const std::string& name);
-  /// @param pair  "friction", "stiffness", "restitution", "response", each absent or a value
+  /// @param pair  "friction", "stiffness", "restitution", "rolling_resistance", "response", each absent or a value
   void set_pair_material(const std::string& a, const std::string& b, const py::dict& pair);
   void set_stiffness(double stiffness);
 

@@ -43,6 +43,7 @@ py::dict dict_of(const Material& m) {
   d["name"] = m.name;
   d["friction"] = m.friction;
   d["restitution"] = m.restitution;
+  d["rolling_resistance"] = m.rolling_resistance;
   d["response"] = kResponses.at(static_cast<std::size_t>(m.response));
   return d;
 }
@@ -86,11 +87,12 @@ void Session::set_velocity(int body, const std::array<double, 3>& v, const std::
 
 void Session::set_material(int body, const py::dict& given) {
   const std::string of = fmt::format("material of \"{}\"", world().body(body).name());
-  need_known(given, {"name", "friction", "restitution", "response"}, of);
+  need_known(given, {"name", "friction", "restitution", "rolling_resistance", "response"}, of);
   Material m = world_->material(body);
   if (given.contains("name")) m.name = py::str(given["name"]).cast<std::string>();
   m.friction = number_of(given, "friction", m.friction, of);
   m.restitution = number_of(given, "restitution", m.restitution, of);
+  m.rolling_resistance = number_of(given, "rolling_resistance", m.rolling_resistance, of);
   if (given.contains("response")) m.response = response_of(given, of);
   edit([&] { world_->set_material(body, m); });
 }
@@ -108,11 +110,12 @@ py::dict Session::named_material(const std::string& name) {
 
 void Session::set_pair_material(const std::string& a, const std::string& b, const py::dict& given) {
   const std::string of = fmt::format("materials \"{}\" and \"{}\"", a, b);
-  need_known(given, {"friction", "stiffness", "restitution", "response"}, of);
+  need_known(given, {"friction", "stiffness", "restitution", "rolling_resistance", "response"}, of);
   PairMaterial pair;
   pair.friction = number_of(given, "friction", pair.friction, of);
   pair.stiffness = number_of(given, "stiffness", pair.stiffness, of);
   pair.restitution = number_of(given, "restitution", pair.restitution, of);
+  pair.rolling_resistance = number_of(given, "rolling_resistance", pair.rolling_resistance, of);
   pair.response = response_of(given, of);
   edit([&] { world_->set_pair_material(a, b, pair); });
 }

@@ -105,7 +105,7 @@ class Editing(unittest.TestCase):
         world = stack()
         world.set_gravity((3, 0, -9.81))
         box = world["box_0"]
-        self.assertEqual(box.material, {"name": "rubber", "friction": 1.0, "restitution": 0.0, "response": "inherit"})
+        self.assertEqual(box.material, {"name": "rubber", "friction": 1.0, "restitution": 0.0, "rolling_resistance": 0.0, "response": "inherit"})
         box.material = "ice"
         self.assertEqual(box.material["friction"], 0.0)
         world["box_1"].set_material(friction=0.25)

@@ -76,7 +76,8 @@ TEST_F(Program, GoodSceneIsRecordedAndChecked) {
   EXPECT_EQ(run("run good.json -o made").code, 2) << "an old run is not replaced without --force";
   EXPECT_EQ(run("run good.json -o made --force --frames 2").code, 0);
   EXPECT_EQ(RunReader((folder_ / "made").string()).frames(), 3);
-  EXPECT_EQ(run("run good.json --resume made").code, 0);
+  const Outcome resumed = run("run good.json --resume made");
+  EXPECT_EQ(resumed.code, 0) << resumed.err;
   EXPECT_EQ(RunReader((folder_ / "made").string()).frames(), 6);
 }
 

@@ -34,6 +34,27 @@ TEST(ParticleFluidScene, FillsAShapeWithOneParticleForEachCube) {
   EXPECT_NEAR(ball.body(0).mass(), 800 * 4.18879 * 0.125, 0.03 * 419);
 }
 
+TEST(ParticleFluidScene, JitterStartsParticlesBesideTheLattice) {
+  const auto places = [](const std::string& more) {
+    const World w = build_world(parse_scene(scene_with(std::string(kBox) + more)));
+    return std::vector<double>(w.q(0).begin(), w.q(0).end());
+  };
+  const std::vector<double> lattice = places(""), moved = places(R"(, "jitter": 0.1)"),
+                            other = places(R"(, "jitter": 0.1, "seed": 2)");
+  ASSERT_EQ(moved.size(), lattice.size());
+  double most = 0.0, sum = 0.0;
+  for (std::size_t i = 0; i < lattice.size(); ++i) {
+    most = std::max(most, std::abs(moved[i] - lattice[i]));
+    sum += moved[i] - lattice[i];
+  }
+  EXPECT_LE(most, 0.01) << "a tenth of the spacing";
+  EXPECT_GT(most, 0.0095);
+  EXPECT_LT(std::abs(sum) / static_cast<double>(lattice.size()), 1e-3) << "evenly to all sides";
+  EXPECT_NE(moved, other);
+  EXPECT_EQ(moved, places(R"(, "jitter": 0.1, "seed": 1)"));
+  EXPECT_EQ(lattice, places(R"(, "seed": 7)")) << "without jitter nothing is random";
+}
+
 TEST(ParticleFluidScene, ScaleMovesAndTurnsTheParticlesWithTheShape) {
   const World w = build_world(parse_scene(scene_with(
       std::string(kBox) +

@@ -12,7 +12,9 @@ Edits some_edits() {
   e.removed = {1, 4};
   e.frozen = {2};
   e.materials[3] = {"ice \xc3\xa9", 0.02, 0.3, Response::Constraint};
+  e.materials[2] = {"tyre", 0.8, 0.0, Response::Inherit, 0.01};
   e.pairs[{"ice", "rubber"}] = {0.4, 2e5, -1.0, Response::Penalty};
+  e.pairs[{"road", "tyre"}] = {0.9, 0.0, -1.0, Response::Inherit, 0.02};
   e.rules = {{{"a*", "b", true}}, {{"c", "*", false}, 2}};
   e.bases[4] = {Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX())).toRotationMatrix(), Vec3(1, 2, 3)};
   e.gravity = Vec3(0, 0.1, -1.6);
@@ -34,6 +36,10 @@ TEST(Edits, ComeBackFromMemoryAsTheyWereAndLeaveTheRestAlone) {
   EXPECT_EQ(e.materials.at(3).name, "ice \xc3\xa9");
   EXPECT_EQ(e.materials.at(3).response, Response::Constraint);
   EXPECT_EQ(e.pairs.at({"ice", "rubber"}).stiffness, 2e5);
+  EXPECT_EQ(e.materials.at(2).rolling_resistance, 0.01);
+  EXPECT_EQ(e.materials.at(3).rolling_resistance, 0.0);
+  EXPECT_EQ(e.pairs.at({"road", "tyre"}).rolling_resistance, 0.02);
+  EXPECT_LT(e.pairs.at({"ice", "rubber"}).rolling_resistance, 0.0) << "not told";
   EXPECT_EQ(*e.gravity, Vec3(0, 0.1, -1.6));
   EXPECT_EQ(e.bases.at(4).translation, Vec3(1, 2, 3));
   EXPECT_EQ(e.bases.at(4).rotation, some_edits().bases.at(4).rotation);
@@ -70,6 +76,7 @@ TEST(Edits, DamagedMemoryGivesOnlyWhatMakesSense) {
     for (const auto& [b, m] : e.materials) {
       ASSERT_TRUE(b >= 0 && b < 5);
       ASSERT_TRUE(m.friction >= 0.0 && m.restitution >= 0.0 && m.restitution <= 1.0);
+      ASSERT_TRUE(m.rolling_resistance >= 0.0 && std::isfinite(m.rolling_resistance));
     }
     for (const auto& [names, p] : e.pairs) ASSERT_TRUE(p.stiffness >= 0.0 && p.restitution <= 1.0);
     if (e.gravity) {

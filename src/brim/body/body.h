@@ -29,6 +29,8 @@ struct Material {
   /// Newton's coefficient e, [-], 0 to 1, for the constraint response; a pair uses the larger unless overridden.
   double restitution = 0.0;
   Response response = Response::Inherit;  ///< a pair is constrained when either says so, else as the world says
+  /// b, [m], >= 0: torque over load that keeps rigid bodies from rolling; a pair uses the larger unless overridden.
+  double rolling_resistance = 0.0;
 };
 
 /// What contact needs to know of a part besides its density.

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <bit>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -29,15 +28,6 @@ class AveragedShape final : public KnownDistance {
   }
   /// Of a convex solid the mean is nowhere less than the distance by half a ramp.
   double least_distance(const Vec3& p) const override { return shape_(p) - 0.5 * w_; }
-  void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
-    const CubeFrame f(pose, cube);
-    wanted.for_rows([&](int j, int k, std::uint8_t row) {
-      for (int bits = row; bits != 0; bits &= bits - 1) {
-        const int i = std::countr_zero(static_cast<unsigned>(bits));
-        d[cube_index(i, j, k)] = static_cast<float>(rough_distance(f.base + i * f.dx + j * f.dy + k * f.dz));
-      }
-    });
-  }
   bool by_rows() const override { return false; }
 
  private:

@@ -1,11 +1,8 @@
 #include "brim/raster/averaged_solid.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <mutex>
-
-#include "brim/raster/cube_distances.h"
 
 namespace brim {
 
@@ -54,17 +51,6 @@ OccupancyGrid occupancy_of(const DistanceGrid& grid) {
 double AveragedSolid::rough_distance(const Vec3& p) const {
   const double d = grid_.value(p, Interpolation::Trilinear), half = 0.5 * field_.width();
   return std::abs(d) > half + grid_.spacing() ? d : field_.distance(p);
-}
-
-void AveragedSolid::cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double,
-                                   float* d) const {
-  const CubeFrame f(pose, cube);
-  wanted.for_rows([&](int j, int k, std::uint8_t row) {
-    for (int bits = row; bits != 0; bits &= bits - 1) {
-      const int i = std::countr_zero(static_cast<unsigned>(bits));
-      d[cube_index(i, j, k)] = static_cast<float>(rough_distance(f.base + i * f.dx + j * f.dy + k * f.dz));
-    }
-  });
 }
 
 }  // namespace brim

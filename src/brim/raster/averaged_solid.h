@@ -42,8 +42,6 @@ class AveragedSolid final : public KnownDistance {
   /// Averaged and true distance differ by less than a ramp's width.
   double slack() const override { return field_.width() + grid_.spacing(); }
   double rough_distance(const Vec3& p) const override;
-  void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double reach,
-                      float* d) const override;
   bool by_rows() const override { return false; }
 
  private:

@@ -33,10 +33,18 @@ class KnownDistance {
   }
   /// Distances at the wanted nodes of a cube, [m], in single precision: wrong by some 1e-7 of the shape's size. Beyond
   /// reach from the surface they need only lie beyond it on the right side. What stands at other nodes of the rows of
-  /// wanted ones is overwritten.
+  /// wanted ones is overwritten. The default takes rough_distance node by node.
   /// @param reach  [m]
   virtual void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double reach,
-                              float* d) const = 0;
+                              float* d) const {
+    (void)reach;
+    const CubeFrame f(pose, cube);
+    wanted.for_rows([&](int j, int k, std::uint8_t row) {
+      for (int i = 0; i < kCubeSize; ++i)
+        if ((row >> i & 1) != 0)
+          d[cube_index(i, j, k)] = static_cast<float>(rough_distance(f.base + i * f.dx + j * f.dy + k * f.dz));
+    });
+  }
   /// True where a formula gives the distance: a whole row then costs no more than a node of it, and distances are right
   /// beyond reach as well.
   virtual bool by_rows() const = 0;

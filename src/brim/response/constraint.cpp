@@ -10,12 +10,6 @@ namespace brim {
 
 namespace {
 
-/// Points whose gap exceeds the least of their pair by more voxels than this touch later, and do not bounce yet.
-constexpr double kTogether = 0.02;
-/// [voxels] overlap that is left alone; the share of the rest that a step pushes out, at no more than kPush a step.
-constexpr double kSlop = 0.005, kShare = 0.2, kPush = 0.1;
-/// [voxels] gap that counts as touch: bodies do not rock on gaps so small.
-constexpr double kTouch = 0.005;
 /// [voxels] cell whose nodes make a point where a part deforms; least cosine of a patch's normals to its deepest
 /// node's.
 constexpr double kCell = 2.0, kAlikeInPatch = 0.9;
@@ -50,7 +44,7 @@ void Constraint::gather(const ContactSet& contacts, std::span<const Vec3> normal
                         std::span<const ConstraintPair> pairs, const ConstraintOptions& options,
                         const GatheredRows& gathered) {
   points_.resize(0);
-  points_.pairs.clear();
+  points_.pairs.clear(), off_nodes_.clear();
   normal_.clear(), grip_.clear(), friction_.clear(), restitution_.clear(), bend_.clear();
   std::size_t next = 0;
   for (std::size_t p = 0; p <= contacts.pairs.size(); ++p) {
@@ -67,12 +61,14 @@ void Constraint::gather(const ContactSet& contacts, std::span<const Vec3> normal
     if (pairs[p].constrained && contacts.pairs[p].begin < contacts.pairs[p].end)
       gather_pair(contacts, normals, contacts.pairs[p], pairs[p], options);
     points_.pairs.back().end = points_.size();
+    off_nodes_.push_back(pairs[p].rigid);
   }
 }
 
 void Constraint::take_rows(const PairRows& pair, std::span<const RowPoint> rows) {
   const std::size_t first = points_.size(), n = pair.end - pair.begin;
   points_.pairs.push_back({pair.part_a, pair.part_b, pair.h, pair.w, 0.0, first, first + n});
+  off_nodes_.push_back(pair.off_nodes);
   points_.resize(first + n);
   for (std::size_t i = 0; i < n; ++i) {
     const RowPoint& r = rows[pair.begin + i];
@@ -328,50 +324,6 @@ void Constraint::add_point(const ContactSet& contacts, std::size_t c, const Vec3
   points_.append(contacts, c, x, -gap);
   bend_.push_back(bend);
   normal_.push_back(n), grip_.push_back(x), friction_.push_back(law.friction), restitution_.push_back(law.restitution);
-}
-
-void Constraint::set_targets(const ConstraintOptions& options, std::span<const Vec3> start,
-                             std::span<const Vec3> free) {
-  const double dt = options.dt;
-  velocity_target_.resize(points_.size()), position_target_.resize(points_.size());
-  touch_time_.assign(points_.size(), 0.0);
-  targets_differ_ = bounces_ = false;
-  for (const ContactPair& pair : points_.pairs) {
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t c = pair.begin; c < pair.end; ++c) least = std::min(least, -double{points_.depth[c]});
-    for (std::size_t c = pair.begin; c < pair.end; ++c) {
-      const double gap = -points_.depth[c], open = std::max(0.0, gap);
-      const double u0 = normal_[c].dot(start[c]), u1 = normal_[c].dot(free[c]), a = (u1 - u0) / dt;
-      const double push = std::min(kShare * std::max(0.0, -gap - kSlop * pair.h), kPush * pair.h) / dt;
-      // What will bounce is not slowed down by the margin of a step before it touches.
-      const bool flies = restitution_[c] > 0.0 && -u1 > options.bounce_speed;
-      const double closing = -std::max(0.0, gap - (flies ? 0.0 : kTouch * pair.h)) / dt;
-      velocity_target_[c] = closing;
-      position_target_[c] = closing + push;
-      const bool touches = open + dt * u1 < 0.0;
-      if (touches && restitution_[c] > 0.0 && gap <= least + kTogether * pair.h) {
-        // The parabola of free flight (FreeFlight): open + u0 t + a t²/2 = 0.
-        const double speed = std::sqrt(std::max(0.0, u0 * u0 - 2.0 * a * open));
-        const double before = open > 0.0 && speed > u0 ? std::min(dt, 2.0 * open / (speed - u0)) : 0.0;
-        const double hit = u0 + a * before, left = dt - before;
-        touch_time_[c] = before;
-        if (-hit > options.bounce_speed) {
-          bounces_ = true;
-          const double after = -restitution_[c] * hit;
-          velocity_target_[c] = std::max(0.0, after + a * left);
-          position_target_[c] = std::max(push, (after * left + 0.5 * a * left * left) / dt) - open / dt;
-        }
-      }
-      targets_differ_ = targets_differ_ || velocity_target_[c] != position_target_[c];
-    }
-  }
-}
-
-void Constraint::set_rebound(std::size_t c, double velocity, double dt) {
-  velocity_target_[c] = std::max(0.0, velocity);
-  const double open = std::max(0.0, -double{points_.depth[c]});
-  position_target_[c] = std::max(0.0, velocity) * (1.0 - touch_time_[c] / dt) - open / dt;
-  targets_differ_ = targets_differ_ || velocity_target_[c] != position_target_[c];
 }
 
 }  // namespace brim

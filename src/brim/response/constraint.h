@@ -41,6 +41,7 @@ struct ConstraintPair {
 /// no quadric) is modelled again, piece by piece. With u0 and u1 the normal velocities at the start and of the
 /// motion without this contact, a = (u1 − u0)/dt, and a touch at τ = φ/|u1|:
 ///   no bounce   u >= −max(0, φ − 0.005 h)/dt, and overlap is pushed out by a displacement that is no velocity
+///               (between rigid parts whose gaps are read off nodes 0.05 h, and overlap beyond 0.1 h alone)
 ///   bounce      u >= e |u0 + a (dt/2 + τ)| + a (dt/2 − τ), at least 0, and the way of the step is the broken
 ///   parabola's
 class Constraint {
@@ -115,6 +116,7 @@ class Constraint {
   ContactSet points_;
   std::vector<Vec3> normal_, grip_;
   std::vector<double> friction_, restitution_;
+  std::vector<std::uint8_t> off_nodes_;  ///< per pair of points_: its gaps are known as well as nodes tell them
   std::vector<Bend> bend_;
   std::vector<double> velocity_target_, position_target_;
   std::vector<double> touch_time_;  ///< [s] from the start of the step to the touch; 0 where it touches already

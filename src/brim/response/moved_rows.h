@@ -48,6 +48,7 @@ struct PairRows {
   double h = 0.0;                       ///< [m] step at which they meet
   double w = 0.0;                       ///< [m] ramp width at that step
   double friction = 0.0, restitution = 0.0;
+  bool off_nodes = false;          ///< their gaps were read off nodes, not between convex solids
   std::size_t begin = 0, end = 0;  ///< rows of the pair
 };
 

@@ -139,11 +139,12 @@ void set_at(Json& root, const std::string& pointer, const Json& value) {
   }
 }
 
-/// Writes the seed that a repeat, a heap of grains or a blob has where it is left out.
+/// Writes the seed that a repeat, a heap of grains, a particle fluid or a blob has where it is left out.
 void tell_seed(Json& value) {
   if (value.contains("repeat") && value["repeat"].is_object()) value["repeat"].emplace("seed", 1);
   const Json kind = value.value("kind", Json());
-  if (kind == "blob" || (kind == "points" && value.contains("radius"))) value.emplace("seed", 1);
+  if (kind == "blob" || kind == "particle_fluid" || (kind == "points" && value.contains("radius")))
+    value.emplace("seed", 1);
 }
 
 /// Whether a value has "seed", said or not; adds to each.
@@ -216,9 +217,9 @@ void apply_seed(Document& document, std::uint64_t seed) {
   const bool found = add_to_seeds(bodies, seed - 1);
   if (found && seed > 1) document.root["bodies"] = std::move(bodies);
   if (!found)
-    throw InputError(
-        document.file +
-        ": nothing of the scene is random; a seed needs a \"repeat\", grains, a blob, or a parameter \"seed\"");
+    throw InputError(document.file +
+                     ": nothing of the scene is random; a seed needs a \"repeat\", grains, a particle fluid, a blob, "
+                     "or a parameter \"seed\"");
 }
 
 }  // namespace brim

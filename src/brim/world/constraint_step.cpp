@@ -22,23 +22,8 @@ constexpr double kManyPoints = 100.0, kLeastSweeps = 0.1, kLarge = 1.0;
 /// Sweeps that push overlaps apart: what they miss is left to the next step.
 constexpr double kPushTolerance = 1e-2;
 constexpr int kPushSweeps = 20, kRigidPushSweeps = 10;
-/// Least part of a direction that is gone.
-constexpr double kLeastWay = 0.02;
-/// Share of a direction's curvature that must be left once it is made conjugate to the last: below it, the two are
-/// parallel and what is left is rounding.
-constexpr double kIndependent = 1e-8;
-/// Their tolerance over that of the sweeps.
-constexpr double kRefined = 30.0;
-/// Tolerance of the sweeps that find a direction for them, over what is left; sweeps at most.
-constexpr double kRough = 0.1;
-constexpr int kRoughSweeps = 30;
 /// Residual over the tolerance that is worth a warning.
 constexpr double kWarn = 100.0;
-/// [voxels] gap up to which an impact is passed on; rounds of one impact, and impacts of one pair in a step.
-constexpr double kTouching = 0.02;
-/// Share of the fastest rebound of a step below which another one is none.
-constexpr double kSlightBounce = 1e-3;
-constexpr int kStrikeRounds = 50, kMostStrikes = 100;
 /// Rows n, t1, t2 of a right-handed frame.
 Mat3 frame_along(const Vec3& n) {
   Eigen::Index least = 0;
@@ -141,53 +126,6 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
   return finite;
 }
 
-void ConstraintStep::pass_impacts_on(std::vector<double> v) {
-  const std::size_t n = rows_.points().size();
-  // What rounding bounces is left out.
-  double least = 0.0;
-  for (const double t : rows_.velocity_targets()) least = std::max(least, kSlightBounce * t);
-  const double slow = std::max(settings_.rows.bounce_speed, least), never = -std::numeric_limits<double>::infinity();
-  std::vector<double> target(n, never), grid_step(n, 0.0);  // [m]
-  for (const ContactPair& pair : rows_.points().pairs)
-    std::fill(grid_step.begin() + static_cast<std::ptrdiff_t>(pair.begin),
-              grid_step.begin() + static_cast<std::ptrdiff_t>(pair.end), pair.h);
-  std::vector<Vec3> impulse(n, Vec3::Zero());
-  std::vector<std::uint8_t> hit(sweep_.groups(), 0);
-  const auto velocity = [&](std::size_t c) { return offset_[c].x() + sweep_.velocity(c, v).x(); };
-  // One pair after the other, as if nothing else touched it. @return false where nothing hits
-  const auto strike = [&](std::size_t g, bool first) {
-    const auto [begin, end] = sweep_.group(g);
-    const double h = grid_step[begin];
-    bool any = false;
-    for (std::size_t c = begin; c < end; ++c) {
-      const double u = velocity(c), gap = -rows_.points().depth[c];
-      const double to = first ? rows_.velocity_targets()[c] : -rows_.restitution()[c] * u;
-      const bool hits = first ? to > least : gap <= kTouching * h && u < -slow;
-      target[c] = hits ? to : never;
-      impulse[c].setZero();
-      any = any || hits;
-    }
-    if (any) sweep_.solve_alone(g, offset_, target, kStrikeRounds, impulse, v), hit[g] = 1;
-    return any;
-  };
-  for (std::size_t g = 0; g < sweep_.groups(); ++g) strike(g, true);
-  bool passed_on = false, any = true;
-  for (int round = 0; any && round < kMostStrikes; ++round) {
-    any = false;
-    for (std::size_t g = 0; g < sweep_.groups(); ++g) any = strike(g, false) || any;
-    passed_on = passed_on || any;
-  }
-  if (!passed_on) return;
-  for (std::size_t g = 0; g < sweep_.groups(); ++g) {
-    if (!hit[g]) continue;
-    const auto [begin, end] = sweep_.group(g);
-    const double h = grid_step[begin];
-    for (std::size_t c = begin; c < end; ++c)
-      if (rows_.velocity_targets()[c] > least || -rows_.points().depth[c] <= kTouching * h)
-        rows_.set_rebound(c, velocity(c), settings_.rows.dt);
-  }
-}
-
 void ConstraintStep::solve_rows(const ImplicitStep::Respond& solve, std::span<const double> target, int most,
                                 std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual,
                                 StepReport& report) {
@@ -213,93 +151,6 @@ void ConstraintStep::push_apart(std::vector<double>& way, StepReport& report) {
                               settings_.scale, push, change, 0.0);
   report.sweeps += r.sweeps;
   for (std::size_t i = 0; i < width_; ++i) way[i] += change[i];
-}
-
-void ConstraintStep::refine(const ImplicitStep::Respond& solve, std::span<const double> target, int most,
-                            std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual,
-                            StepReport& report) {
-  const std::size_t n = lambda.size(), nv = first_v_.back();
-  // What a direction in λ does: to the velocities, and to u at every contact.
-  struct Direction {
-    std::vector<Vec3> lambda, u;
-    std::vector<double> v;
-    double curvature = 0.0;  ///< λ·u
-  };
-  Direction now, last;
-  std::vector<Vec3> offset(n), next, change_u(n);
-  std::vector<double> change, rhs(nv);
-  now.lambda.resize(n), now.u.resize(n), now.v.resize(width_);
-  double scale = settings_.scale;
-  for (int i = 0; i < most; ++i) {
-    for (std::size_t c = 0; c < n; ++c) offset[c] = offset_[c] + sweep_.velocity(c, delta);
-    next = lambda;
-    change.assign(width_, 0.0);
-    const auto r = sweep_.solve(offset, target, kRough * std::max(settings_.tolerance, i == 0 ? 0.0 : residual),
-                                std::min(settings_.max_sweeps, kRoughSweeps), scale, next, change, 1.0, false);
-    report.sweeps += r.sweeps;
-
-    double worst = 0.0;
-    std::fill(rhs.begin(), rhs.end(), 0.0);
-    for (std::size_t c = 0; c < n; ++c) {
-      change_u[c] = sweep_.velocity(c, change);
-      worst = std::max(worst, change_u[c].norm());
-      now.lambda[c] = next[c] - lambda[c];
-      sweep_.add_force(c, now.lambda[c], rhs);
-    }
-    if (i == 0) scale = std::max(scale, worst);
-    residual = worst / scale;
-    if (!(residual > kRefined * settings_.tolerance)) break;
-    std::fill(now.v.begin(), now.v.end(), 0.0);
-    const SolveReport s = solve(rhs, std::span(now.v).first(nv));
-    report.cg_iterations += s.iterations;
-    ++report.solves;
-    if (!s.finite) break;
-    for (std::size_t c = 0; c < n; ++c) now.u[c] = sweep_.velocity(c, now.v);
-
-    // Conjugate to the last direction, unless that leads out of a cone; the model foretells how far the way goes down.
-    double t = 0.0;
-    const auto measure = [&](Direction& d) {
-      double down = 0.0;
-      d.curvature = 0.0;
-      for (std::size_t c = 0; c < n; ++c) d.curvature += d.lambda[c].dot(d.u[c]), down += d.lambda[c].dot(change_u[c]);
-      t = d.curvature > 0.0 ? std::clamp(down / d.curvature, 0.0, 4.0) : 1.0;
-    };
-    measure(now);
-    bool conjugate = last.curvature > 0.0;
-    if (conjugate) {
-      double shared = 0.0;
-      for (std::size_t c = 0; c < n; ++c) shared += now.lambda[c].dot(last.u[c]);
-      const double beta = -shared / last.curvature;
-      for (std::size_t c = 0; c < n; ++c)
-        last.lambda[c] = now.lambda[c] + beta * last.lambda[c], last.u[c] = now.u[c] + beta * last.u[c];
-      for (std::size_t j = 0; j < nv; ++j) last.v[j] = now.v[j] + beta * last.v[j];
-      measure(last);
-      conjugate =
-          last.curvature > kIndependent * now.curvature && t > 0.0 && longest_way(lambda, last.lambda, t) >= 0.999 * t;
-    }
-    if (conjugate) {
-      now = last;
-    } else {
-      measure(now);
-      t = longest_way(lambda, now.lambda, std::max(t, kLeastWay));
-    }
-    for (std::size_t c = 0; c < n; ++c) lambda[c] += t * now.lambda[c];
-    for (std::size_t j = 0; j < nv; ++j) delta[j] += t * now.v[j];
-    last = now;
-  }
-  report.row_residual = std::max(report.row_residual, residual);
-}
-
-double ConstraintStep::longest_way(std::span<const Vec3> from, std::span<const Vec3> way, double most) const {
-  const auto inside = [&](std::size_t c, double t) {
-    const Vec3 l = from[c] + t * way[c];
-    const double room = 1e-12 * (1.0 + from[c].norm());
-    return l.x() >= -room && l.tail<2>().norm() <= rows_.friction()[c] * l.x() + room;
-  };
-  // The cones are convex: what lies on the way to a place inside is inside too.
-  for (std::size_t c = 0; c < from.size(); ++c)
-    while (most > kLeastWay && !inside(c, most)) most *= 0.8;
-  return most;
 }
 
 void ConstraintStep::finish(StepReport& report, std::vector<ContactSample>& samples, bool check,

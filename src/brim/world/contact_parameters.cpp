@@ -100,6 +100,8 @@ PairMaterial ContactParameters::material_of(const PartInfo& a, const PartInfo& b
   PairMaterial m = it != options.pair_materials.end() ? it->second : PairMaterial{};
   if (m.friction < 0.0) m.friction = std::sqrt(a.material.friction * b.material.friction);
   if (m.restitution < 0.0) m.restitution = std::max(a.material.restitution, b.material.restitution);
+  if (m.rolling_resistance < 0.0)
+    m.rolling_resistance = std::max(a.material.rolling_resistance, b.material.rolling_resistance);
   m.response = choose_response(m.response, a.material.response, b.material.response, options.response);
   if (m.stiffness > 0.0) return m;
   m.stiffness = options.stiffness > 0.0 ? options.stiffness : chosen_stiffness(a, b, options.time_step);

@@ -43,12 +43,12 @@ class ContactParameters {
   void warn(std::span<const WorldPart> parts, const WorldOptions& options, StepReport& report) const;
   /// How rows would act between two parts.
   ConstraintPair constraint_between(const WorldPart& a, const WorldPart& b, const WorldOptions& options) const;
+  /// All that a pair of materials has, nothing left to be chosen.
+  PairMaterial material_of(const PartInfo& a, const PartInfo& b, const WorldOptions& options) const;
   std::span<const PairState> penalties() const { return penalties_; }
   std::span<const ConstraintPair> constraints() const { return constraints_; }
 
  private:
-  PairMaterial material_of(const PartInfo& a, const PartInfo& b, const WorldOptions& options) const;
-
   /// [Pa] of a pair for which the scene gives none
   double chosen_stiffness(const PartInfo& a, const PartInfo& b, double dt) const;
 

@@ -105,14 +105,20 @@ void Edits::take(std::vector<double>& memory, int bodies) {
       const int b = r.whole(0, bodies - 1);
       Material m;
       m.friction = r.number(), m.restitution = r.number(), m.response = r.response(), m.name = r.text();
-      if (r.good() && m.friction >= 0.0 && std::isfinite(m.friction) && m.restitution >= 0.0 && m.restitution <= 1.0)
-        materials[b] = m;
+      const bool good =
+          r.good() && m.friction >= 0.0 && std::isfinite(m.friction) && m.restitution >= 0.0 && m.restitution <= 1.0;
+      const double rolling = r.number();  // only of those that have some
+      if (r.good() && rolling >= 0.0 && std::isfinite(rolling)) m.rolling_resistance = rolling;
+      if (good) materials[b] = m;
     } else if (word == kPair) {
       PairMaterial p;
       p.friction = r.number(), p.stiffness = r.number(), p.restitution = r.number(), p.response = r.response();
       const std::string a = r.text(), b = r.text();
       const bool sane = std::isfinite(p.friction) && p.stiffness >= 0.0 && std::isfinite(p.stiffness);
-      if (r.good() && sane && p.restitution <= 1.0) pairs[{a, b}] = p;
+      const bool good = r.good() && sane && p.restitution <= 1.0;
+      const double rolling = r.number();  // only of those that have their own
+      if (r.good() && std::isfinite(rolling)) p.rolling_resistance = rolling;
+      if (good) pairs[{a, b}] = p;
     } else if (word == kBase) {
       const int b = r.whole(0, bodies - 1);
       Pose base;
@@ -149,6 +155,7 @@ void Edits::keep(std::vector<double>& memory) const {
     record(kMaterial, [&] {
       w.number(b), w.number(m.friction), w.number(m.restitution), w.number(static_cast<double>(m.response));
       w.text(m.name);
+      if (m.rolling_resistance > 0.0) w.number(m.rolling_resistance);
     });
   for (const auto& [b, base] : bases)
     record(kBase, [&] {
@@ -160,6 +167,7 @@ void Edits::keep(std::vector<double>& memory) const {
     record(kPair, [&] {
       w.number(p.friction), w.number(p.stiffness), w.number(p.restitution), w.number(static_cast<double>(p.response));
       w.text(names.first), w.text(names.second);
+      if (!(p.rolling_resistance < 0.0)) w.number(p.rolling_resistance);
     });
   for (const auto& [rule, region] : rules)
     record(kRule, [&] {

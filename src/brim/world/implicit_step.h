@@ -6,13 +6,11 @@
 #include <vector>
 
 #include "brim/body/body.h"
-#include "brim/response/penalty.h"
 #include "brim/solve/conjugate_gradient.h"
 #include "brim/world/coarse_space.h"
 #include "brim/world/contact_maps.h"
 #include "brim/world/contact_preconditioner.h"
-#include "brim/world/fill_stage.h"
-#include "brim/world/step_report.h"
+#include "brim/world/step_context.h"
 
 namespace brim {
 
@@ -49,15 +47,10 @@ class ImplicitStep {
   /// @return false when not finite
   using Correct = std::function<bool(const Respond&, std::span<double> delta, std::span<double> added)>;
 
-  /// @param v   velocities at the start; Δv is written to `delta`
-  /// @param fill  begun; has the forces of its contacts afterwards
-  /// @param impulse  [N s] that acts besides, shape (nv) or empty
+  /// @param delta  Δv, shape (nv)
   /// @param correct  called after the last solve, may be empty
   /// @return false when the result is not finite
-  bool solve(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
-             std::span<const WorldPart> parts, const Environment& env, const ContactMaps& maps, Penalty& response,
-             const ContactSet& contact_set, std::span<const double> v, const Settings& settings,
-             std::span<double> delta, StepReport& report, FillStage& fill, std::span<const double> impulse = {},
+  bool solve(const StepContext& context, const Settings& settings, std::span<double> delta,
              const Correct& correct = {});
 
   /// Relative velocity changes at the contacts, of the last solve.
@@ -66,17 +59,46 @@ class ImplicitStep {
   std::span<const double> inner_impulse() const { return internal_; }
 
  private:
-  /// Bodies that contacts and links couple are solved together, others apart.
-  void find_islands(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts,
-                    const ContactSet& contact_set, const Settings& settings);
-  /// Tells bodies of particles which of them lie on something fixed.
-  void guide(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
-             const ContactMaps& maps, const Penalty& response, const ContactSet& contact_set);
   /// Where all bodies are rigid frames and nothing couples them: Δv from their own masses and inertias.
   /// @return false where some are not
-  bool solve_frames(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
-                    const Environment& env, const Settings& settings, std::span<const double> impulse,
-                    std::span<double> delta);
+  bool solve_frames(std::span<double> delta);
+  /// Tells bodies of particles which of them lie on something fixed.
+  void guide();
+  /// Forces and matrices of the bodies, contact aside.
+  void begin_bodies();
+  /// Bodies that contacts and links couple are solved together, others apart.
+  void find_islands();
+  /// What the solver asks of the system: products, preconditioner, filter.
+  void begin_system();
+  void begin_preconditioner();
+  void multiply(std::span<const double> x, std::span<double> y);
+  void precondition(std::span<const double> r, std::span<double> z);
+  /// Makes the preconditioner of the contacts that act.
+  void prepare(bool first);
+  void find_right_hand_side(bool first);
+  /// Solves, and lets go of contacts and loads friction anew, until that changes little. @return false: not finite
+  bool make_passes(std::span<double> delta);
+  /// One of them. @param kept  no other follows  @param near  what it finds may be kept
+  SolveReport solve_once(int pass, bool kept, bool near, std::span<double> delta);
+  /// Hands the momentum that the solve has left over back to the bodies that it is of.
+  void give_back(std::span<double> delta);
+  bool correct_by(const Correct& correct, std::span<double> delta);
+  bool asleep(std::size_t b) const { return !settings_->asleep.empty() && settings_->asleep[b] != 0; }
+  /// [s] of the report that is contact's.
+  double& contact_seconds() const { return context_->report.seconds[static_cast<std::size_t>(Phase::SolveContact)]; }
+
+  // Of the solve that runs:
+  const StepContext* context_ = nullptr;
+  const Settings* settings_ = nullptr;
+  LinearSystem system_;
+  std::size_t contacts_ = 0;  ///< 0 where rows answer them all
+  bool alone_ = false;        ///< rows answer all contacts of small bodies: the system is that of their own blocks
+  /// Every velocity belongs to a rigid body: the factor is the whole system, but for rounding in single precision, and
+  /// one iteration more makes the solution exact.
+  bool whole_ = false;
+  bool coarse_ = false;      ///< the coarse modes are factored
+  bool settled_ = false;     ///< contact forces would change by less than the tolerance
+  int iterations_made_ = 0;  ///< of the last solve for which the preconditioner was made
 
   std::vector<double> internal_, rhs_, scratch_, added_;
   std::vector<Vec3> contact_delta_, contact_force_;
@@ -89,6 +111,7 @@ class ImplicitStep {
   std::vector<std::uint8_t> lone_;              ///< per body: one block, without coarse modes
   std::vector<std::uint8_t> without_;           ///< per body: without coarse modes
   std::vector<double> residual_;                ///< of the last solve of the passes
+  std::vector<double> scale_;                   ///< of the first pass, for all
   std::vector<std::int32_t> island_;            ///< per body
   std::vector<double> negligible_, sharpness_;  ///< per island, as LinearSystem has them
   ContactPreconditioner preconditioner_;

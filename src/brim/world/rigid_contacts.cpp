@@ -199,7 +199,7 @@ bool RigidContacts::read_between(Pair& pair, const Aabb& region, double gap) con
 void RigidContacts::sample(Pair& pair, Workspace& ws, bool every_node) const {
   const Touch& t = pair.touch;
   pair.rows.clear(), pair.boxes.clear();
-  pair.contacts = 0, pair.engulfed = 0, pair.nodes = 0, pair.most_overlap = 0.0f;
+  pair.contacts = 0, pair.engulfed = 0, pair.nodes = 0, pair.most_overlap = 0.0f, pair.off_nodes = false;
   ContactPair contact_pair{t.part_a, t.part_b, t.h, t.w, t.margin, 0, 0};
   const double gap = widest_gap(t.margin) * t.w, seen = t.level > 0 ? gap + t.w : gap;
   if (apart(t.part_a, t.part_b, seen) || apart(t.part_b, t.part_a, seen)) return;
@@ -209,6 +209,7 @@ void RigidContacts::sample(Pair& pair, Workspace& ws, bool every_node) const {
   if (!(lo.array() <= hi.array()).all()) return;
   ws.finds.clear();
   find_between_solids(side_of(t.part_a, t), side_of(t.part_b, t), contact_pair, {lo, hi}, ws.finds);
+  pair.off_nodes = true;
   pair.boxes.assign(ws.finds.boxes.begin(), ws.finds.boxes.end());
   pair.engulfed = ws.finds.engulfed, pair.nodes = ws.finds.nodes;
   if (ws.finds.contacts.empty()) return;
@@ -247,8 +248,8 @@ GatheredRows RigidContacts::gather() {
     const RigidMotion &a = references_.motion(static_cast<std::size_t>(t.part_a)),
                       &b = references_.motion(static_cast<std::size_t>(t.part_b));
     const ConstraintPair& l = law(t.part_a, t.part_b);
-    pair_rows_.push_back(
-        {t.part_a, t.part_b, t.h, t.w, l.friction, l.restitution, rows_.size(), rows_.size() + p.rows.size()});
+    pair_rows_.push_back({t.part_a, t.part_b, t.h, t.w, l.friction, l.restitution, p.off_nodes, rows_.size(),
+                          rows_.size() + p.rows.size()});
     for (const RowPoint& r : p.rows) rows_.push_back(moved(r, a, b, t.h));
   }
   return {pair_rows_, rows_};

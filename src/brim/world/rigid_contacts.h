@@ -89,6 +89,7 @@ class RigidContacts {
     std::int32_t contacts = 0;             ///< nodes, or rows that are read between them
     std::int64_t engulfed = 0, nodes = 0;  ///< samples, on nodes and between
     float most_overlap = 0.0f;             ///< [-] ρ̄
+    bool off_nodes = false;                ///< rows were gathered from nodes
     RowPoint deepest;                      ///< the node of the largest depth
     std::vector<RowPoint> rows;
     std::vector<NodeBox> boxes;

@@ -26,6 +26,7 @@ struct PairMaterial {
   double stiffness = 0.0;                 ///< [Pa] k; 0: chosen from the loads and the softer of the two
   double restitution = -1.0;              ///< [-] e of the constraint response; negative: the larger of the two
   Response response = Response::Inherit;  ///< Inherit: what the bodies say, then the world
+  double rolling_resistance = -1.0;       ///< [m] of rigid bodies; negative: the larger of the two
 };
 
 /// How the world steps. docs/numerics.md says what the choices rest on.

@@ -264,6 +264,7 @@ void World::set_material(int b, const Material& material) {
   const std::string of = fmt::format("material '{}' of '{}'", material.name, body(b).name());
   need_number(of, "friction", material.friction, 0.0, std::numeric_limits<double>::infinity());
   need_number(of, "restitution", material.restitution, 0.0, 1.0);
+  need_number(of, "rolling_resistance", material.rolling_resistance, 0.0, std::numeric_limits<double>::infinity());
   impl_->start();
   impl_->wake_around(*this, b);
   impl_->edit([&](Edits& edits) { edits.materials[b] = material; });
@@ -282,6 +283,8 @@ void World::set_pair_material(const std::string& a, const std::string& b, const 
   const std::string of = fmt::format("materials '{}' and '{}'", a, b);
   if (!(pair.friction < 0.0)) need_number(of, "friction", pair.friction, 0.0, std::numeric_limits<double>::infinity());
   if (!(pair.restitution < 0.0)) need_number(of, "restitution", pair.restitution, 0.0, 1.0);
+  if (!(pair.rolling_resistance < 0.0))
+    need_number(of, "rolling_resistance", pair.rolling_resistance, 0.0, std::numeric_limits<double>::infinity());
   need_number(of, "stiffness", pair.stiffness, 0.0, std::numeric_limits<double>::infinity());
   impl_->edit([&](Edits& edits) { edits.pairs[std::minmax(a, b)] = pair; });
   for (int i = 0; i < body_count(); ++i) wake(i);

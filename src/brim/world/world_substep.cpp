@@ -11,6 +11,7 @@
 #include "brim/world/ball_points.h"
 #include "brim/world/momentum_check.h"
 #include "brim/world/pair_reports.h"
+#include "brim/world/rolling_resistance.h"
 #include "brim/world/substeps.h"
 #include "brim/world/world_impl.h"
 
@@ -153,8 +154,9 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
     rows = [&](const ImplicitStep::Respond& solve, std::span<double> change, std::span<double> added) {
       return constraints.correct(solve, change, added, report);
     };
-  return implicit.solve(bodies, first_v, parts, options.environment, maps, response, contacts, state.v, settings, delta,
-                        report, fill, impulse, rows);
+  const StepContext context{bodies, first_v, parts,  options.environment, state.v, contacts, maps, response,
+                            fill,   report,  impulse};
+  return implicit.solve(context, settings, delta, rows);
 }
 
 void World::Impl::tell_walled(double dt, std::span<const double> mapped) {
@@ -235,6 +237,7 @@ double World::Impl::substep(double left, StepReport& report) {
     }
     constraints.finish(report, samples, last, state.warm_start);
     if (!constraints.empty() && !constraints.converged()) warn_of_mass_ratio(parts, laws, options, state.time, report);
+    resist_rolling(parts, first_v, report.pairs, laws, options, dt, state.v, delta);
     report.contact_energy = response.energy();
     for (const auto& w : watchers) w->substep(*self, state.time, dt);
   }

@@ -44,6 +44,31 @@ def level_cylinder(case):
                  2.2, response=case.response)
 
 
+@experiment(law="a = −b g / (R (1 + I/m R²))", source="Hibbeler, Statics, rolling resistance", unit="m/s²", tolerance=0.005,
+            cases=cases(response=BOTH, shape=("ball", "cylinder")), theory=lambda c: -0.02 * G / 0.2 / (1.4 if c.shape == "ball" else 1.5),
+            measure=lambda c, r: fits.acceleration(r.time, r.velocity("roll")[:, 0], 0.2, 1.2),
+            curve=lambda c, r: (r.time, r.velocity("roll")[:, 0]), axes=("t [s]", "speed [m/s]"))
+def rolls_out(case):
+    """A ball or cylinder of 0.4 m rolls on a floor at 1 m/s against a rolling resistance b of 0.02 m, and stops."""
+    return rolling_against_resistance(case, 0.0, 1.0)
+
+
+@experiment(law="it does not roll: tan θ < b / R", source="Hibbeler, Statics, rolling resistance", unit="m/s", tolerance=1.0, scale=1e-3, theory=0.0,
+            cases=cases(response=BOTH, shape=("ball", "cylinder")), measure=lambda c, r: r.velocity("roll")[-1, 0])
+def held_on_a_slope(case):
+    """The same on a plane whose slope is four fifths of b / R, let go: its speed after 2 s."""
+    return rolling_against_resistance(case, math.atan(0.8 * 0.02 / 0.2), 0.0)
+
+
+def rolling_against_resistance(case, slope, speed):
+    shape, turn = (ball(0.2), 0) if case.shape == "ball" else (cylinder(0.2, 0.2), 90)
+    at = {"position": (0, 0.01, 0.2), "rotation": about((1, 0, 0), turn)}
+    s = scene([floor(0.05), rigid("roll", shape, at, 0.05, velocity=[speed, 0, 0], angular_velocity=[0, speed / 0.2, 0])], 2.0, response=case.response,
+              gravity=[G * math.sin(slope), 0, -G * math.cos(slope)])
+    s["materials"]["default"]["rolling_resistance"] = 0.02
+    return s
+
+
 @experiment(law="v = 5/7 v₀ once it rolls", source="angular momentum about the contact", unit="m/s", tolerance=0.005,
             cases=cases(response=BOTH), theory=5 / 7 * 2.0, measure=lambda c, r: r.velocity("ball")[r.at(1.0), 0],
             curve=lambda c, r: (r.time, r.velocity("ball")[:, 0]), ideal=lambda c, t: max(5 / 7 * 2, 2 - 0.3 * G * t), axes=("t [s]", "speed [m/s]"))

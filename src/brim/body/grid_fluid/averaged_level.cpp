@@ -13,6 +13,13 @@ namespace {
 
 /// [cells] ramp of a cell's own share, and how far from the surface none is asked for.
 constexpr double kRamp = 2.5, kSeen = 2.2;
+/// [cells²] variance along an axis of the spline, and the mean one of linear interpolation between two cells.
+constexpr double kSpline = 1.0 / 3.0, kLinear = 1.0 / 6.0;
+/// Of the way from one to the other, for ramps from no width on and up to 3.2 cells.
+constexpr double kLeastPart = -1.0, kMostPart = 2.1;
+/// [cells] most by which the spline may tell another distance: at edges it does, and far from the surface it tells
+/// none.
+constexpr double kShift = 0.45;
 /// [cells] depth from which on a fluid is no film, and by how much its share may then put its surface further in.
 constexpr double kThick = 1.0, kFurther = 0.5;
 
@@ -61,7 +68,7 @@ double boxed_distance(const MacGrid& g, std::span<const double> phi, const Vec3&
   return std::max(beyond, sample_cells(g, phi, x));
 }
 
-double averaged_distance(const MacGrid& g, std::span<const double> phi, const Vec3& x) {
+double averaged_distance(const MacGrid& g, std::span<const double> phi, const Vec3& x, double w) {
   static const PlaneShare plane;
   const double rough = boxed_distance(g, phi, x);
   if (std::abs(rough) > kSeen * g.dx) return rough;
@@ -90,8 +97,12 @@ double averaged_distance(const MacGrid& g, std::span<const double> phi, const Ve
       }
       share += weight[1][j] * weight[2][k] * row;
     }
+  const double ball = w * w / (20.0 * g.dx * g.dx);
+  const double part = std::clamp((ball - kLinear) / (kSpline - kLinear), kLeastPart, kMostPart);
+  const double shift = std::clamp(plane.distance_of(share) - rough / g.dx, -kShift, kShift);
+  const double mean = rough + part * shift * g.dx;
   const double further = std::clamp(-deepest - kThick, 0.0, kFurther);
-  return std::min(g.dx * plane.distance_of(share), rough + further * g.dx);
+  return std::min(mean, rough + further * g.dx);
 }
 
 }  // namespace brim

@@ -33,7 +33,7 @@ void GridFluidBody::presence(int, double h, double w, const Aabb& region, std::v
   const Aabb where = region.intersection(bounds_.inflated(0.5 * w + h));
   if (where.empty()) return;
   const TileRange range = tiles_meeting(where.inflated(h), h);
-  const double near = std::max(0.5 * w, 1.25 * g.dx);  // what a cell is seen from
+  const double near = 0.5 * w + g.dx;  // averages may tell nearly a cell less than the distance
   for (int z = range.lo.z; z <= range.hi.z; ++z)
     for (int y = range.lo.y; y <= range.hi.y; ++y)
       for (int x = range.lo.x; x <= range.hi.x; ++x) {
@@ -53,7 +53,7 @@ void GridFluidBody::presence(int, double h, double w, const Aabb& region, std::v
 
 void GridFluidBody::rasterize(int, double h, double w, std::span<const TileKey> tiles,
                               std::span<DensityBlock> out) const {
-  fill_tiles([this](const Vec3& r) { return averaged_distance(model_.grid, phi_, r); }, tiles, h, w, out);
+  fill_tiles([this, w](const Vec3& r) { return averaged_distance(model_.grid, phi_, r, w); }, tiles, h, w, out);
 }
 
 void GridFluidBody::make_map(int, std::span<const Vec3> points, std::span<const std::int32_t>,

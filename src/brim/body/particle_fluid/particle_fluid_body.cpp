@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "brim/body/particle_fluid/particle_slices.h"
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 
@@ -12,20 +13,11 @@ namespace brim {
 namespace {
 
 constexpr double kSupport = 2.0;  ///< H over the spacing
-constexpr double kSurfaceFill = 0.90, kInsideFill = 0.98;
-constexpr double kFullAtSurface = 0.98;
-constexpr double kTouching = 0.8;  ///< spacings from a surface up to which a particle is of the layer at it
-constexpr std::size_t kParticleGrain = 1024;
 
 void require(const char* name, double value, bool good, const char* allowed) {
   if (!good || !std::isfinite(value))
     throw InputError(fmt::format("particle fluid: {} is {}; it must be {}", name, value, allowed));
 }
-
-Eigen::Map<const Vec3> particle_at(std::span<const double> a, std::size_t i) {
-  return Eigen::Map<const Vec3>(a.data() + 3 * i);
-}
-Eigen::Map<Vec3> particle_at(std::span<double> a, std::size_t i) { return Eigen::Map<Vec3>(a.data() + 3 * i); }
 
 /// Σ W over a cubic lattice of unit spacing: V is chosen so that the lattice fills space.
 double lattice_sum(const FluidKernel& kernel, double spacing) {
@@ -121,182 +113,9 @@ void ParticleFluidBody::update(double, std::span<const double> q, std::span<cons
   contact_.begin(cells_, pairs_.fill());
 }
 
-void ParticleFluidBody::see(std::span<const Seen> seen) {
-  seen_.assign(seen.begin(), seen.end());
-  judge_fill();
-}
-
-void ParticleFluidBody::judge_fill() {
-  fill_.assign(pairs_.fill().begin(), pairs_.fill().end());
-  images_.build(seen_, slot_, cells_, pairs_, fill_);
-  inside_.resize(x_.size()), excess_.resize(x_.size());
-  for (std::size_t i = 0; i < inside_.size(); ++i) {
-    const double t = std::clamp((fill_[i] - kSurfaceFill) / (kInsideFill - kSurfaceFill), 0.0, 1.0);
-    inside_[i] = static_cast<float>(t * t * (3.0 - 2.0 * t));
-    excess_[i] = std::max(0.0, fill_[i] - 1.0);
-  }
-}
-
-void ParticleFluidBody::foresee(double dt, std::span<const double> v, std::span<const double> rate) {
-  images_.for_seeing([&](std::size_t i) {
-    double nearest = fill_reach();
-    for (const std::int32_t k : images_.contacts_of(i)) nearest = std::min(nearest, seen_[k].distance);
-    if (nearest > kTouching * options_.spacing) return;
-    double closing = images_.rate_of(i, rate);
-    const Vec3 own = particle_at(v, cells_.order()[i]);
-    pairs_.for_neighbours(i, [&](std::int32_t j, const Vec4& g) {
-      closing += (own - particle_at(v, cells_.order()[j])).dot(g.head<3>().matrix().cast<double>());
-    });
-    // A surface pushes and does not pull: only what is full or will be by the end of the step is kept from changing.
-    const double after = std::max(excess_[i] > 0.0 ? 1.0 : 0.0, fill_[i] + dt * closing);
-    const double t = std::clamp((after - kFullAtSurface) / (1.0 - kFullAtSurface), 0.0, 1.0);
-    inside_[i] = static_cast<float>(t * t * (3.0 - 2.0 * t));
-    // What is not full yet may close up to there.
-    if (after > 1.0) excess_[i] = fill_[i] - 1.0;
-  });
-}
-
-void ParticleFluidBody::press(std::span<double> push) const {
-  auto p = products_.borrow();
-  p->pressure.resize(excess_.size());
-  for (std::size_t i = 0; i < excess_.size(); ++i) p->pressure[i] = static_cast<float>(fill_energy() * excess_[i]);
-  images_.press(p->pressure, push);
-}
-
-double ParticleFluidBody::fill_stiffness(std::size_t k, double dt) const {
-  return dt * dt * fill_energy() * images_.stiffness(k, inside_);
-}
-
-double ParticleFluidBody::fill_drag(std::size_t k) const {
-  // The layer at the surface, spacing² of it, over half a spacing of fluid that is sheared.
-  const double s = options_.spacing, away = seen_[k].distance / s - 0.5;
-  return 2.0 * options_.viscosity * s * std::clamp(1.0 - away / (kTouching - 0.5), 0.0, 1.0);
-}
-
-void ParticleFluidBody::apply_stiffness_seeing(std::span<const double> x, std::span<const double> rate,
-                                               std::span<double> y, std::span<double> change) const {
-  multiply(-1.0, 0.0, x, y, rate, change);
-  for (double& c : change) c = -c;
-}
-
-void ParticleFluidBody::apply_system_seeing(std::span<const double> x, std::span<const double> rate,
-                                            std::span<double> y, std::span<double> change) const {
-  apply_mass(x, y);
-  multiply(dt_ * dt_, dt_, x, y, rate, change);
-}
-
 void ParticleFluidBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
   parallel_blocks(q.size(), 4 * kParticleGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) q[i] += dt * v[i];
-  });
-}
-
-void ParticleFluidBody::gather(std::span<const double> x, Product& p) const {
-  const auto order = cells_.order();
-  p.v.resize(order.size()), p.rate.resize(order.size()), p.pressure.resize(order.size());
-  p.y.resize(order.size());
-  parallel_blocks(order.size(), kParticleGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      p.y[k].setZero();
-      const double* s = x.data() + 3 * order[k];
-      p.v[k] = Vec4(static_cast<float>(s[0]), static_cast<float>(s[1]), static_cast<float>(s[2]), 0.0f);
-    }
-  });
-}
-
-void ParticleFluidBody::scatter(const Product& p, double scale, std::span<double> y) const {
-  const auto order = cells_.order();
-  parallel_blocks(order.size(), kParticleGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) particle_at(y, order[k]) += scale * p.y[k];
-  });
-}
-
-void ParticleFluidBody::multiply(double pressure_factor, double viscous_factor, std::span<const double> x,
-                                 std::span<double> y, std::span<const double> rate, std::span<double> change) const {
-  auto p = products_.borrow();
-  gather(x, *p);
-  const bool viscous = viscous_factor != 0.0 && options_.viscosity > 0.0;
-  if (viscous) pairs_.add_viscosity(viscous_factor, p->v, p->rate, p->y);
-  if (pressure_factor != 0.0) {
-    if (!viscous) pairs_.rates(p->v, inside_, p->rate);
-    if (!rate.empty()) images_.add_rates(rate, p->rate);
-    const double energy = pressure_factor * fill_energy();
-    parallel_blocks(p->rate.size(), 4 * kParticleGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) p->pressure[i] = static_cast<float>(energy * inside_[i]) * p->rate[i];
-    });
-    if (!change.empty()) images_.press(p->pressure, change);
-    pairs_.add_pressure(p->pressure, p->y);
-  }
-  scatter(*p, 1.0, y);
-}
-
-void ParticleFluidBody::add_forces(const Environment& env, std::span<double> Q) const {
-  auto p = products_.borrow();
-  gather(v_, *p);
-  for (std::size_t i = 0; i < fill_.size(); ++i) p->pressure[i] = static_cast<float>(-fill_energy() * excess_[i]);
-  pairs_.add_pressure(p->pressure, p->y);
-  if (options_.viscosity > 0.0) pairs_.add_viscosity(-1.0, p->v, p->y);
-  if (cohesion_.acts()) cohesion_.add_forces(cells_.positions(), pairs_, p->y);
-  for (Vec3& f : p->y) f += particle_mass_ * env.gravity;
-  scatter(*p, 1.0, Q);
-  add_outer_forces(Q);
-}
-
-void ParticleFluidBody::apply_mass(std::span<const double> x, std::span<double> y) const {
-  parallel_blocks(x.size(), 4 * kParticleGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) y[i] += particle_mass_ * x[i];
-  });
-}
-
-void ParticleFluidBody::apply_stiffness(std::span<const double> x, std::span<double> y) const {
-  multiply(-1.0, 0.0, x, y);
-}
-
-void ParticleFluidBody::apply_damping(std::span<const double> x, std::span<double> y) const {
-  multiply(0.0, -1.0, x, y);
-}
-
-void ParticleFluidBody::apply_system(std::span<const double> x, std::span<double> y) const {
-  apply_mass(x, y);
-  multiply(dt_ * dt_, dt_, x, y);
-}
-
-void ParticleFluidBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) const {
-  const auto order = cells_.order();
-  const float kappa = static_cast<float>(dt_ * dt_ * fill_energy());
-  parallel_blocks(order.size(), kParticleGrain, [&](std::size_t begin, std::size_t end) {
-    std::vector<Eigen::Vector3f> by_images;
-    for (std::size_t i = begin; i < end; ++i) {
-      Eigen::Vector3f own = Eigen::Vector3f::Zero();
-      Eigen::Matrix3f others = Eigen::Matrix3f::Zero();
-      by_images.clear();
-      for (const std::int32_t k : images_.contacts_of(i)) {
-        const Eigen::Vector3f n = seen_[k].n.cast<float>();
-        images_.for_slopes(static_cast<std::size_t>(k), [&](std::int32_t pair, double slope) {
-          const Eigen::Vector3f g = static_cast<float>(slope) * n;
-          if (pair < 0) {
-            own += g;
-          } else {
-            if (by_images.size() <= static_cast<std::size_t>(pair)) by_images.resize(pair + 1, Eigen::Vector3f::Zero());
-            by_images[pair] += g;
-          }
-        });
-        // What contact adds itself of each thing seen is left out.
-        others -=
-            (kappa * static_cast<float>(images_.stiffness(static_cast<std::size_t>(k), inside_))) * n * n.transpose();
-      }
-      std::size_t pair = 0;
-      pairs_.for_neighbours(i, [&](std::int32_t j, const Vec4& e) {
-        const Eigen::Vector3f g = e.head<3>().matrix();
-        own += g;
-        others += (static_cast<float>(dt_) * e[3]) * g * g.transpose();
-        const Eigen::Vector3f there = pair < by_images.size() ? Eigen::Vector3f(g + by_images[pair]) : g;
-        others += (kappa * inside_[j]) * there * there.transpose();
-        ++pair;
-      });
-      others += (kappa * inside_[i]) * own * own.transpose();
-      D.block(first + order[i]) += particle_mass_ * Mat3::Identity() + others.cast<double>();
-    }
   });
 }
 

@@ -3,6 +3,7 @@
 #include "brim/scene/kinds.h"
 #include "brim/scene/limits.h"
 #include "brim/scene/region.h"
+#include "brim/scene/repeat.h"
 #include "brim/scene/solid.h"
 
 namespace brim {
@@ -45,8 +46,14 @@ class ParticleFluidMaker final : public BodyMaker {
     check_count(at, box.extent().prod() / (spacing_ * spacing_ * spacing_), kBytesPerFluidParticle, limit, "particles");
     const Vec3 room = spacing_ * (box.extent() / spacing_).array().round().matrix();
     const RegionDistance carved = region_distance(n.at("carve"));
-    for (const Vec3& x : lattice_in_box(box.center() - 0.5 * room, box.center() + 0.5 * room, spacing_))
-      if (solid.shape->distance(x) < 0.0 && !(carved(x / scale) < 0.0)) particles_.push_back(x);
+    SceneRandom random(static_cast<std::uint64_t>(n.integer("seed")));
+    const double jitter = spacing_ * n.number("jitter");
+    for (const Vec3& x : lattice_in_box(box.center() - 0.5 * room, box.center() + 0.5 * room, spacing_)) {
+      if (!(solid.shape->distance(x) < 0.0) || carved(x / scale) < 0.0) continue;
+      Vec3 moved = x;
+      for (double& along : moved) along += jitter * random.symmetric();
+      particles_.push_back(moved);
+    }
     if (particles_.empty())
       throw at.error(
           fmt::format("no particle fits: {:.6g} m is too large for what \"carve\" leaves of the shape", spacing_));

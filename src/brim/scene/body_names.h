@@ -1,0 +1,13 @@
+#pragma once
+
+#include <set>
+#include <string>
+
+#include "brim/scene/node.h"
+
+namespace brim {
+
+/// @throws InputError when `name` (a value at n, or its key) is no body, saying which it may have meant
+void need_body(const Node& n, const std::string& name, const std::set<std::string>& bodies);
+
+}  // namespace brim

@@ -1,0 +1,66 @@
+// How ConstraintStep passes impacts on, one after the other.
+#include <algorithm>
+#include <limits>
+
+#include "brim/world/constraint_step.h"
+
+namespace brim {
+
+namespace {
+
+/// [voxels] gap up to which an impact is passed on; rounds of one impact, and impacts of one pair in a step.
+constexpr double kTouching = 0.02;
+/// Share of the fastest rebound of a step below which another one is none.
+constexpr double kSlightBounce = 1e-3;
+constexpr int kStrikeRounds = 50, kMostStrikes = 100;
+
+}  // namespace
+
+void ConstraintStep::pass_impacts_on(std::vector<double> v) {
+  const std::size_t n = rows_.points().size();
+  // What rounding bounces is left out.
+  double least = 0.0;
+  for (const double t : rows_.velocity_targets()) least = std::max(least, kSlightBounce * t);
+  const double slow = std::max(settings_.rows.bounce_speed, least), never = -std::numeric_limits<double>::infinity();
+  std::vector<double> target(n, never), grid_step(n, 0.0);  // [m]
+  for (const ContactPair& pair : rows_.points().pairs)
+    std::fill(grid_step.begin() + static_cast<std::ptrdiff_t>(pair.begin),
+              grid_step.begin() + static_cast<std::ptrdiff_t>(pair.end), pair.h);
+  std::vector<Vec3> impulse(n, Vec3::Zero());
+  std::vector<std::uint8_t> hit(sweep_.groups(), 0);
+  const auto velocity = [&](std::size_t c) { return offset_[c].x() + sweep_.velocity(c, v).x(); };
+  // One pair after the other, as if nothing else touched it. @return false where nothing hits
+  const auto strike = [&](std::size_t g, bool first) {
+    const auto [begin, end] = sweep_.group(g);
+    const double h = grid_step[begin];
+    bool any = false;
+    for (std::size_t c = begin; c < end; ++c) {
+      const double u = velocity(c), gap = -rows_.points().depth[c];
+      const double to = first ? rows_.velocity_targets()[c] : -rows_.restitution()[c] * u;
+      const bool hits = first ? to > least : gap <= kTouching * h && u < -slow;
+      target[c] = hits ? to : never;
+      impulse[c].setZero();
+      any = any || hits;
+    }
+    if (any) sweep_.solve_alone(g, offset_, target, kStrikeRounds, impulse, v), hit[g] = 1;
+    return any;
+  };
+  for (std::size_t g = 0; g < sweep_.groups(); ++g) strike(g, true);
+  bool passed_on = false, any = true;
+  for (int round = 0; any && round < kMostStrikes; ++round) {
+    any = false;
+    for (std::size_t g = 0; g < sweep_.groups(); ++g) any = strike(g, false) || any;
+    passed_on = passed_on || any;
+  }
+  if (!passed_on) return;
+  for (std::size_t g = 0; g < sweep_.groups(); ++g) {
+    if (!hit[g]) continue;
+    const auto [begin, end] = sweep_.group(g);
+    const double h = grid_step[begin];
+    for (std::size_t c = begin; c < end; ++c)
+      if (rows_.velocity_targets()[c] > least || -rows_.points().depth[c] <= kTouching * h)
+        rows_.set_rebound(c, velocity(c), settings_.rows.dt);
+  }
+}
+
+}  // namespace brim

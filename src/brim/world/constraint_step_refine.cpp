@@ -1,0 +1,112 @@
+// How ConstraintStep goes on where sweeps know the bodies roughly: by directions in λ that the step's own solve
+// answers.
+#include <algorithm>
+#include <cmath>
+
+#include "brim/world/constraint_step.h"
+
+namespace brim {
+
+namespace {
+
+/// Least part of a direction that is gone.
+constexpr double kLeastWay = 0.02;
+/// Share of a direction's curvature that must be left once it is made conjugate to the last: below it, the two are
+/// parallel and what is left is rounding.
+constexpr double kIndependent = 1e-8;
+/// Their tolerance over that of the sweeps.
+constexpr double kRefined = 30.0;
+/// Tolerance of the sweeps that find a direction for them, over what is left; sweeps at most.
+constexpr double kRough = 0.1;
+constexpr int kRoughSweeps = 30;
+
+}  // namespace
+
+void ConstraintStep::refine(const ImplicitStep::Respond& solve, std::span<const double> target, int most,
+                            std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual,
+                            StepReport& report) {
+  const std::size_t n = lambda.size(), nv = first_v_.back();
+  // What a direction in λ does: to the velocities, and to u at every contact.
+  struct Direction {
+    std::vector<Vec3> lambda, u;
+    std::vector<double> v;
+    double curvature = 0.0;  ///< λ·u
+  };
+  Direction now, last;
+  std::vector<Vec3> offset(n), next, change_u(n);
+  std::vector<double> change, rhs(nv);
+  now.lambda.resize(n), now.u.resize(n), now.v.resize(width_);
+  double scale = settings_.scale;
+  for (int i = 0; i < most; ++i) {
+    for (std::size_t c = 0; c < n; ++c) offset[c] = offset_[c] + sweep_.velocity(c, delta);
+    next = lambda;
+    change.assign(width_, 0.0);
+    const auto r = sweep_.solve(offset, target, kRough * std::max(settings_.tolerance, i == 0 ? 0.0 : residual),
+                                std::min(settings_.max_sweeps, kRoughSweeps), scale, next, change, 1.0, false);
+    report.sweeps += r.sweeps;
+
+    double worst = 0.0;
+    std::fill(rhs.begin(), rhs.end(), 0.0);
+    for (std::size_t c = 0; c < n; ++c) {
+      change_u[c] = sweep_.velocity(c, change);
+      worst = std::max(worst, change_u[c].norm());
+      now.lambda[c] = next[c] - lambda[c];
+      sweep_.add_force(c, now.lambda[c], rhs);
+    }
+    if (i == 0) scale = std::max(scale, worst);
+    residual = worst / scale;
+    if (!(residual > kRefined * settings_.tolerance)) break;
+    std::fill(now.v.begin(), now.v.end(), 0.0);
+    const SolveReport s = solve(rhs, std::span(now.v).first(nv));
+    report.cg_iterations += s.iterations;
+    ++report.solves;
+    if (!s.finite) break;
+    for (std::size_t c = 0; c < n; ++c) now.u[c] = sweep_.velocity(c, now.v);
+
+    // Conjugate to the last direction, unless that leads out of a cone; the model foretells how far the way goes down.
+    double t = 0.0;
+    const auto measure = [&](Direction& d) {
+      double down = 0.0;
+      d.curvature = 0.0;
+      for (std::size_t c = 0; c < n; ++c) d.curvature += d.lambda[c].dot(d.u[c]), down += d.lambda[c].dot(change_u[c]);
+      t = d.curvature > 0.0 ? std::clamp(down / d.curvature, 0.0, 4.0) : 1.0;
+    };
+    measure(now);
+    bool conjugate = last.curvature > 0.0;
+    if (conjugate) {
+      double shared = 0.0;
+      for (std::size_t c = 0; c < n; ++c) shared += now.lambda[c].dot(last.u[c]);
+      const double beta = -shared / last.curvature;
+      for (std::size_t c = 0; c < n; ++c)
+        last.lambda[c] = now.lambda[c] + beta * last.lambda[c], last.u[c] = now.u[c] + beta * last.u[c];
+      for (std::size_t j = 0; j < nv; ++j) last.v[j] = now.v[j] + beta * last.v[j];
+      measure(last);
+      conjugate =
+          last.curvature > kIndependent * now.curvature && t > 0.0 && longest_way(lambda, last.lambda, t) >= 0.999 * t;
+    }
+    if (conjugate) {
+      now = last;
+    } else {
+      measure(now);
+      t = longest_way(lambda, now.lambda, std::max(t, kLeastWay));
+    }
+    for (std::size_t c = 0; c < n; ++c) lambda[c] += t * now.lambda[c];
+    for (std::size_t j = 0; j < nv; ++j) delta[j] += t * now.v[j];
+    last = now;
+  }
+  report.row_residual = std::max(report.row_residual, residual);
+}
+
+double ConstraintStep::longest_way(std::span<const Vec3> from, std::span<const Vec3> way, double most) const {
+  const auto inside = [&](std::size_t c, double t) {
+    const Vec3 l = from[c] + t * way[c];
+    const double room = 1e-12 * (1.0 + from[c].norm());
+    return l.x() >= -room && l.tail<2>().norm() <= rows_.friction()[c] * l.x() + room;
+  };
+  // The cones are convex: what lies on the way to a place inside is inside too.
+  for (std::size_t c = 0; c < from.size(); ++c)
+    while (most > kLeastWay && !inside(c, most)) most *= 0.8;
+  return most;
+}
+
+}  // namespace brim

@@ -1,0 +1,255 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "brim/body/guided_particles.h"
+#include "brim/body/rigid_frame.h"
+#include "brim/core/parallel.h"
+#include "brim/core/profile.h"
+#include "brim/core/stopwatch.h"
+#include "brim/world/implicit_step.h"
+#include "brim/world/islands.h"
+
+namespace brim {
+
+namespace {
+
+/// Share of the velocities whose change is rounding: where nothing acts, the solve need not resolve it.
+constexpr double kNegligible = 1e-11;
+/// Tolerance of an island with links, over the usual one: rigid ones rule the residual, and what it leaves of softer
+/// motions would shake them.
+constexpr double kLinked = 1e-2;
+/// Overlap above which what lies on something fixed is guided by it: rows hold it at the brink.
+constexpr float kGuided = -0.1f;
+
+}  // namespace
+
+bool ImplicitStep::solve_frames(std::span<double> delta) {
+  const StepContext& c = *context_;
+  for (const auto& body : c.bodies)
+    if (body->v_size() > 0 && dynamic_cast<const RigidFrame*>(body.get()) == nullptr) return false;
+  parallel_for(
+      c.bodies.size(),
+      [&](std::size_t b) {
+        const std::size_t first = c.first_v[b];
+        if (c.first_v[b + 1] == first) return;  // space
+        const ProfileScope scope("elements", *c.bodies[b]);
+        using Six = Eigen::Matrix<double, 6, 1>;
+        Eigen::Map<Six> change(delta.data() + first);
+        change.setZero();
+        if (asleep(b)) return;
+        Six force = Six::Zero();
+        c.bodies[b]->begin_solve(settings_->dt);
+        c.bodies[b]->add_forces(settings_->environment(b, c.environment), {force.data(), 6});
+        force *= settings_->dt;
+        if (!c.impulse.empty()) force += Eigen::Map<const Six>(c.impulse.data() + first);
+        const RigidFrame::Frame f = dynamic_cast<const RigidFrame&>(*c.bodies[b]).rigid_frame();
+        change << f.inverse_mass * force.head<3>(), f.inverse_inertia * force.tail<3>();
+      },
+      64);
+  return true;
+}
+
+void ImplicitStep::guide() {
+  const StepContext& c = *context_;
+  // Particles that a force at one of these contacts would reach.
+  contact_force_.assign(c.contacts.size(), Vec3::Zero());
+  bool any = false;
+  for (std::size_t p = 0; p < c.contacts.pairs.size(); ++p) {
+    const ContactPair& pair = c.contacts.pairs[p];
+    for (std::size_t i = pair.begin; i < pair.end && c.response.guides(p); ++i)
+      if (c.contacts.overlap[i] > kGuided) contact_force_[i] = Vec3::Ones(), any = true;
+  }
+  if (!any) return;
+  scratch_.assign(c.first_v.back(), 0.0);
+  c.maps.add_forces(contact_force_, scratch_);
+  std::vector<std::uint8_t> guided;
+  for (std::size_t b = 0; b < c.bodies.size(); ++b) {
+    auto* body = dynamic_cast<GuidedParticles*>(c.bodies[b].get());
+    if (body == nullptr) continue;
+    const auto reached = c.slice(scratch_, b);
+    guided.assign(reached.size() / 3, 0);
+    bool touched = false;
+    for (std::size_t i = 0; i < guided.size(); ++i)
+      if (reached[3 * i] != 0.0) guided[i] = 1, touched = true;
+    if (touched) body->set_guided(guided);
+  }
+}
+
+void ImplicitStep::begin_bodies() {
+  const StepContext& c = *context_;
+  const double dt = settings_->dt;
+  const std::size_t n = c.v.size();
+  // Inner forces: dt (Q + dt ∂Q/∂q v), and the matrices of the bodies.
+  internal_.assign(n, 0.0), scratch_.assign(n, 0.0);
+  parallel_for(c.bodies.size(), [&](std::size_t b) {
+    if (asleep(b)) return;
+    Body& body = *c.bodies[b];
+    const ProfileScope scope("elements", body);
+    body.begin_solve(dt);
+    body.add_forces(settings_->environment(b, c.environment), c.slice(internal_, b));
+    if (c.fill.handles(b))
+      c.fill.add_start_stiffness(b, c.slice(scratch_, b));
+    else if (const auto* guided = dynamic_cast<const GuidedParticles*>(&body))
+      guided->apply_start_stiffness(c.slice(c.v, b), c.slice(scratch_, b));
+    else
+      body.apply_stiffness(c.slice(c.v, b), c.slice(scratch_, b));
+  });
+  for (std::size_t i = 0; i < n; ++i)
+    internal_[i] = dt * (internal_[i] + dt * scratch_[i]) + (c.impulse.empty() ? 0.0 : c.impulse[i]);
+
+  std::vector<int> sizes;
+  first_block_.assign(1, 0);
+  for (const auto& body : c.bodies) {
+    const std::vector<int> s = body->block_sizes();
+    sizes.insert(sizes.end(), s.begin(), s.end());
+    first_block_.push_back(sizes.size());
+  }
+  bodies_diagonal_.reset(sizes);
+  parallel_for(c.bodies.size(), [&](std::size_t b) {
+    if (!asleep(b)) c.bodies[b]->add_system_diagonal(first_block_[b], bodies_diagonal_);
+  });
+}
+
+void ImplicitStep::find_islands() {
+  const StepContext& c = *context_;
+  Islands islands(c.bodies.size());
+  const auto moves = [&](const WorldPart& p) {
+    return !is_fixed(p) && !asleep(static_cast<std::size_t>(p.body_index));
+  };
+  for (const ContactPair& pair : c.contacts.pairs)
+    if (moves(c.parts[pair.part_a]) && moves(c.parts[pair.part_b]))
+      islands.join(c.parts[pair.part_a].body_index, c.parts[pair.part_b].body_index);
+  island_ = islands.numbers();
+  sharpness_.assign(island_.empty() ? 0 : 1 + static_cast<std::size_t>(*std::ranges::max_element(island_)), 1.0);
+  for (std::size_t p = c.contacts.first_link_pair(); p < c.contacts.pairs.size(); ++p)
+    for (const int part : {c.contacts.pairs[p].part_a, c.contacts.pairs[p].part_b})
+      sharpness_[island_[c.parts[part].body_index]] = kLinked;
+  negligible_.assign(sharpness_.size(), 0.0);
+  for (std::size_t b = 0; b < c.bodies.size(); ++b)
+    negligible_[island_[b]] += kNegligible * kNegligible * 2.0 * c.bodies[b]->kinetic_energy(c.slice(c.v, b));
+}
+
+void ImplicitStep::begin_system() {
+  const StepContext& c = *context_;
+  find_islands();
+  system_.first = c.first_v, system_.island = island_, system_.negligible = negligible_;
+  system_.sharpness = sharpness_;
+  system_.filter = [this](std::span<double> x) {
+    parallel_for(context_->bodies.size(), [&](std::size_t b) {
+      const auto xb = context_->slice(x, b);
+      if (asleep(b))
+        std::fill(xb.begin(), xb.end(), 0.0);
+      else
+        context_->bodies[b]->filter(xb);
+    });
+  };
+  system_.apply = [this](std::span<const double> x, std::span<double> y) { multiply(x, y); };
+  system_.precondition = [this](std::span<const double> r, std::span<double> z) { precondition(r, z); };
+}
+
+void ImplicitStep::multiply(std::span<const double> x, std::span<double> y) {
+  const StepContext& c = *context_;
+  if (contacts_ > 0) {
+    const ScopedSeconds contact_timer(contact_seconds());
+    acting_.take_velocities(x);
+    if (!c.fill.empty())
+      acting_.for_taken(c.fill.first(), [&](std::size_t i, const Vec3& d) {
+        if (c.fill.holds(i)) c.fill.see(i, d);
+      });
+  }
+  parallel_for(c.bodies.size(), [&](std::size_t b) {
+    const ProfileScope scope("product", *c.bodies[b]);
+    const auto yb = c.slice(y, b);
+    std::fill(yb.begin(), yb.end(), 0.0);
+    if (asleep(b) || cg_.solved(b)) return;
+    if (c.fill.handles(b))
+      c.fill.apply_system(b, c.slice(x, b), yb);
+    else
+      c.bodies[b]->apply_system(c.slice(x, b), yb);
+  });
+  if (contacts_ == 0) return;
+  const ScopedSeconds contact_timer(contact_seconds());
+  const ProfileScope scope("contact product");
+  acting_.answer(
+      [&](std::size_t i, const Vec3& d) {
+        return c.fill.holds(i) ? Vec3(c.response.apply(i, d) - c.fill.impulse(i)) : c.response.apply(i, d);
+      },
+      y);
+}
+
+void ImplicitStep::begin_preconditioner() {
+  const StepContext& c = *context_;
+  const std::size_t bodies = c.bodies.size();
+  if (contacts_ > 0) {
+    const ScopedSeconds contact_timer(contact_seconds());
+    sparse_.resize(bodies);
+    for (std::size_t b = 0; b < bodies; ++b) sparse_[b] = c.maps.sparse_rows(b);
+    preconditioner_.begin(c.bodies, c.first_v, bodies_diagonal_, first_block_, sparse_, island_, settings_->asleep);
+  }
+  whole_ = contacts_ > 0 && preconditioner_.knows_all_rigid();
+  coarse_ = contacts_ > 0 && !whole_;
+  lone_.resize(bodies);
+  for (std::size_t b = 0; b < bodies; ++b)
+    lone_[b] = contacts_ > 0
+                   ? preconditioner_.rigid()[b]
+                   : first_block_[b + 1] == first_block_[b] + 1 && bodies_diagonal_.block_size(first_block_[b]) == 6;
+  if (!whole_ && !alone_) {
+    const auto contact_timer =
+        contacts_ > 0 ? std::make_optional<ScopedSeconds>(contact_seconds()) : std::optional<ScopedSeconds>();
+    const ProfileScope scope("coarse modes, made");
+    without_ = lone_;
+    for (std::size_t b = 0; b < bodies; ++b)
+      if (asleep(b)) without_[b] = 1;
+    modes_.begin(c.bodies, c.first_v, c.parts, without_);
+  }
+  if (contacts_ > room_) {
+    // Memory follows the number of contacts, not which of them act.
+    const ScopedSeconds contact_timer(contact_seconds());
+    acting_.build(c.parts, c.contacts, c.first_v);
+    preconditioner_.reserve(acting_);
+    room_ = contacts_;
+  }
+}
+
+void ImplicitStep::prepare(bool first) {
+  const StepContext& c = *context_;
+  diagonal_ = bodies_diagonal_;
+  if (contacts_ > 0) {
+    const ScopedSeconds contact_timer(contact_seconds());
+    acting_.add_block_diagonal([&](std::size_t i) { return c.response.block(i); }, first_block_, diagonal_);
+  }
+  parallel_for(c.bodies.size(), [&](std::size_t b) {
+    if (!asleep(b)) c.bodies[b]->prepare_preconditioner(first_block_[b], diagonal_);
+  });
+  diagonal_.factor();
+  if (contacts_ == 0) return;
+  const ScopedSeconds contact_timer(contact_seconds());
+  coarse_ = false;
+  const auto beside = [&] {
+    const ProfileScope scope("coarse modes, factored");
+    coarse_ = modes_.factor(c.maps, c.contacts, c.response);
+  };
+  preconditioner_.make(acting_, c.response, first, whole_ ? std::function<void()>() : beside);
+}
+
+void ImplicitStep::precondition(std::span<const double> r, std::span<double> z) {
+  const StepContext& c = *context_;
+  parallel_for(c.bodies.size(), [&](std::size_t b) {
+    const ProfileScope scope("precondition", *c.bodies[b]);
+    const auto zb = c.slice(z, b);
+    if (cg_.solved(b)) return;
+    if (asleep(b) || (coarse_ && modes_.complete(b)))
+      std::fill(zb.begin(), zb.end(), 0.0);
+    else
+      c.bodies[b]->precondition(first_block_[b], diagonal_, c.slice(r, b), zb);
+  });
+  if (contacts_ == 0) return;
+  const ScopedSeconds contact_timer(contact_seconds());
+  preconditioner_.apply(r, z);
+  const ProfileScope scope("coarse modes, applied");
+  if (coarse_) modes_.add(r, z);
+}
+
+}  // namespace brim
