@@ -4,20 +4,20 @@
 #include <algorithm>
 
 #include "brim/body/rigid_frame.h"
+#include "brim/response/moved_rows.h"
 
 namespace brim {
 
 namespace {
 
-/// One side of a contact: how fast it goes, and what impulses do to it.
+/// One side of a contact: how it turns, and what impulses do to it.
 struct RollingSide {
   Vec3 lever = Vec3::Zero();  ///< [m] from its centre to the centre of pressure
-  Vec3 velocity, spin;        ///< [m/s] of its centre, [rad/s]; after the sub-step
+  Vec3 spin;                  ///< [rad/s] after the sub-step
   double inverse_mass = 0.0;  ///< [1/kg], zero of what is fixed
   Mat3 inverse_inertia;       ///< [1/(kg m²)]
   std::span<double> delta;    ///< its part of the change
 
-  Vec3 velocity_there() const { return velocity + spin.cross(lever); }
   void push(const Vec3& impulse, const Vec3& torque) const {
     const Vec3 turn = inverse_inertia * (lever.cross(impulse) + torque);
     for (Eigen::Index i = 0; i < 3; ++i) {
@@ -27,28 +27,18 @@ struct RollingSide {
   }
 };
 
-Mat3 cross_matrix(const Vec3& r) {
-  Mat3 m;
-  m << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0;
-  return m;
-}
-
 /// Resists between a and b. @param n  unit normal  @param load  N dt, [N s]  @param friction  impulse on a, [N s]
 void resist(const RollingSide& a, const RollingSide& b, const Vec3& n, double load, const Vec3& friction, double mu,
             double reach) {
   const Vec3 w = a.spin - b.spin;
-  Eigen::Matrix<double, 3, 2> along;
-  Eigen::Index least = 0;
-  n.cwiseAbs().minCoeff(&least);
-  along.col(0) = n.cross(Vec3::Unit(least)).normalized();
-  along.col(1) = n.cross(along.col(0));
+  const Eigen::Matrix<double, 3, 2> along = tangents_of(n);
   const Eigen::Vector2d rolling = along.transpose() * w;
   if (rolling.isZero(0.0)) return;
 
   // Change of the velocity at x per P, of it per T (and of w per P, its transpose), and of w per T.
   Mat3 by_force = (a.inverse_mass + b.inverse_mass) * Mat3::Identity(), mixed = Mat3::Zero();
   for (const RollingSide* s : {&a, &b}) {
-    const Mat3 r = cross_matrix(s->lever);
+    const Mat3 r = skew(s->lever);
     by_force -= r * s->inverse_inertia * r;
     mixed -= r * s->inverse_inertia;
   }
@@ -87,10 +77,7 @@ void resist_rolling(std::span<const WorldPart> parts, std::span<const std::size_
     const RigidFrame::Frame frame = rigid->rigid_frame();
     const std::size_t first = first_v[static_cast<std::size_t>(p.body_index)];
     s.delta = delta.subspan(first, 6);
-    for (std::size_t i = 0; i < 3; ++i) {
-      s.velocity[static_cast<Eigen::Index>(i)] = v[first + i] + delta[first + i];
-      s.spin[static_cast<Eigen::Index>(i)] = v[first + 3 + i] + delta[first + 3 + i];
-    }
+    for (std::size_t i = 0; i < 3; ++i) s.spin[static_cast<Eigen::Index>(i)] = v[first + 3 + i] + delta[first + 3 + i];
     s.lever = x - frame.center;
     s.inverse_mass = is_fixed(p) ? 0.0 : frame.inverse_mass;
     s.inverse_inertia = is_fixed(p) ? Mat3(Mat3::Zero()) : frame.inverse_inertia;
