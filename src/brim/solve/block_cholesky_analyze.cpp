@@ -1,11 +1,11 @@
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "brim/core/error.h"
 #include "brim/solve/block_cholesky.h"
+#include "brim/solve/elimination_tree.h"
 
 namespace brim {
 
@@ -30,94 +30,6 @@ template <class T>
 void grow(std::vector<T>& v, std::size_t n) {
   if (v.capacity() < n) v.reserve(n + n / 4);
   v.resize(n);
-}
-
-/// Rows of a lower triangle: what lies left of the diagonal in each, in any order.
-struct LowerRows {
-  std::vector<std::int32_t> first, column;
-
-  std::span<const std::int32_t> row(std::int32_t i) const {
-    return {column.data() + first[i], static_cast<std::size_t>(first[i + 1] - first[i])};
-  }
-};
-
-/// Parent of each column in the elimination tree (Liu 1986).
-std::vector<std::int32_t> elimination_tree(const LowerRows& lower) {
-  const auto n = static_cast<std::int32_t>(lower.first.size()) - 1;
-  std::vector<std::int32_t> parent(n, -1), ancestor(n, -1);
-  for (std::int32_t i = 0; i < n; ++i)
-    for (std::int32_t j : lower.row(i))
-      while (j != -1 && j < i) {
-        const std::int32_t next = ancestor[j];
-        ancestor[j] = i;
-        if (next == -1) parent[j] = i;
-        j = next;
-      }
-  return parent;
-}
-
-/// Children before parents, each subtree in one run; the order of children is kept.
-std::vector<std::int32_t> postorder(std::span<const std::int32_t> parent) {
-  const auto n = static_cast<std::int32_t>(parent.size());
-  std::vector<std::int32_t> child(n + 1, -1), sibling(n, -1), order, stack;
-  for (std::int32_t j = n; j-- > 0;) {
-    const std::int32_t p = parent[j] < 0 ? n : parent[j];
-    sibling[j] = child[p];
-    child[p] = j;
-  }
-  order.reserve(n);
-  for (std::int32_t root = child[n]; root != -1; root = sibling[root]) {
-    stack.push_back(root);
-    while (!stack.empty()) {
-      const std::int32_t j = stack.back();
-      if (child[j] != -1) {
-        stack.push_back(child[j]);
-        child[j] = -1;
-        // The siblings of a child follow once it is done.
-        continue;
-      }
-      stack.pop_back();
-      order.push_back(j);
-      if (j != root && sibling[j] != -1) stack.push_back(sibling[j]);
-    }
-  }
-  return order;
-}
-
-/// Entries of each column of the factor, diagonal included, in time that grows with the matrix and not with the factor
-/// (Gilbert, Ng and Peyton 1994): row i of the factor is the subtree of the elimination tree between its entries and i,
-/// and a column is counted where it is a leaf of such a subtree, less where two of them meet.
-/// @param parent  columns in postorder  @param for_column  f(j, g): calls g(i) for the rows i > j of column j
-template <class F>
-std::vector<std::int32_t> column_counts(std::span<const std::int32_t> parent, const F& for_column) {
-  const auto n = static_cast<std::int32_t>(parent.size());
-  std::vector<std::int32_t> count(n, 0), first(n, -1), most(n, -1), leaf(n, -1), ancestor(n);
-  std::iota(ancestor.begin(), ancestor.end(), 0);
-  for (std::int32_t k = 0; k < n; ++k) {
-    count[k] = first[k] == -1;
-    for (std::int32_t j = k; j != -1 && first[j] == -1; j = parent[j]) first[j] = k;
-  }
-  // Where the subtrees of two columns meet, as far as columns have been passed.
-  const auto meet = [&](std::int32_t j) {
-    std::int32_t q = j;
-    while (q != ancestor[q]) q = ancestor[q];
-    while (j != q) j = std::exchange(ancestor[j], q);
-    return q;
-  };
-  for (std::int32_t j = 0; j < n; ++j) {
-    if (parent[j] != -1) --count[parent[j]];
-    for_column(j, [&](std::int32_t i) {
-      if (first[j] <= most[i]) return;
-      most[i] = first[j];
-      const std::int32_t before = std::exchange(leaf[i], j);
-      ++count[j];
-      if (before != -1) --count[meet(before)];
-    });
-    if (parent[j] != -1) ancestor[j] = parent[j];
-  }
-  for (std::int32_t j = 0; j < n; ++j)
-    if (parent[j] != -1) count[parent[j]] += count[j];
-  return count;
 }
 
 }  // namespace

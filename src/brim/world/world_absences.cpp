@@ -1,0 +1,132 @@
+#include <limits>
+#include <memory>
+
+#include "brim/body/movable_base.h"
+#include "brim/world/space.h"
+#include "brim/world/world_impl.h"
+
+/// What a world does about its edits: which bodies are out, and what of parts and laws is not as it was given.
+namespace brim {
+
+// ---- what is out ---------------------------------------------------------------------------------------------------
+
+bool World::Impl::out(std::size_t b) const {
+  const auto it = absences.find(b);
+  return it != absences.end() && it->second.out;
+}
+
+const Body& World::Impl::own(std::size_t b) const { return out(b) ? *absences.at(b).other : *bodies.at(b); }
+
+void World::Impl::count_state() {
+  first_q.assign(1, 0), first_v.assign(1, 0);
+  for (const auto& body : bodies) {
+    first_q.push_back(first_q.back() + body->q_size());
+    first_v.push_back(first_v.back() + body->v_size());
+  }
+  for (WorldPart& p : parts) p.body = bodies[static_cast<std::size_t>(p.body_index)].get();
+  sleep.follow(bodies);
+  constraints.forget_bodies();
+  fresh.clear();
+}
+
+void World::Impl::show_whole() {
+  if (edits.removed.empty()) return;
+  whole = state;
+  whole.q.clear(), whole.v.clear();
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const std::span<const double> qb = out(b) ? absences.at(b).q : q(b), vb = out(b) ? absences.at(b).v : v(b);
+    whole.q.insert(whole.q.end(), qb.begin(), qb.end());
+    whole.v.insert(whole.v.end(), vb.begin(), vb.end());
+  }
+}
+
+void World::Impl::bring_back() {
+  for (auto& [b, absence] : absences) {
+    if (!absence.out) continue;
+    state.q.insert(state.q.begin() + static_cast<std::ptrdiff_t>(first_q[b]), absence.q.begin(), absence.q.end());
+    state.v.insert(state.v.begin() + static_cast<std::ptrdiff_t>(first_v[b]), absence.v.begin(), absence.v.end());
+    std::swap(bodies[b], absence.other);
+    absence.out = false;
+    count_state();
+  }
+}
+
+void World::Impl::leave_out() {
+  for (const int number : edits.removed) {
+    const auto b = static_cast<std::size_t>(number);
+    Absence& absence = absences[b];
+    if (absence.out) continue;
+    absence.q.assign(q(b).begin(), q(b).end());
+    absence.v.assign(v(b).size(), 0.0);
+    bodies[b]->update(state.time, absence.q, absence.v);
+    state.q.erase(state.q.begin() + static_cast<std::ptrdiff_t>(first_q[b]),
+                  state.q.begin() + static_cast<std::ptrdiff_t>(first_q[b + 1]));
+    state.v.erase(state.v.begin() + static_cast<std::ptrdiff_t>(first_v[b]),
+                  state.v.begin() + static_cast<std::ptrdiff_t>(first_v[b + 1]));
+    // Kept for ever: what was made for one object must not be taken for that of another one at its address.
+    if (!absence.other) absence.other = std::make_unique<Space>(bodies[b]->part_count());
+    std::swap(bodies[b], absence.other);
+    absence.out = true;
+    count_state();
+  }
+  show_whole();
+}
+
+// ---- what was edited -----------------------------------------------------------------------------------------------
+
+PartInfo World::Impl::info_of(const WorldPart& p) const {
+  PartInfo info = p.body->part(p.index);
+  const auto it = edits.materials.find(p.body_index);
+  if (it != edits.materials.end()) info.material = it->second;
+  if (edits.frozen.contains(p.body_index)) {
+    // What stays where it is does not give way, and keeps its shape.
+    info.areal_mass = 0.0;
+    info.modulus = std::numeric_limits<double>::infinity();
+    info.conforming = false;
+  }
+  return info;
+}
+
+void World::Impl::set_bases() {
+  for (std::size_t i = 0; i < count(); ++i) {
+    auto* base = dynamic_cast<MovableBase*>(out(i) ? absences.at(i).other.get() : bodies[i].get());
+    if (base == nullptr) continue;
+    const auto moved = edits.bases.find(static_cast<int>(i));
+    base->set_base(moved == edits.bases.end() ? Pose{} : moved->second);
+  }
+  fresh.clear();
+}
+
+void World::Impl::follow_edits() {
+  if (!edits.bases.empty() || bases_moved) set_bases();
+  bases_moved = !edits.bases.empty();
+  options.environment.gravity = edits.gravity.value_or(given.environment.gravity);
+  options.stiffness = edits.stiffness.value_or(given.stiffness);
+  options.pair_materials = given.pair_materials;
+  for (const auto& [materials, pair] : edits.pairs) options.pair_materials[materials] = pair;
+  options.touch_rules = given.touch_rules;
+  rules = {};
+  int regions = 0;
+  for (const TouchRule& rule : given.touch_rules) rules.add(rule, rule.about_part() ? regions++ : -1);
+  for (const Edits::Rule& edit : edits.rules) {
+    if (edit.region >= filter.size()) continue;  // a rule that this world has not been told
+    const TouchRule rule = edit.region < 0 ? edit.rule : filter.rule(edit.region);
+    options.touch_rules.push_back(rule);
+    rules.add(rule, edit.region);
+  }
+  keep_apart();
+  const auto absent = [&](const WorldPart& p) { return out(static_cast<std::size_t>(p.body_index)); };
+  double coarsest = 0.0;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (!absent(parts[i])) coarsest = std::max(coarsest, part_h[i]);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    WorldPart& p = parts[i];
+    p.info = info_of(p);
+    p.h = absent(p) ? coarsest : part_h[i];  // what is not there must not be the finest
+    p.frozen = edits.frozen.contains(p.body_index);
+    p.sides = rules.sides(p.body->name()), p.rules = &rules;
+  }
+  stage.rigid().start(parts, laws, options);
+}
+
+}  // namespace brim
