@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "brim/core/error.h"
+#include "brim/core/printable.h"
 #include "brim/io/surface_reader.h"
 #include "brim/io/tet_reader.h"
 #include "brim/io/volume_reader.h"
@@ -42,7 +43,7 @@ void about_scene(const std::string& path) {
   std::map<std::string, int> kinds;
   for (int b = 0; b < world.body_count(); ++b) ++kinds[std::string(world.body(b).kind())];
   fmt::print("  {} bodies:", world.body_count());
-  for (const auto& [kind, count] : kinds) fmt::print(" {} {}", count, kind);
+  for (const auto& [kind, count] : kinds) fmt::print(" {} {}", count, printable(kind));
   fmt::print("\n  {} coordinates, {} velocities\n", world.state().q.size(), world.state().v.size());
   fmt::print("  {} frames of {:.6g} s, {} steps of {:.6g} s each\n", scene.frames, scene.frame_time(),
              scene.steps_per_frame, scene.world.time_step);
@@ -97,7 +98,7 @@ void about_run(const std::string& path) {
   std::map<std::string, int> kinds;
   for (const RecordedBody& b : run.bodies()) ++kinds[b.kind];
   fmt::print("\n  {} bodies:", run.bodies().size());
-  for (const auto& [kind, count] : kinds) fmt::print(" {} {}", count, kind);
+  for (const auto& [kind, count] : kinds) fmt::print(" {} {}", count, printable(kind));
   const auto largest = [&](const char* name) {
     const std::vector<double> x = run.series(name);
     return x.empty() ? 0.0 : *std::max_element(x.begin(), x.end());
@@ -111,7 +112,7 @@ void about_run(const std::string& path) {
   for (const std::string& kind : viewer::foreign_kinds(run))
     fmt::print(
         "  \"{}\" is not a kind of brim's own: densities and --resume need its library, brim --plugin FILE ...\n",
-        kind);
+        printable(kind));
   fmt::print("  {:.0f} steps in {:.1f} s, at most {:.0f} contacts, worst overlap {:.3g} voxels, {:.0f} warnings\n",
              total("steps"), total("wall"), largest("contacts"), largest("worst_overlap"), total("warnings"));
 }

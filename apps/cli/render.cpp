@@ -12,6 +12,7 @@
 
 #include "brim/core/error.h"
 #include "commands.h"
+#include "number_range.h"
 #include "outside_program.h"
 #include "server/page_folder.h"
 #include "server/recorded_run.h"
@@ -194,7 +195,7 @@ void add_render(CLI::App& app, int& code) {
   command->add_flag("--tiles", options->tiles, "show active tiles");
   command->add_flag("--no-attachments", options->no_links, "leave out attachments and joints");
   command->add_option("--fps", options->fps, "frames per second of a film; without it, the run plays in its own time")
-      ->check(CLI::PositiveNumber);
+      ->check(number_range(0.01, 1000.0));
   command->callback([options, &code] { code = render(*options); });
 }
 

@@ -53,7 +53,11 @@ std::vector<std::uint64_t> seeds_of(const std::string& text) {
     const std::uint64_t last = colon == std::string::npos ? first : seed_of(part.substr(colon + 1), text);
     if (last < first || last - first >= kMaxCases)
       throw InputError(fmt::format("--seeds {}: must rise, by less than {}", text, kMaxCases));
-    for (std::uint64_t s = first; s <= last; ++s) seeds.push_back(s);
+    for (std::uint64_t s = first; s <= last; ++s) {
+      if (std::find(seeds.begin(), seeds.end(), s) != seeds.end())
+        throw InputError(fmt::format("--seeds {}: {} is there twice", text, s));
+      seeds.push_back(s);
+    }
   }
   return seeds;
 }
@@ -166,6 +170,8 @@ std::vector<SweepCase> sweep_cases(const std::vector<std::string>& set, const st
       for (const auto& [other, unused] : c.set)
         if (other == key) throw InputError(fmt::format("--set {}: it is set twice; give its values with commas", key));
       for (const std::string& value : values) {
+        if (std::count(values.begin(), values.end(), value) > 1)
+          throw InputError(fmt::format("--set {}: {} is there twice", text, value));
         next.push_back(c);
         next.back().set.emplace_back(key, value);
       }

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from pathlib import Path
 from typing import Any
 
@@ -21,17 +22,28 @@ def take_arrays(core: _core.Session, name: str, keys: dict[str, Any]) -> dict[st
     """The keys of an entry as a scene file would have them: arrays of meshes and volumes are handed to the world under a
     name that stands where a file's would; paths become absolute."""
     keys = dict(keys)
-    _take_mesh(core, f"{FOLDER}/{name}", keys, shape=False)
+    base = _free_token(core, name)
+    _take_mesh(core, base, keys, shape=False)
     if "intensities" in keys:
         spacing = keys.pop("spacing", None)
         if spacing is None:
             raise _core.InputError("spacing: is missing; intensities need the steps between voxels, (dx, dy, dz) [m]")
-        token = f"{FOLDER}/{name}.nrrd"
+        token = f"{base}.nrrd"
         core.give_volume(token, keys.pop("intensities"), spacing)
         keys["file"] = token
         keys["unit"] = 1.0
-    _take_shapes(core, f"{FOLDER}/{name}", keys)
+    _take_shapes(core, base, keys)
     return keys
+
+
+def _free_token(core: _core.Session, name: str) -> str:
+    """Where the arrays of an entry go: a name of a file that no other entry's arrays have, nor begin with."""
+    safe = re.sub(r"[^A-Za-z0-9_-]", "_", name)
+    taken = {token.split(".")[0] for token in core.given_names()}
+    base, number = f"{FOLDER}/{safe}", 2
+    while base in taken:
+        base, number = f"{FOLDER}/{safe}-{number}", number + 1
+    return base
 
 
 def _take_mesh(core: _core.Session, token: str, keys: dict[str, Any], *, shape: bool) -> None:
@@ -97,7 +109,10 @@ def _with_paths(core: _core.Session, value: Any) -> Any:
 
 def write_arrays(core: _core.Session, folder: Path) -> None:
     """Writes the arrays that a scene in this folder names."""
+    text = json.dumps(core.entries())
     for token in core.given_names():
+        if json.dumps(token) not in text:
+            continue  # of an entry that was refused
         path = folder / token
         path.parent.mkdir(parents=True, exist_ok=True)
         if token.endswith(".ply"):

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
+from ._core import InputError
 from .body import Array, Body, Force
 from .link import Attachment
 from .own_body import OwnBody
@@ -89,11 +90,20 @@ class World:
         """
         if isinstance(kind, OwnBody):
             return self._add_own(kind, **keys)
+        if not isinstance(kind, str):
+            raise InputError(f"add: {kind!r} is not allowed; must be the name of a kind, or an OwnBody")
         name = keys.pop("name", None) or self._free_name(kind)
         keys = take_arrays(self._core, name, keys)
         numbers = self._core.add({"kind": kind, "name": name, **keys})
         bodies = [Body(self, number) for number in numbers]
         return bodies if "repeat" in keys else bodies[0]
+
+    def _number_of(self, body: Body | str) -> int:
+        if isinstance(body, str):
+            return self[body].number
+        if body.world is not self:
+            raise InputError(f"'{body.name}' is a body of another world")
+        return body.number
 
     def _add_own(self, author: OwnBody, name: str | None = None) -> Body:
         name = name or author.name or self._free_name(type(author).__name__.lower())
@@ -236,7 +246,7 @@ class World:
 
         Restoring an earlier state brings it back. @raises InputError when it was removed already
         """
-        self._core.remove((self[body] if isinstance(body, str) else body).number)
+        self._core.remove(self._number_of(body))
 
     def set_material(self, name: str, **keys: Any) -> None:
         """Changes a material for all bodies that have it: friction, restitution, rolling_resistance [m], response ("penalty", "constraint",
@@ -250,6 +260,9 @@ class World:
     def set_pair(self, a: str, b: str, **keys: Any) -> None:
         """Replaces what a pair of materials has: friction, stiffness [Pa], restitution, rolling_resistance [m], response; what is left out follows
         from the two. As an entry of "pairs" in a scene file. @raises InputError"""
+        for key in ("friction", "stiffness", "restitution", "rolling_resistance"):
+            if key in keys and not float(keys[key]) >= 0.0:
+                raise InputError(f"{key}: {keys[key]!r} is not allowed; must be a number from 0")
         self._core.set_pair_material(a, b, keys)
 
     def set_stiffness(self, stiffness: float) -> None:
@@ -367,8 +380,9 @@ class World:
     def force(self, a: Body, b: Body) -> Array:
         """Contact force of b on a in the last sub-step, friction included [N], shape (3,)."""
         pairs = self._core.pairs()
-        on_a = (pairs["body_a"] == a.number) & (pairs["body_b"] == b.number)
-        on_b = (pairs["body_a"] == b.number) & (pairs["body_b"] == a.number)
+        number_a, number_b = self._number_of(a), self._number_of(b)
+        on_a = (pairs["body_a"] == number_a) & (pairs["body_b"] == number_b)
+        on_b = (pairs["body_a"] == number_b) & (pairs["body_b"] == number_a)
         total: Array = pairs["force"][on_a].sum(0) - pairs["force"][on_b].sum(0)
         return total
 

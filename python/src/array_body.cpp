@@ -9,9 +9,6 @@ namespace brim::python {
 
 namespace {
 
-/// The same step as OwnBody's own differences of deform.
-double deform_step(double q) { return 1e-5 * std::max(1.0, std::abs(q)); }
-
 py::array_t<double> coordinates_of(OwnBody::Coordinates q) { return array_of(q); }
 
 /// What a method of the author answered, checked. @throws InputError  naming the method
@@ -134,7 +131,8 @@ void ArrayBody::jacobian_all(Coordinates q, std::span<const Vec3> X, DenseMap& J
     }
     std::vector<double> moved(q.begin(), q.end());
     std::vector<Vec3> up(X.size()), down(X.size());
-    const py::array at_rest = array_of(X);
+    py::array at_rest = array_of(X);
+    at_rest.attr("setflags")(py::arg("write") = false);  // one for all: what works in place is told
     const py::object deform = author_.attr(deform_.c_str());
     const auto take = [&](std::span<Vec3> x) {
       take_rows(answer(author_, deform_.c_str(), deform(coordinates_of(moved), at_rest),
@@ -142,7 +140,7 @@ void ArrayBody::jacobian_all(Coordinates q, std::span<const Vec3> X, DenseMap& J
                 x);
     };
     for (std::size_t k = 0; k < q.size(); ++k) {
-      const double d = deform_step(q[k]);
+      const double d = place_step(k);
       moved[k] = q[k] + d;
       take(up);
       moved[k] = q[k] - d;

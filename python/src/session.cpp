@@ -46,7 +46,7 @@ std::string named_once(std::string line, const std::string& what) {
   const std::size_t from = what.find('"'), end = line.find("': ");
   if (from == std::string::npos || end == std::string::npos) return line;
   const std::string name = what.substr(from + 1, what.size() - from - 2);
-  for (const char* noun : {"attachment", "force", "sensor"})
+  for (const char* noun : {"attachment", "joint", "force", "sensor"})
     if (line.starts_with(fmt::format("{} '{}': ", noun, name))) return line.substr(end + 3);
   return line;
 }

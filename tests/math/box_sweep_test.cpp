@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 #include <set>
 
@@ -44,6 +45,32 @@ TEST(BoxSweep, FindsEachOverlappingPairOnce) {
     const auto found = pairs_of(boxes);
     EXPECT_GT(found.size(), 20u);
     EXPECT_EQ(found, every_pair(boxes));
+  }
+}
+
+TEST(BoxSweep, StartsFromItsLastOrder_AndEndsInThatOfANewOne) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> place(0.0, 1.0), step(-0.01, 0.01);
+  std::vector<Aabb> boxes(500);
+  for (Aabb& b : boxes) {
+    b.lo = Vec3(place(random), place(random), 4.0 * place(random));
+    b.hi = b.lo + Vec3::Constant(0.1);
+  }
+  BoxSweep kept;
+  for (int time = 0; time < 40; ++time) {
+    // They creep; once they are shuffled, another time their longest side turns, then there are fewer.
+    for (Aabb& b : boxes) {
+      const Vec3 by(step(random), step(random), step(random));
+      b.lo += by, b.hi += by;
+    }
+    if (time == 10) std::shuffle(boxes.begin(), boxes.end(), random);
+    if (time == 20)
+      for (Aabb& b : boxes) std::swap(b.lo.x(), b.lo.z()), std::swap(b.hi.x(), b.hi.z());
+    if (time == 30) boxes.resize(300);
+    kept.build(boxes);
+    BoxSweep fresh;
+    fresh.build(boxes);
+    for (std::size_t i = 0; i < boxes.size(); ++i) ASSERT_EQ(kept.at(i), fresh.at(i)) << time << ": " << i;
   }
 }
 

@@ -131,8 +131,8 @@ TEST(DistanceGrid, OpenSurfacesAreRefusedUnlessTheirTreatmentIsChosen) {
   const TriMesh open = without_top(shapes::icosphere(1.0, 4), 0.9);
   const std::string said = message_of([&] { make_distance_grid(open, spacing(0.1)); });
   EXPECT_NE(said.find(std::to_string(inspect(open).boundary_edges) + " boundary edges"), std::string::npos) << said;
-  EXPECT_NE(said.find("WindingNumber"), std::string::npos) << said;
-  EXPECT_NE(said.find("Thickness"), std::string::npos) << said;
+  EXPECT_NE(said.find("winding_number"), std::string::npos) << said;
+  EXPECT_NE(said.find("thickness"), std::string::npos) << said;
 
   // The winding number closes the hole near the missing cap: the volume of a sphere less about half a cap.
   const double sphere = 4.0 / 3.0 * std::numbers::pi;

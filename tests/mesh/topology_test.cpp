@@ -44,6 +44,21 @@ TEST(Topology, SeesEdgesOfThreeTrianglesAndVerticesOfTwoFans) {
   EXPECT_EQ(inspect(bow_tie).pieces, 1u);
 }
 
+TEST(Topology, ASurfaceThatIsThereTwiceIsNotClosed) {
+  TriMesh box = shapes::box(Vec3(1, 1, 1));
+  ASSERT_TRUE(inspect(box).closed());
+  const std::vector<Triangle> once = box.triangles;
+  for (Triangle t : once) {
+    std::rotate(t.begin(), t.begin() + 1, t.end());
+    box.triangles.push_back(t);
+  }
+  const MeshReport r = inspect(box);
+  EXPECT_EQ(r.boundary_edges, 0u);
+  EXPECT_EQ(r.repeated_triangles, once.size());
+  EXPECT_FALSE(r.closed()) << "it would weigh twice as much";
+  EXPECT_NE(r.summary().find("12 repeated triangles"), std::string::npos) << r.summary();
+}
+
 TEST(Topology, EmptyMeshIsNotClosed) {
   const MeshReport r = inspect(TriMesh{});
   EXPECT_FALSE(r.closed());

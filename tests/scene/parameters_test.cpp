@@ -23,6 +23,9 @@ const char* const kBall = R"({
     {"kind": "rigid", "name": "==box", "shape": {"kind": "box", "size": "=size"}}]
 })";
 
+constexpr const char* kNoWorld = R"({"brim": 1, "name": "s", "frames": 1, "bodies": [
+  {"kind": "rigid", "name": "ball", "shape": {"kind": "sphere", "radius": 0.1}}]})";
+
 Scene scene_of(const std::string& text, const SceneSettings& settings = {}) {
   return check_scene(parse_document(text, "scene.json"), settings);
 }
@@ -63,6 +66,7 @@ TEST(Parameters, SettingOneChangesWhatFollowsFromItAndTheKeptTextMakesTheSameSce
   const Scene direct = scene_of(kBall, set("/world/voxel_size", 0.125));
   EXPECT_DOUBLE_EQ(direct.world.voxel_size, 0.125);
   EXPECT_DOUBLE_EQ(scene_of(kBall, set("/world/time_step", 0.01)).world.time_step, 0.01) << "a key may be new";
+  EXPECT_DOUBLE_EQ(scene_of(kNoWorld, set("/world/time_step", 0.01)).world.time_step, 0.01) << "and so may the world";
 }
 
 TEST(Parameters, WhatIsWrongIsSaidWithItsPlace) {
@@ -79,6 +83,20 @@ TEST(Parameters, WhatIsWrongIsSaidWithItsPlace) {
   EXPECT_NE(message_of(kBall, set("/worlds/x", 1)).find("no such place"), std::string::npos);
   EXPECT_NE(message_of(kBall, set("/bodies/7", 1)).find("no such place"), std::string::npos);
   EXPECT_NE(message_of(kBall, set("r", -1)).find("/bodies/0/shape/radius: -1 is not allowed"), std::string::npos);
+}
+
+TEST(Parameters, LongChainsAndWhatGrowsWithoutBoundAreRefused) {
+  std::string chain = "\"p0\": 1";
+  for (int i = 1; i < 300; ++i) chain += ", \"p" + std::to_string(i) + "\": \"=p" + std::to_string(i - 1) + "\"";
+  EXPECT_NE(message_of(R"({"brim": 1, "name": "s", "parameters": {"last": "=p299", )" + chain + R"(}, "bodies": []})")
+                .find("a chain of more than 200"),
+            std::string::npos);
+  std::string list = "0", uses = "\"=l\"";
+  for (int i = 1; i < 100000; ++i) list += ",0";
+  for (int i = 1; i < 12; ++i) uses += ", \"=l\"";
+  EXPECT_NE(message_of(R"({"brim": 1, "name": "s", "parameters": {"l": [)" + list + R"(]}, "bodies": [)" + uses + "]}")
+                .find("write more than 1000000 values"),
+            std::string::npos);
 }
 
 TEST(Parameters, SettingsAreReadAsJsonOrText) {

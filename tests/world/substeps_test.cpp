@@ -93,7 +93,8 @@ double pieces_of_bars(double slope, double gap) {
   std::vector<double> v;
   for (const TetMesh& m : {mesh, beside})
     for (const Vec3& x : m.vertices) v.insert(v.end(), {0.0, 0.0, slope * x.x()});
-  return motion_pieces(parts, v, first_v, o, 0.1, 0.0);
+  BoxSweep sweep;
+  return motion_pieces(parts, v, first_v, o, 0.1, 0.0, sweep);
 }
 
 TEST(Substeps, MotionThatNeighboursShareDoesNotCount) {

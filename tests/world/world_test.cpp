@@ -172,6 +172,33 @@ TEST(World, StateOfAnotherSizeIsRefused) {
   EXPECT_THROW(w.set_state(s), InputError);
 }
 
+TEST(World, AStateThatIsNoneIsRefused_AndTheOldOneKept) {
+  World w = pile();
+  const State before = w.state();
+  const auto spoilt = [&](const auto& change) {
+    State s = before;
+    change(s);
+    return s;
+  };
+  const std::size_t first = before.q.size() - 7;  // the last body's
+  EXPECT_THROW(w.set_state(spoilt([&](State& s) { s.q[first] = std::nan(""); })), InputError);
+  EXPECT_THROW(w.set_state(spoilt([&](State& s) { s.v.back() = INFINITY; })), InputError);
+  EXPECT_THROW(w.set_state(spoilt([&](State& s) { std::fill_n(s.q.begin() + first + 3, 4, 0.0); })), InputError);
+  EXPECT_EQ(w.state().q, before.q);
+  EXPECT_EQ(w.state().v, before.v);
+  EXPECT_THROW(w.add(nullptr), InputError);
+}
+
+TEST(World, WhatWasFoundOfOneStateIsNotToldOfAnother) {
+  World w = pile();
+  const State start = w.state();
+  while (w.contacts().empty()) ASSERT_TRUE(w.step().ok);
+  ASSERT_FALSE(w.active_tiles().empty());
+  w.set_state(start);
+  EXPECT_TRUE(w.contacts().empty());
+  EXPECT_TRUE(w.active_tiles().empty());
+}
+
 TEST(World, NamesAreUniqueAndOptionsInRange) {
   World w(options_at(0.1));
   w.add(ball("a", {}));

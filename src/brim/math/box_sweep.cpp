@@ -35,7 +35,28 @@ BRIM_WIDE void overlapping_across(const float* const* across, const std::int32_t
   }
 }
 
+/// Places by which boxes may move up in the order, over their number, before they are sorted anew.
+constexpr std::size_t kMoves = 8;
+
 }  // namespace
+
+template <class Less>
+void BoxSweep::sort(const Less& less) {
+  // Boxes that move little hardly change their order: each is let down from where it was.
+  std::size_t moves = kMoves * order_.size();
+  for (std::size_t i = 1; i < order_.size(); ++i) {
+    const std::int32_t box = order_[i];
+    std::size_t to = i;
+    for (; to > 0 && less(box, order_[to - 1]); --to) order_[to] = order_[to - 1];
+    order_[to] = box;
+    if (i - to <= moves) {
+      moves -= i - to;
+      continue;
+    }
+    std::sort(order_.begin(), order_.end(), less);
+    return;
+  }
+}
 
 void BoxSweep::build(std::span<const Aabb> boxes, std::span<const std::int32_t> group) {
   boxes_ = boxes;
@@ -44,14 +65,17 @@ void BoxSweep::build(std::span<const Aabb> boxes, std::span<const std::int32_t> 
     if (b.lo.allFinite() && b.hi.allFinite()) middles.extend(b.center());
   axis_ = 0;
   if (!middles.empty()) middles.extent().maxCoeff(&axis_);
-  order_.resize(boxes.size());
-  std::iota(order_.begin(), order_.end(), 0);
+  if (order_.size() != boxes.size()) {
+    order_.resize(boxes.size());
+    std::iota(order_.begin(), order_.end(), 0);
+  }
   const auto key = [&](std::int32_t i) {
     const double lo = boxes[i].lo[axis_];
     return std::isnan(lo) ? std::numeric_limits<double>::infinity() : lo;
   };
-  std::sort(order_.begin(), order_.end(),
-            [&](std::int32_t a, std::int32_t b) { return key(a) != key(b) ? key(a) < key(b) : a < b; });
+  key_.resize(boxes.size());
+  for (std::size_t i = 0; i < boxes.size(); ++i) key_[i] = key(static_cast<std::int32_t>(i));
+  sort([&](std::int32_t a, std::int32_t b) { return key_[a] != key_[b] ? key_[a] < key_[b] : a < b; });
   lo_.resize(boxes.size());
   const std::size_t room = (boxes.size() / kWideLanes + 1) * kWideLanes;
   for (int k = 0; k < 4; ++k) across_[k].assign(room, k % 2 == 0 ? kInfinity : -kInfinity);
@@ -59,7 +83,7 @@ void BoxSweep::build(std::span<const Aabb> boxes, std::span<const std::int32_t> 
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const Aabb& b = boxes[order_[i]];
     group_[i] = group.empty() ? order_[i] : group[order_[i]];
-    lo_[i] = key(order_[i]);
+    lo_[i] = key_[order_[i]];
     for (int k = 0; k < 2; ++k) {
       const int a = (axis_ + 1 + k) % 3;
       across_[2 * k][i] = rounded_down(b.lo[a]), across_[2 * k + 1][i] = rounded_up(b.hi[a]);

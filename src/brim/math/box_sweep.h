@@ -13,7 +13,8 @@ namespace brim {
 /// Boxes may be unbounded; what is no number overlaps nothing. Tests: tests/math/box_sweep_test.cpp
 class BoxSweep {
  public:
-  /// O(n log n). The boxes must stay where they are until the last call of partners().
+  /// O(n log n); O(n) where as many boxes as last time have nearly kept their order. The boxes must stay where they are
+  /// until the last call of partners().
   /// @param group  of each box: boxes of one group are not held against each other; empty where there are none
   void build(std::span<const Aabb> boxes, std::span<const std::int32_t> group = {});
   std::size_t size() const { return order_.size(); }
@@ -24,8 +25,12 @@ class BoxSweep {
   void partners(std::size_t i, std::vector<std::int32_t>& out) const;
 
  private:
+  template <class Less>
+  void sort(const Less& less);
+
   std::span<const Aabb> boxes_;
-  std::vector<std::int32_t> order_;
+  std::vector<std::int32_t> order_;  ///< kept from build to build, which starts from it
+  std::vector<double> key_;          ///< least along the axis, by box
   /// Bounds in the order, along the other two axes in single precision; filled up to whole vectors by empty boxes.
   std::vector<double> lo_;
   std::vector<float> across_[4];     // least and largest of the one, then of the other

@@ -20,7 +20,10 @@ constexpr double kBeta = 2.0;
 void require_closed(const TriMesh& mesh) {
   const MeshReport r = inspect(mesh);
   const char* advice =
-      "choose the treatment WindingNumber (closes holes) or Thickness (a sheet with a thickness) instead";
+      "choose the treatment winding_number (closes holes) or thickness (a sheet with a thickness) instead";
+  if (r.boundary_edges == 0 && r.repeated_triangles > 0)
+    throw InputError(fmt::format("the surface is there twice: {} triangles are repeated; leave them out, or {}",
+                                 r.repeated_triangles, advice));
   if (!r.closed())
     throw InputError(fmt::format(
         "the surface is not closed: {} boundary edges{}; {}", r.boundary_edges,
@@ -55,7 +58,7 @@ void require_consistent_signs(const GridLayout& l, const std::vector<float>& val
   if (broken > 0)
     throw InputError(
         fmt::format("the surface is closed but passes through itself (the signs of {} pairs of neighbouring "
-                    "nodes contradict each other); choose the treatment WindingNumber",
+                    "nodes contradict each other); choose the treatment winding_number",
                     broken));
 }
 

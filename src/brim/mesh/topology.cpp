@@ -64,7 +64,11 @@ std::string MeshReport::summary() const {
   std::string s = counted(triangles, "triangle", "triangles") + ", " + counted(vertices, "vertex", "vertices") + ", " +
                   counted(pieces, "piece", "pieces");
   if (triangles == 0) return s;
-  s += closed() ? ", closed" : ", open (" + counted(boundary_edges, "boundary edge", "boundary edges") + ")";
+  if (closed())
+    s += ", closed";
+  else if (boundary_edges > 0)
+    s += ", open (" + counted(boundary_edges, "boundary edge", "boundary edges") + ")";
+  if (repeated_triangles > 0) s += ", " + counted(repeated_triangles, "repeated triangle", "repeated triangles");
   if (manifold()) {
     s += ", manifold";
   } else {
@@ -99,6 +103,11 @@ MeshReport inspect(const TriMesh& mesh) {
   });
   r.nonmanifold_vertices = count_nonmanifold_vertices(mesh.vertices.size(), mesh.triangles, sides);
   for (const Triangle& t : mesh.triangles) r.degenerate_triangles += is_degenerate(mesh, t);
+
+  std::vector<Triangle> corners(mesh.triangles.begin(), mesh.triangles.end());
+  for (Triangle& t : corners) std::sort(t.begin(), t.end());
+  std::sort(corners.begin(), corners.end());
+  for (std::size_t t = 1; t < corners.size(); ++t) r.repeated_triangles += corners[t] == corners[t - 1];
 
   const Pieces pieces = connected_pieces(mesh.vertices.size(), mesh.triangles);
   r.pieces = static_cast<std::size_t>(pieces.count);

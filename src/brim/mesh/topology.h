@@ -22,10 +22,12 @@ struct MeshReport {
   std::size_t degenerate_triangles = 0;  ///< area below 1e-12 of the squared longest edge, or a repeated corner
   std::size_t duplicate_vertices = 0;    ///< at the very position of an earlier vertex
   std::size_t unused_vertices = 0;       ///< in no triangle
+  std::size_t repeated_triangles = 0;    ///< with the corners of an earlier one, whatever their order
   std::size_t pieces = 0;                ///< connected by shared vertices
   double volume = 0.0;                   ///< enclosed, [m³]; has a meaning only when closed and oriented
 
-  bool closed() const { return triangles > 0 && boundary_edges == 0; }
+  /// False as well where it closes twice over: what a doubled surface encloses would count double.
+  bool closed() const { return triangles > 0 && boundary_edges == 0 && repeated_triangles == 0; }
   bool oriented() const { return misoriented_edges == 0; }
   bool manifold() const { return nonmanifold_edges == 0 && nonmanifold_vertices == 0; }
   /// One line for people, for example "5856 triangles, 2930 vertices, 1 piece, closed, manifold, oriented".

@@ -6,6 +6,7 @@
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "brim/math/ramp.h"
 #include "brim/math/small_symmetric.h"
 
 namespace brim {
@@ -20,6 +21,34 @@ constexpr double kMaxWeight = 8.0;
 /// Affine weights reach farther than the density, so that points at its rim still see particles on all sides; at sharp
 /// corners farther still.
 constexpr double kAffineReach = 1.3, kCornerReach = 2.0;
+
+/// The distance from the surface of a half space at which the sum of kernels of radius 1 is s, negative inside: of
+///   s(u) = 1/2 − 35/32 (u − u³ + 3/5 u⁵ − u⁷/7),   −1 <= u <= 1
+class PlaneDistance {
+ public:
+  PlaneDistance() {
+    double u = -1.0;
+    for (int i = kSteps; i >= 0; --i) {
+      const double wanted = static_cast<double>(i) / kSteps;
+      double lo = u, hi = 1.0;  // the sum falls with u
+      for (int halving = 0; halving < 60; ++halving) (sum(0.5 * (lo + hi)) > wanted ? lo : hi) = 0.5 * (lo + hi);
+      distance_[static_cast<std::size_t>(i)] = u = 0.5 * (lo + hi);
+    }
+  }
+  double operator()(double s) const {
+    const double at = std::clamp(s, 0.0, 1.0) * kSteps;
+    const auto i = std::min(static_cast<std::size_t>(at), static_cast<std::size_t>(kSteps - 1));
+    return distance_[i] + (at - static_cast<double>(i)) * (distance_[i + 1] - distance_[i]);
+  }
+
+ private:
+  static constexpr int kSteps = 1024;
+  static double sum(double u) {
+    const double u2 = u * u;
+    return 0.5 - 35.0 / 32.0 * u * (1.0 - u2 * (1.0 - u2 * (0.6 - u2 / 7.0)));
+  }
+  std::array<double, kSteps + 1> distance_;
+};
 
 double kernel_scale(double R) { return 105.0 / (32.0 * std::numbers::pi * R * R * R); }
 
@@ -98,6 +127,7 @@ void VolumeLayer::presence(double h, double w, const Aabb& region, std::vector<T
 
 void VolumeLayer::rasterize(double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {
   BRIM_CHECK(tiles.size(), ==, out.size());
+  static const PlaneDistance plane;
   const int slot = slot_of(w);
   auto workspace = workspace_.borrow();
   workspace->index.build(tiles);
@@ -129,7 +159,14 @@ void VolumeLayer::rasterize(double h, double w, std::span<const TileKey> tiles, 
           }
         }
     }
-    for (double& rho : block.rho) rho = std::min(1.0, rho * (1.0 + kLift * rho * rho * rho));
+    // Kernels reach farther than the ramp of a solid, the more so in fine voxels: what they tell is where the surface
+    // is.
+    for (int node = 0; node < kBlockNodes; ++node) {
+      double& rho = block.rho[node];
+      if (rho == 0.0) continue;
+      const double R = influence(static_cast<std::size_t>(block.source[node] / kWidths), w);
+      rho = ramp(R * plane(rho * (1.0 + kLift * rho * rho * rho)), w);
+    }
   });
 }
 

@@ -171,6 +171,7 @@ RunResult record_run(World& world, const RunPlan& plan, const std::function<bool
       result.totals.add(report, old.steps(f));
     }
     world.set_state(old.state(frame));
+    readings.restore(frame);
   } else if (!plan.folder.empty() && !plan.resume) {
     check_run_folder(plan.folder, plan.force);
     std::error_code error;

@@ -72,7 +72,8 @@ class Constraint {
   std::span<const double> velocity_targets() const { return velocity_target_; }
   std::span<const double> position_targets() const { return position_target_; }
   /// Sets the velocity after an impact that others pass on: where impacts follow each other within the step.
-  void set_rebound(std::size_t c, double velocity, double dt);
+  /// @param hit  [m/s] the velocity with which the point was hit, negative; 0: it was not
+  void set_rebound(std::size_t c, double hit, double velocity, double dt);
   std::span<const double> restitution() const { return restitution_; }
   /// True when some contact bounces within the step.
   bool bounces() const { return bounces_; }

@@ -18,6 +18,8 @@ constexpr double kTouch = 0.005;
 /// [voxels] the same two between rigid parts whose gaps nodes tell. From place to place these differ by a tenth: pushed
 /// out to less, piles of meshes boil.
 constexpr double kSlopOffNodes = 0.1, kTouchOffNodes = 0.05;
+/// What lands flat bounces straight although nodes tell its gaps: all points within that touch together.
+constexpr double kTogetherOffNodes = 0.1;
 
 }  // namespace
 
@@ -30,7 +32,8 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
   for (std::size_t p = 0; p < points_.pairs.size(); ++p) {
     const ContactPair& pair = points_.pairs[p];
     const double slop = off_nodes_[p] != 0 ? kSlopOffNodes : kSlop,
-                 touch = off_nodes_[p] != 0 ? kTouchOffNodes : kTouch;
+                 touch = off_nodes_[p] != 0 ? kTouchOffNodes : kTouch,
+                 together = off_nodes_[p] != 0 ? kTogetherOffNodes : kTogether;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t c = pair.begin; c < pair.end; ++c) least = std::min(least, -double{points_.depth[c]});
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
@@ -43,7 +46,7 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
       velocity_target_[c] = closing;
       position_target_[c] = closing + push;
       const bool touches = open + dt * u1 < 0.0;
-      if (touches && restitution_[c] > 0.0 && gap <= least + kTogether * pair.h) {
+      if (touches && restitution_[c] > 0.0 && gap <= least + together * pair.h) {
         // The parabola of free flight (FreeFlight): open + u0 t + a t²/2 = 0.
         const double speed = std::sqrt(std::max(0.0, u0 * u0 - 2.0 * a * open));
         const double before = open > 0.0 && speed > u0 ? std::min(dt, 2.0 * open / (speed - u0)) : 0.0;
@@ -61,9 +64,10 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
   }
 }
 
-void Constraint::set_rebound(std::size_t c, double velocity, double dt) {
+void Constraint::set_rebound(std::size_t c, double hit, double velocity, double dt) {
   velocity_target_[c] = std::max(0.0, velocity);
   const double open = std::max(0.0, -double{points_.depth[c]});
+  if (touch_time_[c] == 0.0 && hit < 0.0) touch_time_[c] = std::min(dt, -open / hit);
   position_target_[c] = std::max(0.0, velocity) * (1.0 - touch_time_[c] / dt) - open / dt;
   targets_differ_ = targets_differ_ || velocity_target_[c] != position_target_[c];
 }

@@ -11,6 +11,9 @@ namespace brim {
 
 namespace {
 
+/// Parameters that one may be computed from, one from the other; values that all of them may write into a scene.
+constexpr std::size_t kLongestChain = 200, kMostWritten = 1'000'000;
+
 bool is_expression(const Json& value) {
   return value.is_string() && value.get_ref<const std::string&>().starts_with("=");
 }
@@ -52,6 +55,9 @@ class Parameters {
     const auto it = given_.find(name);
     if (it == given_.end()) throw unknown(name);
     if (!open_.insert(name).second) throw InputError(fmt::format("the parameter \"{}\" is computed from itself", name));
+    if (open_.size() > kLongestChain)
+      throw InputError(
+          fmt::format("the parameter \"{}\" is computed from a chain of more than {} others", name, kLongestChain));
     Json value = it->second;
     if (is_expression(value)) value = evaluated(value.get<std::string>());
     open_.erase(name);
@@ -85,6 +91,13 @@ class Parameters {
                                   near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near), list));
   }
 
+  /// Of a value that a parameter was put in for. @throws InputError  where they all become too large
+  void count(const Json& value) {
+    written_ += value.is_structured() ? value.size() : 1;
+    if (written_ > kMostWritten)
+      throw InputError(fmt::format("the parameters of the scene write more than {} values into it", kMostWritten));
+  }
+
   /// All that can be computed; what cannot is collected once, not again wherever it is used.
   Json all(const Document& document, ErrorList& errors) {
     Json values = Json::object();
@@ -106,12 +119,14 @@ class Parameters {
   std::map<std::string, Json> given_, values_;
   std::set<std::string> open_;    ///< being computed
   std::set<std::string> failed_;  ///< told already
+  std::size_t written_ = 0;
 };
 
 void substitute(const Document& doc, Json& value, const std::string& at, Parameters& parameters, ErrorList& errors) {
   if (is_expression(value)) {
     try {
       value = parameters.evaluated(value.get<std::string>());
+      parameters.count(value);
     } catch (const Told&) {
       errors.mark(at);
     } catch (const InputError& e) {
@@ -126,10 +141,11 @@ void substitute(const Document& doc, Json& value, const std::string& at, Paramet
   }
 }
 
-/// Puts a value where a pointer says; its last key may be new.
+/// Puts a value where a pointer says; its last key may be new, and so may the scene's "world".
 void set_at(Json& root, const std::string& pointer, const Json& value) {
   const auto cut = pointer.rfind('/');
   try {
+    if (pointer.starts_with("/world/") && root.is_object()) root.emplace("world", Json::object());
     Json& parent = cut == 0 ? root : root.at(Json::json_pointer(pointer.substr(0, cut)));
     if (parent.is_array() && !root.contains(Json::json_pointer(pointer))) throw InputError("");
     if (!parent.is_structured()) throw InputError("");

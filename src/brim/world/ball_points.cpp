@@ -1,6 +1,7 @@
 #include "brim/world/ball_points.h"
 
 #include "brim/body/spinning_balls.h"
+#include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
 
 namespace brim {
@@ -8,8 +9,8 @@ namespace brim {
 void place_under_balls(std::span<const WorldPart> parts, std::span<const Vec3> normals, ContactSet& contacts) {
   for (std::size_t p = 0; p < contacts.first_link_pair(); ++p) {
     const ContactPair& pair = contacts.pairs[p];
-    const auto* a = dynamic_cast<const SpinningBalls*>(parts[pair.part_a].body);
-    const auto* b = dynamic_cast<const SpinningBalls*>(parts[pair.part_b].body);
+    const auto* a = interface_of<SpinningBalls>(*parts[pair.part_a].body);
+    const auto* b = interface_of<SpinningBalls>(*parts[pair.part_b].body);
     if (a == nullptr && b == nullptr) continue;
     parallel_for(
         pair.end - pair.begin,

@@ -7,6 +7,7 @@
 
 #include "brim/body/filling.h"
 #include "brim/body/walled.h"
+#include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
 #include "brim/math/block_matrix.h"
 #include "brim/world/coarse_lanes.h"
@@ -31,10 +32,10 @@ void CoarseSpace::take_modes(const Body& body, std::size_t n, Modes& m) const {
   m.system.setZero();
   if (body.immobile()) return;
   // A motion that a body's own walls forbid would carry the solve out of what its preconditioner keeps to.
-  if (const auto* walled = dynamic_cast<const Walled*>(&body); walled && walled->confined()) return;
+  if (const auto* walled = interface_of<Walled>(body); walled && walled->confined()) return;
   const Aabb box = body.part_count() > 0 ? body.bounds(0) : Aabb{Vec3::Zero(), Vec3::Zero()};
   const Vec3 center = box.lo.allFinite() && box.hi.allFinite() ? box.center() : Vec3::Zero();
-  const bool fluid = dynamic_cast<const Filling*>(&body) != nullptr;
+  const bool fluid = interface_of<Filling>(body) != nullptr;
   const std::optional<BlockSystem> blocks = body.block_system();
   m.place = blocks ? blocks->place : std::span<const Vec3>();
   m.center = center;

@@ -8,10 +8,11 @@ namespace brim {
 
 namespace {
 
-/// [voxels] gap up to which an impact is passed on; rounds of one impact, and impacts of one pair in a step.
+/// [voxels] gap that touches, across which any impact is passed on.
 constexpr double kTouching = 0.02;
 /// Share of the fastest rebound of a step below which another one is none.
 constexpr double kSlightBounce = 1e-3;
+/// Rounds of one impact, and impacts of one pair in a step.
 constexpr int kStrikeRounds = 50, kMostStrikes = 100;
 
 }  // namespace
@@ -28,6 +29,7 @@ void ConstraintStep::pass_impacts_on(std::vector<double> v) {
               grid_step.begin() + static_cast<std::ptrdiff_t>(pair.end), pair.h);
   std::vector<Vec3> impulse(n, Vec3::Zero());
   std::vector<std::uint8_t> hit(sweep_.groups(), 0);
+  std::vector<double> hardest(n, 0.0);  // [m/s] at which each point was hit, negative
   const auto velocity = [&](std::size_t c) { return offset_[c].x() + sweep_.velocity(c, v).x(); };
   // One pair after the other, as if nothing else touched it. @return false where nothing hits
   const auto strike = [&](std::size_t g, bool first) {
@@ -37,8 +39,9 @@ void ConstraintStep::pass_impacts_on(std::vector<double> v) {
     for (std::size_t c = begin; c < end; ++c) {
       const double u = velocity(c), gap = -rows_.points().depth[c];
       const double to = first ? rows_.velocity_targets()[c] : -rows_.restitution()[c] * u;
-      const bool hits = first ? to > least : gap <= kTouching * h && u < -slow;
+      const bool hits = first ? to > least : u < -slow && (gap <= kTouching * h || gap + settings_.rows.dt * u < 0.0);
       target[c] = hits ? to : never;
+      if (hits) hardest[c] = std::min(hardest[c], u);
       impulse[c].setZero();
       any = any || hits;
     }
@@ -58,8 +61,8 @@ void ConstraintStep::pass_impacts_on(std::vector<double> v) {
     const auto [begin, end] = sweep_.group(g);
     const double h = grid_step[begin];
     for (std::size_t c = begin; c < end; ++c)
-      if (rows_.velocity_targets()[c] > least || -rows_.points().depth[c] <= kTouching * h)
-        rows_.set_rebound(c, velocity(c), settings_.rows.dt);
+      if (rows_.velocity_targets()[c] > least || hardest[c] < 0.0 || -rows_.points().depth[c] <= kTouching * h)
+        rows_.set_rebound(c, hardest[c], velocity(c), settings_.rows.dt);
   }
 }
 

@@ -8,6 +8,7 @@
 #include "brim/contact/face_edges.h"
 #include "brim/contact/patch_center.h"
 #include "brim/core/error.h"
+#include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/core/stopwatch.h"
@@ -103,7 +104,7 @@ void ContactStage::access(std::span<const WorldPart> parts) {
       parts.size(),
       [&](std::size_t p) {
         PartAccess& a = access_[p];
-        a.bounded = {dynamic_cast<const DistanceBound*>(parts[p].body), parts[p].index};
+        a.bounded = {interface_of<DistanceBound>(*parts[p].body), parts[p].index};
         const PosedShape* solid = a.bounded.body != nullptr ? a.bounded.body->solid(parts[p].index) : nullptr;
         a.solid.solid = solid != nullptr ? solid->known_distance() : nullptr;
         a.posed = solid;
@@ -128,7 +129,7 @@ void ContactStage::find_presence(std::span<const WorldPart> parts, double ramp, 
     Layer& layer = layers_[l];
     const WorldPart& part = parts[layer.part];
     const ProfileScope scope("presence", *part.body);
-    if (const auto* fine = dynamic_cast<const OctantPresence*>(part.body)) {
+    if (const auto* fine = interface_of<OctantPresence>(*part.body)) {
       fine->octant_presence(part.index, layer.h, ramp * layer.h, layer.region, layer.present);
     } else {
       std::vector<TileKey> tiles;

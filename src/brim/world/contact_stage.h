@@ -47,6 +47,8 @@ class ContactStage {
   }
   /// Tiles in which both parts of some pair were sampled, and their steps.
   std::span<const std::pair<TileKey, double>> active_tiles() const;
+  /// No tiles are active: they were those of another state.
+  void forget() { active_.clear(), active_known_ = true; }
 
  private:
   /// What a part offers besides rasterization.

@@ -5,6 +5,7 @@
 
 #include "brim/body/distance_bound.h"
 #include "brim/body/posed_shape.h"
+#include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/math/ramp.h"
@@ -22,9 +23,7 @@ constexpr double kReadable = 1.6;
 /// Step of second differences, over the gap of the layer at a surface.
 constexpr double kBendWidth = 0.6;
 
-const Filling* filling(const WorldPart& p) {
-  return p.info.conforming ? dynamic_cast<const Filling*>(p.body) : nullptr;
-}
+const Filling* filling(const WorldPart& p) { return p.info.conforming ? interface_of<Filling>(*p.body) : nullptr; }
 
 bool inside(const Aabb& box, const Vec3& x) {
   return (x.array() >= box.lo.array()).all() && (x.array() <= box.hi.array()).all();

@@ -5,6 +5,7 @@
 
 #include "brim/body/outer_forces.h"
 #include "brim/body/walled.h"
+#include "brim/core/interface_of.h"
 #include "brim/world/contact_parameters.h"
 #include "brim/world/contact_stage.h"
 #include "brim/world/outer_actions.h"
@@ -37,8 +38,8 @@ void FreeFlight::find(std::span<const std::unique_ptr<Body>> bodies, std::span<c
   });
   actions.flag_acted_on(held_);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const auto* outer = dynamic_cast<const OuterForces*>(bodies[b].get());
-    const bool in_a_box = dynamic_cast<const Walled*>(bodies[b].get()) != nullptr;
+    const auto* outer = interface_of<OuterForces>(*bodies[b]);
+    const bool in_a_box = interface_of<Walled>(*bodies[b]) != nullptr;
     if (in_a_box || (outer != nullptr && outer->has_outer_forces())) held_[b] = 1;
   }
 }

@@ -5,6 +5,7 @@
 
 #include "brim/body/guided_particles.h"
 #include "brim/body/rigid_frame.h"
+#include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/core/stopwatch.h"
@@ -28,7 +29,7 @@ constexpr float kGuided = -0.1f;
 bool ImplicitStep::solve_frames(std::span<double> delta) {
   const StepContext& c = *context_;
   for (const auto& body : c.bodies)
-    if (body->v_size() > 0 && dynamic_cast<const RigidFrame*>(body.get()) == nullptr) return false;
+    if (body->v_size() > 0 && interface_of<RigidFrame>(*body) == nullptr) return false;
   parallel_for(
       c.bodies.size(),
       [&](std::size_t b) {
@@ -44,7 +45,7 @@ bool ImplicitStep::solve_frames(std::span<double> delta) {
         c.bodies[b]->add_forces(settings_->environment(b, c.environment), {force.data(), 6});
         force *= settings_->dt;
         if (!c.impulse.empty()) force += Eigen::Map<const Six>(c.impulse.data() + first);
-        const RigidFrame::Frame f = dynamic_cast<const RigidFrame&>(*c.bodies[b]).rigid_frame();
+        const RigidFrame::Frame f = interface_of<RigidFrame>(*c.bodies[b])->rigid_frame();
         change << f.inverse_mass * force.head<3>(), f.inverse_inertia * force.tail<3>();
       },
       64);
@@ -66,7 +67,7 @@ void ImplicitStep::guide() {
   c.maps.add_forces(contact_force_, scratch_);
   std::vector<std::uint8_t> guided;
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
-    auto* body = dynamic_cast<GuidedParticles*>(c.bodies[b].get());
+    auto* body = interface_of<GuidedParticles>(*c.bodies[b]);
     if (body == nullptr) continue;
     const auto reached = c.slice(scratch_, b);
     guided.assign(reached.size() / 3, 0);
@@ -91,7 +92,7 @@ void ImplicitStep::begin_bodies() {
     body.add_forces(settings_->environment(b, c.environment), c.slice(internal_, b));
     if (c.fill.handles(b))
       c.fill.add_start_stiffness(b, c.slice(scratch_, b));
-    else if (const auto* guided = dynamic_cast<const GuidedParticles*>(&body))
+    else if (const auto* guided = interface_of<GuidedParticles>(body))
       guided->apply_start_stiffness(c.slice(c.v, b), c.slice(scratch_, b));
     else
       body.apply_stiffness(c.slice(c.v, b), c.slice(scratch_, b));

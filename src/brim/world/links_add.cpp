@@ -115,13 +115,18 @@ std::vector<Vec3> points_in(const Body& body, const std::function<bool(const Vec
   return x;
 }
 
+/// As messages name it.
+std::string told(const Attachment& given) {
+  return fmt::format("{} '{}'", given.joint ? "joint" : "attachment", given.name);
+}
+
 }  // namespace
 
 int Links::add(const Attachment& given, std::span<const WorldPart> parts, const Side& a, const Side& b,
                double ramp_voxels, double time) {
   const auto end = links_.begin() + static_cast<std::ptrdiff_t>(kept());
   if (std::any_of(links_.begin(), end, [&](const Link& l) { return l.given.name == given.name; }))
-    throw InputError(fmt::format("attachment '{}': there is another one of that name", given.name));
+    throw InputError(fmt::format("{}: there is another one of that name", told(given)));
   links_.insert(end, make(given, parts, a, b, ramp_voxels, time));
   return static_cast<int>(kept()) - 1;
 }
@@ -141,9 +146,7 @@ void Links::release() {
 
 Links::Link Links::make(const Attachment& given, std::span<const WorldPart> parts, const Side& a, const Side& b,
                         double ramp_voxels, double time) {
-  const auto prefixed = [&](const std::string& what) {
-    return InputError(fmt::format("attachment '{}': {}", given.name, what));
-  };
+  const auto prefixed = [&](const std::string& what) { return InputError(fmt::format("{}: {}", told(given), what)); };
   for (const auto& [what, value] : {std::pair{"stiffness", given.stiffness}, std::pair{"damping", given.damping},
                                     std::pair{"length", given.length.value_or(0.0)}})
     if (!(value >= 0.0) || !std::isfinite(value))

@@ -10,6 +10,7 @@
 #include "brim/body/posed_shape.h"
 #include "brim/body/rigid_frame.h"
 #include "brim/core/error.h"
+#include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/core/workspace_pool.h"
@@ -27,8 +28,8 @@ constexpr double kRowBytes = 1800.0;
 
 /// The solid of a part whose body is one rigid frame, or null.
 const PosedShape* rigid_solid(const WorldPart& part) {
-  if (part.body->part_count() != 1 || dynamic_cast<const RigidFrame*>(part.body) == nullptr) return nullptr;
-  const auto* bound = dynamic_cast<const DistanceBound*>(part.body);
+  if (part.body->part_count() != 1 || interface_of<RigidFrame>(*part.body) == nullptr) return nullptr;
+  const auto* bound = interface_of<DistanceBound>(*part.body);
   const PosedShape* solid = bound != nullptr ? bound->solid(part.index) : nullptr;
   return solid != nullptr && solid->known_distance() != nullptr ? solid : nullptr;
 }

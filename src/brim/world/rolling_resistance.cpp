@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "brim/body/rigid_frame.h"
+#include "brim/core/interface_of.h"
 #include "brim/response/moved_rows.h"
 
 namespace brim {
@@ -72,7 +73,7 @@ void resist_rolling(std::span<const WorldPart> parts, std::span<const std::size_
   if (!some) return;
   const auto side_of = [&](std::int32_t part, const Vec3& x, RollingSide& s) {
     const WorldPart& p = parts[part];
-    const auto* rigid = dynamic_cast<const RigidFrame*>(p.body);
+    const auto* rigid = interface_of<RigidFrame>(*p.body);
     if (rigid == nullptr) return false;
     const RigidFrame::Frame frame = rigid->rigid_frame();
     const std::size_t first = first_v[static_cast<std::size_t>(p.body_index)];

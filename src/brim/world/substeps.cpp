@@ -7,8 +7,8 @@
 #include <tuple>
 
 #include "brim/body/motion_clusters.h"
+#include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
-#include "brim/math/box_sweep.h"
 #include "brim/world/contact_parameters.h"
 
 namespace brim {
@@ -47,7 +47,7 @@ double most_pieces_of_whole(std::span<const WorldPart> parts, std::span<const do
                             double change) {
   FastestTwo speeds;
   for (const WorldPart& part : parts) {
-    if (dynamic_cast<const MotionClusters*>(part.body) != nullptr) return std::numeric_limits<double>::infinity();
+    if (interface_of<MotionClusters>(*part.body) != nullptr) return std::numeric_limits<double>::infinity();
     const auto vb = v.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
     speeds.add(part.body->mean_velocity(part.index, vb).norm() + part.body->relative_speed_bound(part.index, vb) +
                (is_fixed(part) ? 0.0 : change));
@@ -55,12 +55,13 @@ double most_pieces_of_whole(std::span<const WorldPart> parts, std::span<const do
   return most_pieces(speeds, parts, options, time);
 }
 
-double most_pieces_of_clusters(std::span<const std::vector<MotionCluster>> clusters, std::span<const WorldPart> parts,
-                               const WorldOptions& options, double time) {
+/// @param first  of the clusters of each part, and behind the last
+double most_pieces_of_clusters(std::span<const MotionCluster> clusters, std::span<const std::size_t> first,
+                               std::span<const WorldPart> parts, const WorldOptions& options, double time) {
   FastestTwo speeds;
-  for (const auto& of_part : clusters) {
+  for (std::size_t p = 0; p < parts.size(); ++p) {
     double most = 0.0;
-    for (const MotionCluster& c : of_part)
+    for (const MotionCluster& c : clusters.subspan(first[p], first[p + 1] - first[p]))
       most = std::max(most, c.velocity.lo.cwiseAbs().cwiseMax(c.velocity.hi.cwiseAbs()).norm() + c.deviation);
     speeds.add(most);
   }
@@ -69,12 +70,9 @@ double most_pieces_of_clusters(std::span<const std::vector<MotionCluster>> clust
 
 /// Clusters of one piece of work, and pairs of them.
 constexpr std::size_t kEntriesOfWork = 256, kPairsOfWork = 64;
+/// Parts of one piece of work where each is one cluster.
+constexpr std::size_t kPartsOfWork = 256;
 
-struct Cluster {
-  const MotionCluster* bounds;
-  std::size_t place;                 ///< among those of its part
-  std::vector<MotionCluster> finer;  ///< itself where there are none
-};
 struct FastPair {
   double bound;      ///< pieces, at most
   double per_speed;  ///< [s/m] pieces for a relative speed
@@ -95,47 +93,53 @@ double motion_limit(const WorldPart& a, const WorldPart& b, const WorldOptions& 
 }
 
 double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
-                     const WorldOptions& options, double time, double change) {
+                     const WorldOptions& options, double time, double change, BoxSweep& sweep) {
   if (most_pieces_of_whole(parts, v, first_v, options, time, change) <= 1.0) return 1.0;
-  std::vector<std::vector<MotionCluster>> clusters(parts.size());
-  std::vector<std::vector<Aabb>> swept(parts.size());
   const double wide = std::ldexp(0.5 * options.ramp_voxels, coarsest_level(parts));
   const auto velocities = [&](const WorldPart& part) {
     return v.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
   };
-  std::vector<std::uint8_t> whole(parts.size(), 0);
-  parallel_for(parts.size(), [&](std::size_t p) {
-    const WorldPart& part = parts[p];
-    const auto vb = velocities(part);
-    if (const auto* moving = dynamic_cast<const MotionClusters*>(part.body))
-      moving->motion_clusters(part.index, vb, clusters[p]);
-    if (clusters[p].empty()) {
-      whole[p] = 1;
-      const Vec3 mean = part.body->mean_velocity(part.index, vb);
-      clusters[p].push_back(
-          {part.body->bounds(part.index), {mean, mean}, part.body->relative_speed_bound(part.index, vb)});
-    }
-    for (MotionCluster& c : clusters[p])
-      if (!is_fixed(part)) c.deviation += change;
+  // Clusters of those parts that have some; every other part is one.
+  std::vector<std::vector<MotionCluster>> several;
+  std::vector<std::int32_t> number(parts.size(), -1), cut;
+  for (std::size_t p = 0; p < parts.size(); ++p)
+    if (interface_of<MotionClusters>(*parts[p].body) != nullptr)
+      number[p] = static_cast<std::int32_t>(cut.size()), cut.push_back(static_cast<std::int32_t>(p));
+  several.resize(cut.size());
+  parallel_for(cut.size(), [&](std::size_t k) {
+    const WorldPart& part = parts[cut[k]];
+    interface_of<MotionClusters>(*part.body)->motion_clusters(part.index, velocities(part), several[k]);
   });
-  if (most_pieces_of_clusters(clusters, parts, options, time) <= 1.0) return 1.0;
-  parallel_for(parts.size(), [&](std::size_t p) {
-    for (const MotionCluster& c : clusters[p]) {
-      const Aabb now = c.box.inflated(wide * parts[p].h + c.deviation * time);
-      Aabb box = now;
-      box.extend(Aabb{now.lo + time * c.velocity.lo, now.hi + time * c.velocity.hi});
-      swept[p].push_back(box);
-    }
-  });
-  std::vector<Aabb> boxes;
-  std::vector<Cluster> cluster;
-  std::vector<std::int32_t> part;
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    boxes.insert(boxes.end(), swept[p].begin(), swept[p].end());
-    for (std::size_t c = 0; c < clusters[p].size(); ++c) cluster.push_back({&clusters[p][c], c, {}});
-    part.resize(boxes.size(), static_cast<std::int32_t>(p));
-  }
-  BoxSweep sweep;
+  const auto whole = [&](std::size_t p) { return number[p] < 0 || several[number[p]].empty(); };
+  std::vector<std::size_t> first(parts.size() + 1, 0);
+  for (std::size_t p = 0; p < parts.size(); ++p) first[p + 1] = first[p] + (whole(p) ? 1 : several[number[p]].size());
+  std::vector<MotionCluster> clusters(first.back());
+  std::vector<Aabb> boxes(first.back());
+  std::vector<std::int32_t> part(first.back());
+  parallel_for(
+      parts.size(),
+      [&](std::size_t p) {
+        const WorldPart& own = parts[p];
+        if (whole(p)) {
+          const auto vb = velocities(own);
+          const Vec3 mean = own.body->mean_velocity(own.index, vb);
+          clusters[first[p]] = {
+              own.body->bounds(own.index), {mean, mean}, own.body->relative_speed_bound(own.index, vb)};
+        } else {
+          std::copy(several[number[p]].begin(), several[number[p]].end(),
+                    clusters.begin() + static_cast<std::ptrdiff_t>(first[p]));
+        }
+        for (std::size_t k = first[p]; k < first[p + 1]; ++k) {
+          MotionCluster& c = clusters[k];
+          if (!is_fixed(own)) c.deviation += change;
+          const Aabb now = c.box.inflated(wide * own.h + c.deviation * time);
+          boxes[k] = now;
+          boxes[k].extend(Aabb{now.lo + time * c.velocity.lo, now.hi + time * c.velocity.hi});
+          part[k] = static_cast<std::int32_t>(p);
+        }
+      },
+      kPartsOfWork);
+  if (most_pieces_of_clusters(clusters, first, parts, options, time) <= 1.0) return 1.0;
   sweep.build(boxes, part);
   // Pairs of clusters that ask for more than one piece, by bounds that are far from sharp.
   std::vector<std::vector<FastPair>> fast_of((boxes.size() + kEntriesOfWork - 1) / kEntriesOfWork);
@@ -154,8 +158,7 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
           const WorldPart &a = parts[last_a], &b = parts[last_b];
           per_speed = may_touch(a, b) ? time / motion_limit(a, b, options) : 0.0;
         }
-        const double pieces =
-            per_speed > 0.0 ? relative_speed(*cluster[own].bounds, *cluster[j].bounds) * per_speed : 0.0;
+        const double pieces = per_speed > 0.0 ? relative_speed(clusters[own], clusters[j]) * per_speed : 0.0;
         if (pieces > 1.0) fast.push_back({pieces, per_speed, own, j});
       }
     }
@@ -166,19 +169,20 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
 
   // They are looked at more closely, by finer clusters: those with the largest bounds first, until no bound exceeds
   // what has been found.
-  std::vector<std::uint8_t> wanted(cluster.size(), 0);
+  std::vector<std::uint8_t> wanted(clusters.size(), 0);
   for (const FastPair& f : fast) wanted[f.a] = wanted[f.b] = 1;
+  std::vector<std::vector<MotionCluster>> finer(clusters.size());  // itself where there are none
   parallel_for(
-      cluster.size(),
+      clusters.size(),
       [&](std::size_t k) {
         if (!wanted[k]) return;
-        const WorldPart& p = parts[part[k]];
-        Cluster& c = cluster[k];
-        if (!whole[part[k]])
-          dynamic_cast<const MotionClusters&>(*p.body).finer_clusters(p.index, c.place, velocities(p), c.finer);
-        for (MotionCluster& fine : c.finer)
+        const auto own = static_cast<std::size_t>(part[k]);
+        const WorldPart& p = parts[own];
+        if (!whole(own))
+          interface_of<MotionClusters>(*p.body)->finer_clusters(p.index, k - first[own], velocities(p), finer[k]);
+        for (MotionCluster& fine : finer[k])
           if (!is_fixed(p)) fine.deviation += change;
-        if (c.finer.empty()) c.finer.push_back(*c.bounds);
+        if (finer[k].empty()) finer[k].push_back(clusters[k]);
       },
       16);
   std::sort(fast.begin(), fast.end(), [](const FastPair& x, const FastPair& y) {
@@ -188,8 +192,8 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
     for (const FastPair& f : pairs) {
       if (f.bound <= pieces) break;
       const double reach = wide * (parts[part[f.a]].h + parts[part[f.b]].h);
-      for (const MotionCluster& a : cluster[f.a].finer)
-        for (const MotionCluster& b : cluster[f.b].finer)
+      for (const MotionCluster& a : finer[f.a])
+        for (const MotionCluster& b : finer[f.b])
           if (const double n = relative_speed(a, b) * f.per_speed; n > pieces && may_meet(a, b, reach, time))
             pieces = n;
     }
@@ -206,18 +210,21 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
 }
 
 double choose_substep(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
-                      const WorldOptions& options, double left, StepReport& report) {
-  const double pieces = motion_pieces(parts, v, first_v, options, left, options.environment.gravity.norm() * left);
+                      const WorldOptions& options, double left, BoxSweep& sweep, StepReport& report) {
+  const double pieces =
+      motion_pieces(parts, v, first_v, options, left, options.environment.gravity.norm() * left, sweep);
   const double remaining = std::max(1, options.max_substeps - report.substeps);
   double n = std::ceil(pieces - 1e-9);
   if (report.substeps == 0) n = std::max(n, static_cast<double>(options.min_substeps));
   if (n > remaining) {
     n = remaining;
     if (report.warnings.empty() || report.warnings.back().code != "substeps_capped")
-      report.warnings.push_back({report.time, "substeps_capped",
-                                 fmt::format("relative motion asks for {:.0f} sub-steps, max_substeps allows {}; "
-                                             "bodies may pass through each other",
-                                             std::ceil(pieces), options.max_substeps)});
+      report.warnings.push_back(
+          {report.time, "substeps_capped",
+           fmt::format("relative motion asks for {} sub-steps, and {} of the {} that max_substeps allows are left; "
+                       "bodies may pass through each other",
+                       pieces < 1e9 ? fmt::format("{:.0f}", std::ceil(pieces)) : "too many", remaining,
+                       options.max_substeps)});
   }
   return left / n;
 }

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "brim/math/box_sweep.h"
 #include "brim/world/contact_stage.h"
 
 namespace brim {
@@ -18,11 +19,12 @@ double motion_limit(const WorldPart& a, const WorldPart& b, const WorldOptions& 
 /// Parts that deform are looked at cluster by cluster (MotionClusters).
 /// @param v       velocities of all bodies, that of body b from first_v[b] on
 /// @param change  [m/s] what the velocities may gain in that time
+/// @param sweep   workspace, best the same from step to step
 double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
-                     const WorldOptions& options, double time, double change);
+                     const WorldOptions& options, double time, double change, BoxSweep& sweep);
 
 /// Length of the next sub-step, [s]: `left` cut into equal pieces by motion_pieces.
 double choose_substep(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
-                      const WorldOptions& options, double left, StepReport& report);
+                      const WorldOptions& options, double left, BoxSweep& sweep, StepReport& report);
 
 }  // namespace brim

@@ -21,6 +21,8 @@ class Watcher {
   /// bodies are those in which these contacts are. Not called for a sub-step that failed.
   /// @param time, dt  [s] start and length of the sub-step
   virtual void substep(const World& world, double time, double dt) = 0;
+  /// The world was given another state: what was read of the last step is not of this one.
+  virtual void restored(const World& world) { (void)world; }
   /// The step has ended and bodies are where it left them.
   virtual void end_step(const World& world, const StepReport& report) = 0;
 

@@ -3,10 +3,30 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brim/body/rigid_frame.h"
 #include "brim/core/error.h"
+#include "brim/core/interface_of.h"
 #include "brim/world/world_impl.h"
 
 namespace brim {
+
+namespace {
+
+void need_state(const Body& body, std::span<const double> numbers, const char* what) {
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    if (!std::isfinite(numbers[i]))
+      throw InputError(fmt::format("state: {} {} of '{}' is {}; all must be finite", what, i, body.name(), numbers[i]));
+}
+
+/// A rigid body's coordinates are its place and a quaternion.
+void need_turn(const Body& body, std::span<const double> q) {
+  if (interface_of<RigidFrame>(body) == nullptr || q.size() != 7) return;
+  const double length = Eigen::Map<const Eigen::Vector4d>(q.data() + 3).stableNorm();
+  if (!(length > 1e-3 && length < 1e3))
+    throw InputError(fmt::format("state: the quaternion of '{}' has length {}; must be near 1", body.name(), length));
+}
+
+}  // namespace
 
 World::World(WorldOptions options) : impl_(std::make_unique<Impl>()) {
   impl_->self = this;
@@ -32,6 +52,7 @@ World::~World() = default;
 World::World(World&& other) noexcept : impl_(std::move(other.impl_)) { impl_->self = this; }
 
 int World::add(std::unique_ptr<Body> body) {
+  if (body == nullptr) throw InputError("world: there is no body to add");
   Impl& w = *impl_;
   if (w.names.contains(body->name()))
     throw InputError(fmt::format("world: two bodies are named '{}'; names must be unique", body->name()));
@@ -109,6 +130,18 @@ void World::set_state(State state) {
   if (state.q.size() != now.q.size() || state.v.size() != now.v.size())
     throw InputError(fmt::format("state: {} coordinates and {} velocities, but this world has {} and {}",
                                  state.q.size(), state.v.size(), now.q.size(), now.v.size()));
+  for (std::size_t b = 0, at = 0; b < w.count(); ++b) {
+    const Body& body = w.own(b);
+    const auto q = std::span<const double>(state.q).subspan(at, body.q_size());
+    need_state(body, q, "coordinate");
+    need_turn(body, q);
+    at += body.q_size();
+  }
+  for (std::size_t b = 0, at = 0; b < w.count(); ++b) {
+    const Body& body = w.own(b);
+    need_state(body, std::span<const double>(state.v).subspan(at, body.v_size()), "velocity");
+    at += body.v_size();
+  }
   w.start();  // what is chosen from the initial state stays as it was chosen there
   std::vector<double> before, after;
   w.edits.keep(before);
@@ -127,6 +160,10 @@ void World::set_state(State state) {
     if (std::any_of(w.v(b).begin(), w.v(b).end(), [](double x) { return x != 0.0; })) w.sleep.wake(b);
   w.keep_memory();
   w.update_bodies();
+  // What was found of the state before holds no longer.
+  w.samples.clear();
+  w.stage.forget();
+  for (const auto& watcher : w.watchers) watcher->restored(*this);
 }
 
 bool World::asleep(int b) const { return impl_->sleep.asleep(static_cast<std::size_t>(b)); }

@@ -192,6 +192,13 @@ void World::set_touch(const TouchRule& rule) {
     with.meet(std::span(impl_->bodies).first(impl_->count()));  // throws where it cannot be
     impl_->filter = std::move(with);
   }
+  if (!impl_->started && region < 0) {
+    // As if the world had been made with it: no edit that a state of another world would undo.
+    impl_->given.touch_rules.push_back(rule);
+    impl_->options.touch_rules.push_back(rule);
+    impl_->rules = std::move(more);
+    return;
+  }
   impl_->edit([&](Edits& edits) { edits.rules.push_back({rule, region}); });
   for (int i = 0; i < body_count(); ++i) wake(i);
 }

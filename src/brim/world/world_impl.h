@@ -7,6 +7,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "brim/math/box_sweep.h"
 #include "brim/response/penalty.h"
 #include "brim/world/constraint_step.h"
 #include "brim/world/contact_maps.h"
@@ -69,6 +70,7 @@ struct World::Impl {
 
   ContactStage stage;
   FillStage fill;
+  BoxSweep motion_sweep;  ///< of what chooses sub-steps
   FreeFlight flight;
   ContactMaps maps;
   Penalty response;

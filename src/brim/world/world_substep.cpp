@@ -5,6 +5,7 @@
 #include "brim/body/spinning_balls.h"
 #include "brim/body/touched_surface.h"
 #include "brim/body/walled.h"
+#include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/core/stopwatch.h"
@@ -60,7 +61,7 @@ void World::Impl::find_contacts(double dt, StepReport& report) {
 
 void World::Impl::tell_touched() {
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    auto* touched = dynamic_cast<TouchedSurface*>(bodies[b].get());
+    auto* touched = interface_of<TouchedSurface>(*bodies[b]);
     if (touched == nullptr) continue;
     std::vector<Vec3> points;
     const ContactSet& contacts = stage.contacts();
@@ -123,7 +124,7 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
   }
 
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    auto* balls = dynamic_cast<SpinningBalls*>(bodies[b].get());
+    auto* balls = interface_of<SpinningBalls>(*bodies[b]);
     if (balls == nullptr) continue;
     std::vector<double> load(v(b).size() / 6, 0.0);
     const auto body = static_cast<std::int32_t>(b);
@@ -162,7 +163,7 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
 void World::Impl::tell_walled(double dt, std::span<const double> mapped) {
   std::vector<double> found;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    auto* walled = dynamic_cast<Walled*>(bodies[b].get());
+    auto* walled = interface_of<Walled>(*bodies[b]);
     if (walled == nullptr || !walled->confined()) continue;
     if (mapped.empty()) {
       found.assign(state.v.size(), 0.0);
@@ -179,7 +180,7 @@ void World::Impl::tell_walled(double dt, std::span<const double> mapped) {
 double World::Impl::substep(double left, StepReport& report) {
   const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
   auto presence = std::make_optional<ScopedSeconds>(seconds(Phase::Presence));
-  double dt = choose_substep(parts, state.v, first_v, options, left, report);
+  double dt = choose_substep(parts, state.v, first_v, options, left, motion_sweep, report);
   presence.reset();
   before_q = state.q;
   before_v = state.v;
@@ -190,7 +191,7 @@ double World::Impl::substep(double left, StepReport& report) {
     advance_v = state.v;
     for (std::size_t i = 0; i < advance_v.size(); ++i) advance_v[i] += delta[i];
     presence.emplace(seconds(Phase::Presence));
-    const double pieces = motion_pieces(parts, advance_v, first_v, options, dt, 0.0);
+    const double pieces = motion_pieces(parts, advance_v, first_v, options, dt, 0.0, motion_sweep);
     presence.reset();
     if (pieces > kOutrun) {
       state.q = before_q;

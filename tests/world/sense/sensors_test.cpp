@@ -77,6 +77,19 @@ TEST(Sensors, APlateUnderBodiesThatSleepGoesOnReadingTheirWeight) {
   EXPECT_EQ(reading(other, "touches", "duration"), reading(w, "touches", "duration"));
 }
 
+TEST(Sensors, OfAStateThatIsSetReadThatState) {
+  World w(options_at(0.1));
+  w.add(ground(0.5));
+  w.add(testing::ball("ball", {Vec3(0, 0, 0.6)}));
+  add_sensor(w, sensor_on(SensorKind::Force, "ground", "plate"));
+  const State start = w.state();
+  const double before = reading(w, "plate", "force_z");
+  run(w, 0.5);
+  ASSERT_LT(reading(w, "plate", "force_z"), -100.0);
+  w.set_state(start);
+  EXPECT_EQ(reading(w, "plate", "force_z"), before);
+}
+
 TEST(Sensors, ReadingsOfAFrameAreThoseOfItsSteps) {
   World w(options_at(0.1));
   w.add(ground(0.5));

@@ -19,12 +19,17 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Steps of central differences: of deform, and of the energy's first and second derivatives.
-constexpr double kPlaceStep = 1e-5, kForceStep = 1e-5, kStiffnessStep = 1e-4;
+/// Steps of central differences, as shares of what moves matter by its extent: of deform, along a motion, and of the
+/// energy's first and second derivatives.
+constexpr double kPlaceStep = 1e-4, kMotionStep = 1e-3, kForceStep = 1e-5, kStiffnessStep = 1e-4;
 /// [-] of the extent by which matter may bulge beyond the corners of its surface.
 constexpr double kBulge = 0.02;
 
-double step_at(double q, double relative) { return relative * std::max(1.0, std::abs(q)); }
+/// [rad] by which a body is turned to see whether its energy minds, and of what stretching it so far would take the
+/// share that is rounding and differences.
+constexpr double kTurn = 1e-2, kMinds = 1e-3;
+/// [-] of a rotation that coordinates cannot follow.
+constexpr double kCannotFollow = 1e-6;
 
 Eigen::Map<const Vector> vector(std::span<const double> x) { return {x.data(), static_cast<Eigen::Index>(x.size())}; }
 Eigen::Map<Vector> writable(std::span<double> x) { return {x.data(), static_cast<Eigen::Index>(x.size())}; }
@@ -65,7 +70,7 @@ OwnBody::OwnBody(OwnModel model) : model_(std::move(model)) {
 void OwnBody::jacobian(Coordinates q, const Vec3& X, Eigen::Ref<Jacobian> J) const {
   std::vector<double> moved(q.begin(), q.end());
   for (std::size_t i = 0; i < q.size(); ++i) {
-    const double d = step_at(q[i], kPlaceStep);
+    const double d = step_of(i, kPlaceStep);
     moved[i] = q[i] + d;
     const Vec3 up = deform(moved, X);
     moved[i] = q[i] - d;
@@ -78,7 +83,7 @@ Eigen::VectorXd OwnBody::energy_force(Coordinates given) const {
   std::vector<double> q(given.begin(), given.end());
   Vector f(static_cast<Eigen::Index>(q.size()));
   for (std::size_t i = 0; i < q.size(); ++i) {
-    const double at = q[i], d = step_at(at, kForceStep);
+    const double at = q[i], d = step_of(i, kForceStep);
     q[i] = at + d;
     const double up = energy(q);
     q[i] = at - d;
@@ -121,12 +126,95 @@ void OwnBody::update(double, std::span<const double> q, std::span<const double> 
   q_.assign(q.begin(), q.end());
   v_.assign(v.begin(), v.end());
   vertex_.resize(model_.surface.vertices.size());
+  if (scale_.empty()) measure_scales();
   deform_all(q_, model_.surface.vertices, vertex_);
   bounds_ = Aabb();
   for (const Vec3& x : vertex_) bounds_.extend(x);
   bounds_ = bounds_.inflated(kBulge * bounds_.extent().maxCoeff());
   measure_matter();
   measure_energy();
+  if (!started_) started_ = true, turns_freely_ = measure_turns();
+}
+
+double OwnBody::step_of(std::size_t i, double relative) const {
+  return relative * (i < scale_.size() ? scale_[i] : 1.0);
+}
+
+double OwnBody::place_step(std::size_t i) const { return step_of(i, kPlaceStep); }
+
+double OwnBody::time_step(std::span<const double> v) const {
+  double most = 0.0;
+  for (std::size_t i = 0; i < v.size(); ++i) most = std::max(most, std::abs(v[i]) / scale_[i]);
+  return most > 0.0 ? kMotionStep / most : 1.0;
+}
+
+void OwnBody::measure_scales() {
+  Aabb box;
+  for (const Vec3& X : model_.surface.vertices) box.extend(X);
+  std::vector<Vec3> corner, x(8), moved(8);
+  for (int c = 0; c < 8; ++c)
+    corner.emplace_back(c & 1 ? box.hi.x() : box.lo.x(), c & 2 ? box.hi.y() : box.lo.y(),
+                        c & 4 ? box.hi.z() : box.lo.z());
+  const double extent = box.extent().maxCoeff();
+  std::vector<double> q = model_.q, scale(q.size());
+  deform_all(q, corner, x);
+  for (std::size_t i = 0; i < q.size(); ++i) {
+    // A step that moves it by little, whatever the unit: from that of one, at most a few times.
+    double d = kPlaceStep * std::max(1.0, std::abs(q[i]));
+    scale[i] = d / kPlaceStep;
+    for (int attempt = 0; attempt < 4; ++attempt) {
+      const double at = q[i];
+      q[i] = at + d;
+      deform_all(q, corner, moved);
+      q[i] = at;
+      double way = 0.0;
+      for (std::size_t c = 0; c < 8; ++c) way = std::max(way, (moved[c] - x[c]).norm());
+      if (!(way > 0.0) || !std::isfinite(way)) break;
+      scale[i] = d * extent / way;
+      const double wanted = kPlaceStep * scale[i];
+      if (d > 0.1 * wanted && d < 10.0 * wanted) break;
+      d = wanted;
+    }
+  }
+  scale_ = std::move(scale);
+}
+
+bool OwnBody::measure_turns() const {
+  const Eigen::LDLT<Eigen::MatrixXd> inverse(M_);
+  // Whether the matter can turn as a whole: its inertia by the coordinates, and by the pieces.
+  std::vector<Vec3> x(piece_.size());
+  deform_all(q_, piece_, x);
+  Mat3 inertia = Mat3::Zero();
+  for (std::size_t k = 0; k < x.size(); ++k)
+    inertia += piece_mass_[k] * (x[k].squaredNorm() * Mat3::Identity() - x[k] * x[k].transpose());
+  const Mat3 followed = angular_ * inverse.solve(angular_.transpose());
+  if (!((followed - inertia).norm() <= kCannotFollow * inertia.norm())) return false;
+  // Turned about each axis by the midpoint rule: energies that stay what they are change by rounding.
+  const auto turned = [&](const std::vector<double>& from, const std::vector<double>& at, const Vec3& w) {
+    std::vector<Vec3> place(piece_.size());
+    deform_all(at, piece_, place);
+    DenseMap J;
+    J.reset(piece_.size(), at.size());
+    jacobian_all(at, piece_, J);
+    Eigen::MatrixXd M = Eigen::MatrixXd::Zero(M_.rows(), M_.cols());
+    Vector turn = Vector::Zero(M_.rows());
+    for (std::size_t k = 0; k < piece_.size(); ++k) {
+      M += piece_mass_[k] * J.row(k).transpose() * J.row(k);
+      turn += piece_mass_[k] * J.row(k).transpose() * w.cross(place[k]);
+    }
+    std::vector<double> to = from;
+    writable(to) += M.ldlt().solve(turn);
+    return to;
+  };
+  const double start = energy(q_);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 w = kTurn * Vec3::Unit(axis);
+    const std::vector<double> half = turned(q_, q_, 0.5 * w), whole = turned(q_, half, w);
+    const Vector way = vector(whole) - vector(q_);
+    const double stretched = 0.5 * K_.norm() * way.squaredNorm();
+    if (!(std::abs(energy(whole) - start) <= kMinds * stretched)) return false;
+  }
+  return true;
 }
 
 void OwnBody::measure_matter() {
@@ -137,7 +225,7 @@ void OwnBody::measure_matter() {
   bias_.setZero(n);
   first_moment_.setZero();
   // J̇ v by a difference along the motion.
-  const double d = kPlaceStep / std::max(1.0, vector(v_).lpNorm<Eigen::Infinity>());
+  const double d = time_step(v_);
   std::vector<double> ahead(q_), behind(q_);
   for (std::size_t i = 0; i < q_.size(); ++i) ahead[i] += d * v_[i], behind[i] -= d * v_[i];
   std::vector<Vec3> x(piece_.size());
@@ -165,7 +253,7 @@ void OwnBody::measure_energy() {
   std::vector<double> q = q_;
   for (Eigen::Index i = 0; i < n; ++i) {
     double& at = q[static_cast<std::size_t>(i)];
-    const double start = at, d = step_at(start, kStiffnessStep);
+    const double start = at, d = step_of(static_cast<std::size_t>(i), kStiffnessStep);
     at = start + d;
     const Vector up = energy_force(q);
     at = start - d;
@@ -179,6 +267,21 @@ void OwnBody::measure_energy() {
 
 void OwnBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
   for (std::size_t i = 0; i < q.size(); ++i) q[i] += dt * v[i];
+}
+
+void OwnBody::finish_step(double, double dt, std::span<double> q, std::span<double> v) {
+  if (!turns_freely_) return;
+  // Elastic forces have no torque about the middle: what the solve's linear change of them had is given back as a turn.
+  const Eigen::LDLT<Eigen::MatrixXd> inverse(M_);
+  const Vector impulse = dt * force_ + dt * (dt + model_.stiffness_damping) * (K_ * vector(v));
+  const Vector change = inverse.solve(impulse);
+  const Vec3 middle = first_moment_ / mass_;
+  const Vec3 torque = angular_ * change - middle.cross(linear_ * change);
+  const Jacobian spin = angular_ - skew(middle) * linear_;
+  const Mat3 inertia = spin * inverse.solve(spin.transpose());
+  const Vector turn = inverse.solve(spin.transpose() * inertia.ldlt().solve(torque));
+  // Matter has moved by what it had before.
+  writable(v) -= turn, writable(q) -= dt * turn;
 }
 
 void OwnBody::add_forces(const Environment& env, std::span<double> Q) const {
@@ -200,7 +303,7 @@ void OwnBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) const {
 
 double OwnBody::relative_speed_bound(int, std::span<const double> v) const {
   const Vec3 mean = mean_velocity(0, v);
-  const double d = kPlaceStep / std::max(1.0, vector(v).lpNorm<Eigen::Infinity>());
+  const double d = time_step(v);
   std::vector<double> ahead(q_), behind(q_);
   for (std::size_t i = 0; i < q_.size(); ++i) ahead[i] += d * v[i], behind[i] -= d * v[i];
   std::vector<Vec3> front(model_.surface.vertices.size()), back(front.size());
@@ -222,7 +325,15 @@ void OwnBody::presence(int, double h, double w, const Aabb& region, std::vector<
 }
 
 void OwnBody::rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {
-  fill_tiles([&](const Vec3& x) { return distance(q_, x); }, tiles, h, w, out);
+  fill_tiles(
+      [&](const Vec3& x) {
+        const double d = distance(q_, x);
+        if (std::isnan(d))
+          throw InputError(
+              fmt::format("body '{}': its distance at ({}, {}, {}) is not a number", name(), x.x(), x.y(), x.z()));
+        return d;
+      },
+      tiles, h, w, out);
 }
 
 void OwnBody::make_map(int, std::span<const Vec3> points, std::span<const std::int32_t>,

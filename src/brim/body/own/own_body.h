@@ -26,10 +26,14 @@ struct OwnModel {
 /// energy it holds; all that contact and the solver want follows from that (docs/bodies/your_own.md):
 ///   J = ∂deform/∂q,  M = Σ m JᵀJ,  Q = −∂E/∂q + Σ m Jᵀ g − Σ m Jᵀ J̇ v,  K = −∂²E/∂q² without its positive part
 /// with derivatives by central differences unless they are overridden, and sums over pieces of the matter at rest.
+/// Differences move matter by 1e-5 to 1e-3 of its extent, whatever the units of q: an energy that bends within that
+/// wants an energy_force of its own.
 /// Every cost grows with n² or n³: for up to some dozens of coordinates.
 ///
 /// Momentum of contact is exact in so far as deform() can move as a rigid body can: translations of all matter give
-/// exact linear momentum, rotations exact angular momentum.
+/// exact linear momentum, rotations exact angular momentum. Where the energy does not change as such a body turns, what
+/// the linear change of its forces over a step would take of its spin is given back (docs/numerics.md, Momentum of
+/// deformable bodies).
 /// Tests: tests/body/own_body_test.cpp
 class OwnBody : public Body, public OuterForces, public MaterialPoints {
  public:
@@ -68,6 +72,7 @@ class OwnBody : public Body, public OuterForces, public MaterialPoints {
   void initial_state(std::span<double> q, std::span<double> v) const override;
   void update(double time, std::span<const double> q, std::span<const double> v) override;
   void advance(double dt, std::span<double> q, std::span<const double> v) const override;
+  void finish_step(double time, double dt, std::span<double> q, std::span<double> v) override;
   void add_forces(const Environment& env, std::span<double> Q) const override;
   void apply_mass(std::span<const double> x, std::span<double> y) const override;
   void apply_stiffness(std::span<const double> x, std::span<double> y) const override;
@@ -97,9 +102,17 @@ class OwnBody : public Body, public OuterForces, public MaterialPoints {
   explicit OwnBody(OwnModel model);
   /// Of the last update.
   Coordinates coordinates() const { return q_; }
+  /// [units of q] of a central difference of deform along coordinate i: it moves matter by 1e-4 of its extent.
+  double place_step(std::size_t i) const;
 
  private:
+  void measure_scales();
   void measure_matter();
+  bool measure_turns() const;
+  /// [units of q] by which coordinate i changes for a central difference.
+  double step_of(std::size_t i, double relative) const;
+  /// [s] in which motion at v moves matter by the same for one.
+  double time_step(std::span<const double> v) const;
   void measure_energy();
 
   OwnModel model_;
@@ -108,6 +121,10 @@ class OwnBody : public Body, public OuterForces, public MaterialPoints {
   std::vector<Vec3> piece_;         // [m] at rest
   std::vector<double> piece_mass_;  // [kg]
   double mass_ = 0.0;
+  // Of the first update:
+  std::vector<double> scale_;  // [units of q] that move matter by the extent at rest
+  bool started_ = false;
+  bool turns_freely_ = false;  // coordinates can turn it, and its energy does not mind
   // Of the last update:
   std::vector<double> q_, v_;
   std::vector<Vec3> vertex_;

@@ -155,6 +155,14 @@ void Sensors::begin_step(const World& world) {
   for (Entry& e : entries_) e.sensor->begin_step(world);
 }
 
+void Sensors::restored(const World& world) {
+  begin_step(world);
+  for (Entry& e : entries_) {
+    e.sensor->read(world, StepReport{}, e.values, e.map);
+    e.frame.values = e.values, e.frame.map = e.map;
+  }
+}
+
 void Sensors::substep(const World& world, double time, double dt) {
   std::span<const ContactSample> samples = world.contacts();
   if (world.options().sleep) {

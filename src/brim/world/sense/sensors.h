@@ -56,6 +56,7 @@ class Sensors : public Watcher {
   void restore_frame(std::size_t i, std::span<const double> values);
 
   void begin_step(const World& world) override;
+  void restored(const World& world) override;
   void substep(const World& world, double time, double dt) override;
   void end_step(const World& world, const StepReport& report) override;
   void take(std::vector<double>& memory) override;

@@ -1,0 +1,97 @@
+"""What one may do by mistake: it is told, and nothing of the world is another for it."""
+
+import pathlib
+import tempfile
+import unittest
+
+import brim
+import numpy as np
+
+
+def sheet(cells: int) -> dict:
+    side = np.linspace(-0.5, 0.5, cells + 1)
+    x, y = np.meshgrid(side, side)
+    vertices = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1)
+    first = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
+    triangles = np.concatenate([np.stack([first, first + 1, first + cells + 2], axis=1),
+                                np.stack([first, first + cells + 2, first + cells + 1], axis=1)])
+    return {"vertices": vertices, "triangles": triangles, "areal_density": 0.5, "thickness": 0.04}
+
+
+class Misuse(unittest.TestCase):
+    def test_arrays_of_a_refused_body_replace_no_others(self):
+        world = brim.World(voxel_size=0.05)
+        world.add("cloth", name="sheet", **sheet(10))
+        with self.assertRaises(brim.InputError):
+            world.add("cloth", name="sheet", **sheet(4))
+        with tempfile.TemporaryDirectory() as folder:
+            world.save_scene(f"{folder}/s.json")
+            again = brim.load(f"{folder}/s.json")
+            self.assertEqual(again["sheet"].q.size, 3 * 121)
+            self.assertEqual(len(list(pathlib.Path(folder, "arrays").iterdir())), 1)
+
+    def test_arrays_of_names_alike_are_their_own_and_stay_in_the_folder(self):
+        world = brim.World(voxel_size=0.05)
+        cells = {"../../evil": 3, "a.0": 4, "a": 5, "a_0": 6}
+        for name, n in cells.items():
+            world.add("cloth", name=name, transform={"position": (0, 0, n)}, **sheet(n))
+        with tempfile.TemporaryDirectory() as outer:
+            folder = pathlib.Path(outer, "in", "ner")
+            folder.mkdir(parents=True)
+            world.save_scene(folder / "s.json")
+            self.assertEqual(sorted(p.name for p in pathlib.Path(outer).iterdir()), ["in"])
+            again = brim.load(folder / "s.json")
+            for name, n in cells.items():
+                self.assertEqual(again[name].q.size, 3 * (n + 1) ** 2, name)
+
+    def test_a_body_of_another_world_is_refused(self):
+        one, other = brim.World(voxel_size=0.1), brim.World(voxel_size=0.1)
+        for world in (one, other):
+            world.add("rigid", name="a", shape=brim.sphere(0.2))
+            world.add("rigid", name="b", shape=brim.sphere(0.2), transform={"position": (1, 0, 0)})
+        with self.assertRaisesRegex(brim.InputError, "of another world"):
+            one.remove(other["b"])
+        with self.assertRaisesRegex(brim.InputError, "of another world"):
+            one.force(one["a"], other["b"])
+        self.assertEqual(len(one.bodies), 2)
+
+    def test_numbers_out_of_range_are_refused(self):
+        world = brim.World(voxel_size=0.1, materials={"ice": {"friction": 0}})
+        with self.assertRaisesRegex(brim.InputError, "friction: -1 is not allowed"):
+            world.set_pair("ice", "ice", friction=-1)
+        with self.assertRaisesRegex(brim.InputError, "must be the name of a kind"):
+            world.add(5)
+
+    def test_a_filter_from_before_the_first_step_outlives_a_restored_state(self):
+        def world() -> brim.World:
+            w = brim.World(voxel_size=0.1)
+            w.add("obstacle", name="floor", shape=brim.plane())
+            w.add("rigid", name="ball", shape=brim.sphere(0.2), transform={"position": (0, 0, 0.5)})
+            return w
+
+        plain, filtered = world(), world()
+        state = plain.save()
+        filtered.set_touch("ball", "floor", False)
+        filtered.restore(state)
+        for _ in range(240):
+            filtered.step()
+        self.assertLess(filtered["ball"].q[2], -1.0)
+
+    def test_a_restored_world_tells_nothing_of_what_was_before(self):
+        world = brim.World(voxel_size=0.1)
+        world.add("obstacle", name="floor", shape=brim.plane())
+        world.add("rigid", name="ball", shape=brim.sphere(0.2), transform={"position": (0, 0, 0.3)})
+        start = world.save()
+        for _ in range(120):
+            world.step()
+        self.assertGreater(len(world.contacts["position"]), 0)
+        world.restore(start)
+        self.assertEqual(len(world.contacts["position"]), 0)
+        self.assertEqual(len(world.tiles[0]), 0)
+        with self.assertRaises(brim.InputError):
+            world["ball"].q[3:] = 0.0
+            world.step()
+
+
+if __name__ == "__main__":
+    unittest.main()

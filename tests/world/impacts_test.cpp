@@ -1,0 +1,75 @@
+#include <gtest/gtest.h>
+
+#include "brim/mesh/distance_grid.h"
+#include "brim/mesh/primitives.h"
+#include "brim/raster/grid_shape.h"
+#include "support/worlds.h"
+
+/// Impacts by constraint rows: one after the other within a step, and of faces that land flat.
+namespace brim::impacts_test {
+namespace {
+
+WorldOptions rows(double h, double e) {
+  WorldOptions o = testing::options_at(h);
+  o.response = Response::Constraint;
+  o.pair_materials[{"default", "default"}].restitution = e;
+  o.pair_materials[{"default", "default"}].friction = 0.0;
+  return o;
+}
+
+/// Velocities of five balls of 0.2 m after the first has run into the others at 1 m/s. @param gap  [m] between them
+std::vector<double> cradle(double gap) {
+  WorldOptions o = rows(0.05, 1.0);
+  o.environment.gravity.setZero();
+  o.time_step = 1.0 / 60.0;
+  World w(o);
+  for (int i = 0; i < 5; ++i) {
+    testing::Start s;
+    s.x = Vec3(i * (0.4 + gap) - (i == 0 ? 0.3 : 0.0), 0.0, 0.0);
+    if (i == 0) s.v = Vec3(1, 0, 0);
+    w.add(testing::ball("ball" + std::to_string(i), s, 0.0, 0.2));
+  }
+  for (int s = 0; s < 90; ++s) EXPECT_TRUE(w.step().ok);
+  std::vector<double> v;
+  for (int i = 0; i < 5; ++i) v.push_back(testing::velocity(w, i).x());
+  return v;
+}
+
+TEST(Impacts, RunThroughACradle_WhateverTheGapsBetweenItsBalls) {
+  // Touching, and gaps of 0.02 to 0.2 voxels, which close within the step, and of more than it takes.
+  for (const double gap : {0.0, 0.0011, 0.002, 0.005, 0.01, 0.03}) {
+    const std::vector<double> v = cradle(gap);
+    for (int i = 0; i < 4; ++i) EXPECT_NEAR(v[static_cast<std::size_t>(i)], 0.0, 0.01) << gap << ": ball " << i;
+    EXPECT_NEAR(v[4], 1.0, 0.01) << gap;
+  }
+}
+
+TEST(Impacts, ARingThatLandsFlatBouncesStraight) {
+  // Its gaps are read off nodes, which know them to a tenth of a voxel.
+  World w(rows(0.025, 0.5));
+  w.add(testing::ground(0.0));
+  RigidModel m;
+  const TriMesh torus = shapes::torus(0.2, 0.05);
+  auto grid = std::make_shared<const DistanceGrid>(make_distance_grid(torus, DistanceGridOptions{.spacing = 0.0125}));
+  m.shape = make_grid_shape(grid, 0.1);
+  m.mass = 10.0;
+  m.inertia = Vec3(0.2, 0.2, 0.4).asDiagonal();
+  m.position = Vec3(0.003, 0.007, 0.55);
+  auto body = std::make_unique<RigidBody>(m);
+  body->set_name("torus");
+  w.add(std::move(body));
+  double highest = 0.0, spin = 0.0;
+  bool bounced = false;
+  for (int s = 0; s < 80; ++s) {
+    ASSERT_TRUE(w.step().ok);
+    bounced = bounced || testing::velocity(w, 1).z() > 1.0;
+    if (!bounced) continue;
+    highest = std::max(highest, testing::position(w, 1).z());
+    spin = std::max(spin, testing::spin(w, 1).norm());
+  }
+  EXPECT_NEAR(highest - 0.05, 0.25 * 0.5, 0.01);  // e² h
+  EXPECT_LT(spin, 1.0);  // measured 0.6 rad/s; it tumbled where only points within 0.02 voxel bounced
+}
+
+}  // namespace
+}  // namespace brim::impacts_test
