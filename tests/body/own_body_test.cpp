@@ -7,6 +7,7 @@
 
 #include "brim/core/error.h"
 #include "brim/mesh/primitives.h"
+#include "brim/world/world.h"
 
 /// What follows from deform, inverse_deform, distance and energy.
 namespace brim::own_body_test {
