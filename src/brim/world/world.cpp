@@ -130,17 +130,13 @@ void World::set_state(State state) {
   if (state.q.size() != now.q.size() || state.v.size() != now.v.size())
     throw InputError(fmt::format("state: {} coordinates and {} velocities, but this world has {} and {}",
                                  state.q.size(), state.v.size(), now.q.size(), now.v.size()));
-  for (std::size_t b = 0, at = 0; b < w.count(); ++b) {
+  std::span<const double> q = state.q, v = state.v;
+  for (std::size_t b = 0; b < w.count(); ++b) {
     const Body& body = w.own(b);
-    const auto q = std::span<const double>(state.q).subspan(at, body.q_size());
-    need_state(body, q, "coordinate");
-    need_turn(body, q);
-    at += body.q_size();
-  }
-  for (std::size_t b = 0, at = 0; b < w.count(); ++b) {
-    const Body& body = w.own(b);
-    need_state(body, std::span<const double>(state.v).subspan(at, body.v_size()), "velocity");
-    at += body.v_size();
+    need_state(body, q.first(body.q_size()), "coordinate");
+    need_turn(body, q.first(body.q_size()));
+    need_state(body, v.first(body.v_size()), "velocity");
+    q = q.subspan(body.q_size()), v = v.subspan(body.v_size());
   }
   w.start();  // what is chosen from the initial state stays as it was chosen there
   std::vector<double> before, after;

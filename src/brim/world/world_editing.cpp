@@ -192,7 +192,7 @@ void World::set_touch(const TouchRule& rule) {
     with.meet(std::span(impl_->bodies).first(impl_->count()));  // throws where it cannot be
     impl_->filter = std::move(with);
   }
-  if (!impl_->started && region < 0) {
+  if (!impl_->started && impl_->state.step == 0 && region < 0) {
     // As if the world had been made with it: no edit that a state of another world would undo.
     impl_->given.touch_rules.push_back(rule);
     impl_->options.touch_rules.push_back(rule);
