@@ -86,5 +86,35 @@ TEST(TreeFlow, AtRestNothingMoves) {
   for (std::size_t i = 0; i < q.size(); ++i) EXPECT_NEAR(q[i], before[i], 1e-15);
 }
 
+TEST(TreeFlow, AShiftKeepsAFloatingTreesMomentumAndSpin) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    SCOPED_TRACE(seed);
+    ArticulatedBody body(random_tree(seed, true));
+    std::vector<double> q(body.q_size()), v(body.v_size());
+    body.initial_state(q, v);
+    const auto momenta = [&] {
+      TreePose pose;
+      const Tree& tree = body.tree();
+      tree.place(q, pose);
+      std::vector<Vec6> V(tree.size());
+      tree.twists(pose, v, V);
+      Vec3 center = Vec3::Zero();
+      for (std::size_t i = 0; i < tree.size(); ++i)
+        center += tree.links()[i].mass / tree.total_mass() * (pose.link[i].origin + pose.link[i].center);
+      return tree.momentum(pose, V, center);
+    };
+    const Vec6 before = momenta();
+    const std::vector<double> from = q, way = testing::TreeNoise(seed).list(body.v_size());
+    TreeFlow().shift(body.tree(), way, q, v);
+    EXPECT_LT((momenta() - before).norm(), 1e-11 * before.norm());
+    // Where it went is read off the places.
+    std::vector<double> seen(way.size());
+    body.tree().way(from, q, seen);
+    std::vector<double> again = from;
+    body.tree().move(1.0, seen, again);
+    for (std::size_t i = 0; i < q.size(); ++i) EXPECT_NEAR(again[i], q[i], 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace brim::tree_flow_test

@@ -53,6 +53,13 @@ def rigid(name, shape, at, h, **more):
     return {"kind": "rigid", "name": name, "shape": shape, "voxel_size": h, "transform": transform, **more}
 
 
+def lone_link(name, shape, at, h, **more):
+    """An articulated body of one link: what a rigid body is, in the coordinates of a tree."""
+    transform = at if isinstance(at, dict) else {"position": list(at)}
+    return {"kind": "articulated", "name": name, "base": "free", "voxel_size": h, "transform": transform,
+            "links": [{"name": "link", "shape": shape}], **more}
+
+
 # One small block of each kind that deforms, 0.3 x 0.3 m and about 0.15 m high, lying on z = 0 of its own frame.
 SOFT = ("finite_elements", "mass_spring", "meshless", "soft_image", "cloth", "points")
 

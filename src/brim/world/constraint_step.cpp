@@ -21,7 +21,7 @@ constexpr int kMostRefinements = 40, kPositionRefinements = 4;
 constexpr double kManyPoints = 100.0, kLeastSweeps = 0.1, kLarge = 1.0;
 /// Sweeps that push overlaps apart: what they miss is left to the next step.
 constexpr double kPushTolerance = 1e-2;
-constexpr int kPushSweeps = 20, kRigidPushSweeps = 10;
+constexpr int kPushSweeps = 10;
 /// Residual over the tolerance that is worth a warning.
 constexpr double kWarn = 100.0;
 /// Rows n, t1, t2 of a right-handed frame.
@@ -43,15 +43,17 @@ void ConstraintStep::begin(std::span<const std::unique_ptr<Body>> bodies, std::s
   bodies_ = bodies, first_v_ = first_v, parts_ = parts, settings_ = settings;
   position_correction_.clear();
   rows_.gather(contacts, normals, pairs, settings.rows, gathered);
-  place_under_balls(parts, rows_.normals(), rows_.points());
   const ContactSet& points = rows_.points();
   const std::size_t n = points.size();
+  apart_.resize(n);
+  for (std::size_t c = 0; c < n; ++c) apart_[c] = rows_.grips()[c] != points.point[c];
+  place_under_balls(parts, rows_.normals(), rows_.points());
   impulse_.assign(v.size(), 0.0);
   lambda_.assign(n, Vec3::Zero());
   if (n == 0) return;
 
   mark_bodies(contacts, pairs, gathered);
-  if (mapped_) maps_.build(parts, points, first_v);
+  if (mapped_) build_maps();
   frame_.resize(n), offset_.resize(n);
   for (std::size_t c = 0; c < n; ++c) frame_[c] = frame_along(rows_.normals()[c]);
   find_start(v);
@@ -101,8 +103,8 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
     std::vector<Vec3> lambda = lambda_;
     std::vector<double> way = change;
     const double worst = report.row_residual;
-    if (exact_ && !mapped_ && !rows_.bounces())
-      push_apart(way, report);
+    if (exact_ && solids_ && !rows_.bounces())
+      push_apart(lambda, way, report);
     else
       solve_rows(solve, rows_.position_targets(), kPositionRefinements, lambda, way, residual, report);
     report.row_residual = worst;
@@ -142,14 +144,15 @@ int ConstraintStep::most_sweeps() const {
   return static_cast<int>(settings_.max_sweeps * std::clamp(share, kLeastSweeps, 1.0));
 }
 
-void ConstraintStep::push_apart(std::vector<double>& way, StepReport& report) {
+void ConstraintStep::push_apart(std::vector<Vec3>& lambda, std::vector<double>& way, StepReport& report) {
   const std::size_t n = rows_.points().size();
   std::vector<Vec3> at(n), push(n, Vec3::Zero());
   for (std::size_t c = 0; c < n; ++c) at[c] = offset_[c] + sweep_.velocity(c, way);
   std::vector<double> change(width_, 0.0);
-  const auto r = sweep_.solve(at, rows_.position_targets(), kPushTolerance, exact_ ? kRigidPushSweeps : kPushSweeps,
-                              settings_.scale, push, change, 0.0);
+  const auto r = sweep_.solve(at, rows_.position_targets(), kPushTolerance, kPushSweeps, settings_.scale, push, change,
+                              0.0, false);
   report.sweeps += r.sweeps;
+  for (std::size_t c = 0; c < n; ++c) lambda[c] += push[c];
   for (std::size_t i = 0; i < width_; ++i) way[i] += change[i];
 }
 
@@ -193,7 +196,7 @@ void ConstraintStep::finish(StepReport& report, std::vector<ContactSample>& samp
     acting.pairs.back().begin = forces.size();
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const Vec3& n = rows_.normals()[c];
-      const bool apart = rows_.grips()[c] != points.point[c] && rigid(pair);
+      const bool apart = apart_[c] != 0;
       const Vec3 along = apart ? Vec3(n * n.dot(force[c])) : force[c];
       acting.point.push_back(points.point[c]), forces.push_back(along);
       if (apart) acting.point.push_back(rows_.grips()[c]), forces.push_back(force[c] - along);

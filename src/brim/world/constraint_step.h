@@ -68,19 +68,22 @@ class ConstraintStep {
  private:
   /// Notes which bodies have rows, of which form, and which have other contacts too.
   void mark_bodies(const ContactSet& contacts, std::span<const ConstraintPair> pairs, const GatheredRows& gathered);
-  bool rigid(const ContactPair& pair) const {
-    return frame_of(pair.part_a) != nullptr && frame_of(pair.part_b) != nullptr;
-  }
+  /// True where arms tell all of a pair: the bodies of both parts are rigid frames.
+  bool rigid(std::int32_t a, std::int32_t b) const { return frame_of(a) != nullptr && frame_of(b) != nullptr; }
+  bool rigid(const ContactPair& pair) const { return rigid(pair.part_a, pair.part_b); }
   const RigidFrame* frame_of(std::int32_t part) const { return rigid_[parts_[part].body_index]; }
   /// Calls f(pair, contact, arm on a, arm on b) for all points, where all pairs are rigid.
   template <class F>
   void for_arms(const F& f) const;
+  void build_maps();
   void find_start(std::span<const double> v);
-  /// Calls f(pair, contact, way from the point to where its friction acts) where that is elsewhere.
+  /// Calls f(pair, contact, way from the point to where its friction acts) where that is elsewhere, where all pairs are
+  /// rigid.
   template <class F>
   void for_grips(const F& f) const;
   /// Q += Jᵀ f for the forces on a at all points.
   void add_forces(std::span<const Vec3> force, std::span<double> Q) const;
+  void add_mapped_forces(std::span<const Vec3> force, std::span<double> Q) const;
   void recall(std::span<const double> memory);
   RigidPairRows::Side side_of(std::int32_t part) const;
   void assemble();
@@ -99,8 +102,9 @@ class ConstraintStep {
   void solve_rows(const ImplicitStep::Respond& solve, std::span<const double> target, int most,
                   std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual, StepReport& report);
   int most_sweeps() const;
-  /// Adds to the ways of the step what pushes overlaps apart along the normals, without friction.
-  void push_apart(std::vector<double>& way, StepReport& report);
+  /// Adds to the ways of the step, and to their impulses, what pushes overlaps apart along the normals, without
+  /// friction.
+  void push_apart(std::vector<Vec3>& lambda, std::vector<double>& way, StepReport& report);
   void refine(const ImplicitStep::Respond& solve, std::span<const double> target, int most, std::vector<Vec3>& lambda,
               std::vector<double>& delta, double& residual, StepReport& report);
   double longest_way(std::span<const Vec3> from, std::span<const Vec3> way, double most) const;
@@ -110,7 +114,10 @@ class ConstraintStep {
   std::span<const WorldPart> parts_;
   Settings settings_;
   Constraint rows_;
-  ContactMaps maps_;
+  std::vector<std::uint8_t> apart_;  ///< per point: friction acts elsewhere than the normal force
+  ContactMaps maps_, grip_maps_;
+  ContactSet gripped_;                ///< where friction acts, of points with maps whose friction acts elsewhere
+  std::vector<std::size_t> grip_of_;  ///< per entry of that, the point
   BodyInverses inverses_;
   DirectRows direct_;
   std::size_t width_ = 0;  ///< of all that sweeps know: velocities, rigid motions, coordinates of direct rows
@@ -121,6 +128,7 @@ class ConstraintStep {
   std::vector<const RigidFrame*> rigid_;  ///< per body, or null
   RowMemory recall_;
   bool mapped_ = false;  ///< some pair is not rigid: points have maps
+  bool solids_ = true;   ///< all rows are between rigid frames or solids that joints carry
   bool exact_ = true, converged_ = true;
 
   std::vector<Mat3> frame_;   ///< rows n, t1, t2

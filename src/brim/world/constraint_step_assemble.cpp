@@ -19,21 +19,27 @@ void ConstraintStep::mark_bodies(const ContactSet& contacts, std::span<const Con
     for (std::size_t b = 0; b < bodies_.size(); ++b) rigid_[b] = dynamic_cast<const RigidFrame*>(bodies_[b].get());
   }
   held_.assign(bodies_.size(), 0), touched_.assign(bodies_.size(), 0), mixed_.assign(bodies_.size(), 0);
-  mapped_ = false;
+  mapped_ = false, solids_ = true;
   for (std::size_t p = 0; p < contacts.pairs.size(); ++p) {
     const ContactPair& pair = contacts.pairs[p];
     if (pair.begin == pair.end) continue;
     const bool general = pairs[p].constrained && !rigid(pair);
-    mapped_ = mapped_ || general;
+    mapped_ = mapped_ || general, solids_ = solids_ && !general;
     for (const std::int32_t part : {pair.part_a, pair.part_b}) {
       if (is_fixed(parts_[part])) continue;
       (pairs[p].constrained ? held_ : mixed_)[parts_[part].body_index] = 1;
       if (general) touched_[parts_[part].body_index] = 1;
     }
   }
-  for (const PairRows& pair : gathered.pairs)
-    for (const std::int32_t part : {pair.part_a, pair.part_b})
-      if (!is_fixed(parts_[part])) held_[parts_[part].body_index] = 1;
+  for (const PairRows& pair : gathered.pairs) {
+    const bool general = !rigid(pair.part_a, pair.part_b);
+    mapped_ = mapped_ || general;
+    for (const std::int32_t part : {pair.part_a, pair.part_b}) {
+      if (is_fixed(parts_[part])) continue;
+      held_[parts_[part].body_index] = 1;
+      if (general) touched_[parts_[part].body_index] = 1;
+    }
+  }
 }
 
 template <class F>
@@ -55,19 +61,44 @@ template <class F>
 void ConstraintStep::for_grips(const F& f) const {
   const ContactSet& points = rows_.points();
   for (const ContactPair& pair : points.pairs) {
-    if (pair.begin == pair.end || !rigid(pair)) continue;
     for (std::size_t c = pair.begin; c < pair.end; ++c)
       if (const Vec3 way = rows_.grips()[c] - points.point[c]; way != Vec3::Zero()) f(pair, c, way);
   }
 }
 
+void ConstraintStep::build_maps() {
+  const ContactSet& points = rows_.points();
+  maps_.build(parts_, points, first_v_);
+  gripped_.resize(0), gripped_.pairs.clear(), grip_of_.clear();
+  for (ContactPair pair : points.pairs) {
+    const std::size_t first = grip_of_.size();
+    for (std::size_t c = pair.begin; c < pair.end; ++c)
+      if (apart_[c]) grip_of_.push_back(c);
+    if (grip_of_.size() == first) continue;
+    pair.begin = first, pair.end = grip_of_.size();
+    gripped_.pairs.push_back(pair);
+  }
+  gripped_.resize(grip_of_.size());
+  for (std::size_t i = 0; i < grip_of_.size(); ++i) {
+    gripped_.point[i] = rows_.grips()[grip_of_[i]];
+    gripped_.source_a[i] = points.source_a[grip_of_[i]], gripped_.source_b[i] = points.source_b[grip_of_[i]];
+  }
+  grip_maps_.build(parts_, gripped_, first_v_);
+}
+
 void ConstraintStep::find_start(std::span<const double> v) {
-  const std::size_t n = rows_.points().size();
+  const std::size_t n = rows_.points().size(), grips = grip_of_.size();
   start_.resize(n);
   if (mapped_) {
-    std::vector<Vec3> a(n), b(n);
+    std::vector<Vec3> a(n), b(n), grip_a(grips), grip_b(grips);
     maps_.velocities(v, a, b);
     for (std::size_t c = 0; c < n; ++c) start_[c] = a[c] - b[c];
+    grip_maps_.velocities(v, grip_a, grip_b);
+    for (std::size_t i = 0; i < grips; ++i) {
+      const std::size_t c = grip_of_[i];
+      const Vec3 u = grip_a[i] - grip_b[i], &normal = rows_.normals()[c];
+      start_[c] = u + normal * normal.dot(start_[c] - u);
+    }
   } else {
     const auto velocity = [&](std::int32_t part, const Vec3& arm) -> Vec3 {
       const double* u = v.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)];
@@ -76,18 +107,31 @@ void ConstraintStep::find_start(std::span<const double> v) {
     for_arms([&](const ContactPair& pair, std::size_t c, const Vec3& a, const Vec3& b) {
       start_[c] = velocity(pair.part_a, a) - velocity(pair.part_b, b);
     });
+    const auto spin = [&](std::int32_t part) {
+      return Eigen::Map<const Vec3>(v.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)] + 3);
+    };
+    for_grips([&](const ContactPair& pair, std::size_t c, const Vec3& way) {
+      const Vec3 more = (spin(pair.part_a) - spin(pair.part_b)).cross(way), &normal = rows_.normals()[c];
+      start_[c] += more - normal * normal.dot(more);
+    });
   }
-  const auto spin = [&](std::int32_t part) {
-    return Eigen::Map<const Vec3>(v.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)] + 3);
-  };
-  for_grips([&](const ContactPair& pair, std::size_t c, const Vec3& way) {
-    const Vec3 more = (spin(pair.part_a) - spin(pair.part_b)).cross(way), &normal = rows_.normals()[c];
-    start_[c] += more - normal * normal.dot(more);
-  });
   for (std::size_t c = 0; c < n; ++c) offset_[c] = frame_[c] * start_[c];
 }
 
+void ConstraintStep::add_mapped_forces(std::span<const Vec3> force, std::span<double> Q) const {
+  std::vector<Vec3> at_point(force.begin(), force.end()), at_grip(grip_of_.size());
+  for (std::size_t i = 0; i < grip_of_.size(); ++i) {
+    const std::size_t c = grip_of_[i];
+    const Vec3& normal = rows_.normals()[c];
+    at_point[c] = normal * normal.dot(force[c]);
+    at_grip[i] = force[c] - at_point[c];
+  }
+  maps_.add_forces(at_point, Q);
+  grip_maps_.add_forces(at_grip, Q);
+}
+
 void ConstraintStep::add_forces(std::span<const Vec3> force, std::span<double> Q) const {
+  if (mapped_) return add_mapped_forces(force, Q);
   for_grips([&](const ContactPair& pair, std::size_t c, const Vec3& way) {
     const Vec3 torque = way.cross(force[c]);
     // Of friction alone: across the normal no way has a torque about it but the normal's own.
@@ -99,7 +143,6 @@ void ConstraintStep::add_forces(std::span<const Vec3> force, std::span<double> Q
     add(pair.part_a, 1.0);
     add(pair.part_b, -1.0);
   });
-  if (mapped_) return maps_.add_forces(force, Q);
   const ContactSet& points = rows_.points();
   for (const ContactPair& pair : points.pairs) {
     if (pair.begin == pair.end) continue;
@@ -173,10 +216,11 @@ void ConstraintStep::find_forces(const ContactPair& pair, std::size_t c, std::si
   const std::size_t n = first_v_[body + 1] - first_v_[body];
   for (int axis = 0; axis < 3; ++axis) {
     force_[axis].assign(n, 0.0), answer_[axis].resize(n);
+    const Vec3& at = axis > 0 && apart_[c] ? rows_.grips()[c] : points.point[c];
+    const bool anew = axis == 0 || (axis == 1 && apart_[c]) || (side_a && side_b);
     const auto add_side = [&](std::int32_t part, std::int32_t source, double sign) {
       std::unique_ptr<Map>& map = map_[part];
-      if (axis == 0 || (side_a && side_b))
-        parts_[part].body->make_map(parts_[part].index, std::span(&points.point[c], 1), std::span(&source, 1), map);
+      if (anew) parts_[part].body->make_map(parts_[part].index, std::span(&at, 1), std::span(&source, 1), map);
       const Vec3 f = sign * frame_[c].row(axis).transpose();
       map->apply_transpose(std::span(&f, 1), force_[axis]);
     };

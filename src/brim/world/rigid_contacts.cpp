@@ -8,7 +8,6 @@
 
 #include "brim/body/distance_bound.h"
 #include "brim/body/posed_shape.h"
-#include "brim/body/rigid_frame.h"
 #include "brim/core/error.h"
 #include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
@@ -26,9 +25,8 @@ namespace {
 /// What a step keeps of a row, [bytes], with all of its pair: as measured of 500,000 pairs of boxes.
 constexpr double kRowBytes = 1800.0;
 
-/// The solid of a part whose body is one rigid frame, or null.
+/// The part as one solid that moves as a whole, a rigid body or a link of one, or null.
 const PosedShape* rigid_solid(const WorldPart& part) {
-  if (part.body->part_count() != 1 || interface_of<RigidFrame>(*part.body) == nullptr) return nullptr;
   const auto* bound = interface_of<DistanceBound>(*part.body);
   const PosedShape* solid = bound != nullptr ? bound->solid(part.index) : nullptr;
   return solid != nullptr && solid->known_distance() != nullptr ? solid : nullptr;
@@ -100,7 +98,7 @@ void RigidContacts::start(std::span<const WorldPart> parts, const ContactParamet
   for (const std::size_t a : example)
     for (const std::size_t b : example) {
       laws_.push_back(laws.constraint_between(parts[a], parts[b], options));
-      laws_.back().constrained = laws_.back().constrained && laws_.back().rigid;
+      laws_.back().rigid = true;  // solids do not deform, however many joints move them
       any_ = any_ || laws_.back().constrained;
     }
 }

@@ -18,10 +18,10 @@ struct WorldOptions;
 class ContactParameters;
 class PosedShape;
 
-/// Pairs of rigid solids that rows hold. They are sampled where their references are (ReferencePoses), gathered to rows
-/// at once, and kept: while both references and the margin stay, a pair costs no more than to move its rows along.
-/// What is kept follows from references and margin alone, so that nothing depends on how long it has been kept.
-/// Tests: tests/world/rigid_contacts_test.cpp
+/// Pairs of rigid solids that rows hold: rigid bodies, links of articulated bodies and obstacles. They are sampled
+/// where their references are (ReferencePoses), gathered to rows at once, and kept: while both references and the
+/// margin stay, a pair costs no more than to move its rows along. What is kept follows from references and margin
+/// alone, so that nothing depends on how long it has been kept. Tests: tests/world/rigid_contacts_test.cpp
 class RigidContacts {
  public:
   RigidContacts();

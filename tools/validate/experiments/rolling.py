@@ -4,8 +4,8 @@ import math
 import numpy as np
 
 from validate import fits
-from validate.experiment import BOTH, cases, experiment
-from validate.scenes import G, about, ball, cylinder, floor, on_slope, placed, rigid, scene, slope
+from validate.experiment import BOTH, Case, cases, experiment
+from validate.scenes import G, about, ball, box, cylinder, floor, lone_link, on_slope, placed, rigid, scene, slope
 
 from .rigid import along_slope
 
@@ -25,6 +25,34 @@ def cylinder_rolls(case):
     """A cylinder of 1 m rolls down a plane, friction 0.5."""
     at = {"position": on_slope(case.angle, 0, 0.5), "rotation": about((1, 0, 0), 90)}
     return scene([slope(case.angle, case.h), rigid("roll", cylinder(0.5, 0.5), at, case.h)], 2.0, response=case.response)
+
+
+@experiment(law="a = 5/7 g sin θ of a ball, 2/3 g sin θ of a cylinder", source="rolling without slip", unit="m/s²", tolerance=0.005, study="h",
+            cases=cases(response=BOTH, shape=("ball", "cylinder"), h=(0.125, 0.0625)),
+            theory=lambda c: (5 / 7 if c.shape == "ball" else 2 / 3) * G * math.sin(math.radians(15)),
+            measure=lambda c, r: fits.acceleration(*along_slope(Case(angle=15), r, "roll"), start=0.5))
+def link_rolls(case):
+    """A ball or cylinder of 1 m that is the link of an articulated body rolls down a plane of 15°, friction 0.5."""
+    shape, turn = (ball(0.5), 0) if case.shape == "ball" else (cylinder(0.5, 0.5), 90)
+    at = {"position": on_slope(15, 0, 0.5), "rotation": about((1, 0, 0), turn)}
+    return scene([slope(15, case.h), lone_link("roll", shape, at, case.h)], 2.0, response=case.response)
+
+
+CHASSIS, WHEEL = 20.0, 2.0  # [kg]
+
+
+@experiment(law="a = g sin θ (M + 4 m) / (M + 4 m + 2 m)", source="rolling without slip, I = m r²/2", unit="m/s²", tolerance=0.005, study="h", fast=True,
+            cases=cases(response=BOTH, h=(0.0375, 0.01875)),
+            theory=lambda c: G * math.sin(math.radians(5)) * (CHASSIS + 4 * WHEEL) / (CHASSIS + 6 * WHEEL),
+            measure=lambda c, r: fits.acceleration(*along_slope(Case(angle=5), r, "cart"), start=0.5))
+def cart_rolls(case):
+    """A box of 20 kg on four wheels of 2 kg and 0.3 m, cylinders on hinges, rolls down a plane of 5°, friction 0.8."""
+    links = [{"name": "chassis", "shape": box(1.0, 0.4, 0.1), "mass": CHASSIS, "voxel_size": 0.0125}]
+    links += [{"name": f"wheel{i}", "parent": "chassis", "joint": {"kind": "revolute", "axis": [0, 1, 0], "position": [x, y, 0]},
+               "shape": cylinder(0.15, 0.08), "transform": {"rotation": about((1, 0, 0), 90)}, "mass": WHEEL, "voxel_size": case.h}
+              for i, (x, y) in enumerate(((0.4, 0.3), (0.4, -0.3), (-0.4, 0.3), (-0.4, -0.3)))]
+    cart = {"kind": "articulated", "name": "cart", "base": "free", "transform": placed(5, 0.15, across=0.007), "links": links}
+    return scene([slope(5, case.h), cart], 2.0, friction=0.8, response=case.response)
 
 
 @experiment(law="a ball rolls without loss", source="rigid rolling", unit="-", tolerance=0.005, cases=cases(response=BOTH, h=(0.125, 0.0625)),

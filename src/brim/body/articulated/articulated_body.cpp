@@ -112,7 +112,15 @@ void ArticulatedBody::begin_solve(double dt) {
 }
 
 void ArticulatedBody::finish_step(double, double dt, std::span<double> q, std::span<double> v) {
+  // What the step moves besides the velocities: out of overlap, or along the broken way of a bounce.
+  std::vector<double> straight = q_, way;
+  tree_.move(dt, v, straight);
+  if (!std::equal(q.begin(), q.end(), straight.begin())) {
+    way.resize(v.size());
+    tree_.way(straight, q, way);
+  }
   std::copy(q_.begin(), q_.end(), q.begin());
+  if (!way.empty()) flow_.shift(tree_, way, q, v);
   flow_.run(tree_, dt, q, v);
 }
 

@@ -35,7 +35,7 @@ class ArticulatedBody final : public Body,
   std::size_t v_size() const override { return tree_.v_size(); }
   void initial_state(std::span<double> q, std::span<double> v) const override;
   void update(double time, std::span<const double> q, std::span<const double> v) override;
-  /// Along straight joint coordinates; finish_step replaces it by the free motion.
+  /// Along straight joint coordinates; finish_step replaces it by the free motion, and keeps what is not along v.
   void advance(double dt, std::span<double> q, std::span<const double> v) const override { tree_.move(dt, v, q); }
   void finish_step(double time, double dt, std::span<double> q, std::span<double> v) override;
   /// The free root takes all links along: its coordinates are the first, and the world's own.

@@ -148,6 +148,21 @@ void Tree::move(double dt, std::span<const double> v, std::span<double> q) const
   }
 }
 
+void Tree::way(std::span<const double> from, std::span<const double> to, std::span<double> way) const {
+  for (const Link& l : links_) {
+    const double *a = from.data() + l.q0, *b = to.data() + l.q0;
+    double* w = way.data() + l.v0;
+    if (l.dof == 1) w[0] = b[0] - a[0];
+    if (l.dof == 6) {
+      for (int i = 0; i < 3; ++i) w[i] = b[i] - a[i];
+      a += 3, b += 3, w += 3;
+    }
+    if (l.dof < 3) continue;
+    const Vec3 turn = vector_from_rotation(quaternion(b) * quaternion(a).conjugate());
+    std::copy(turn.data(), turn.data() + 3, w);
+  }
+}
+
 void Tree::rate(std::span<const double> q, std::span<const double> v, std::span<double> q_rate) const {
   for (const Link& l : links_) {
     const double *c = q.data() + l.q0, *u = v.data() + l.v0;

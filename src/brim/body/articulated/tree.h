@@ -73,6 +73,8 @@ class Tree {
   void place(std::span<const double> q, TreePose& pose) const;
   /// q ← q ⊕ dt v: along straight coordinates, quaternions by the exponential map.
   void move(double dt, std::span<const double> v, std::span<double> q) const;
+  /// The way from one place to another: to = from ⊕ way, way in the coordinates of v.
+  void way(std::span<const double> from, std::span<const double> to, std::span<double> way) const;
   /// q += dt q', quaternions left unnormalised: what a Runge-Kutta stage wants. q' of q_rate(q, v).
   void rate(std::span<const double> q, std::span<const double> v, std::span<double> q_rate) const;
 

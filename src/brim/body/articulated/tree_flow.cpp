@@ -59,6 +59,27 @@ void TreeFlow::restore_momentum(const Tree& tree, const Vec6& wanted, const Vec3
   }
 }
 
+Vec3 TreeFlow::center_of_mass(const Tree& tree) const {
+  Vec3 moment = Vec3::Zero();
+  for (std::size_t i = 0; i < tree.size(); ++i)
+    moment += tree.links()[i].mass * (pose_.link[i].origin + pose_.link[i].center);
+  return moment / tree.total_mass();
+}
+
+void TreeFlow::shift(const Tree& tree, std::span<const double> way, std::span<double> q, std::span<double> v) {
+  if (!tree.floating()) return tree.move(1.0, way, q);
+  q_.assign(q.begin(), q.end()), v_.assign(v.begin(), v.end());
+  twist_.resize(tree.size());
+  tree.place(q_, pose_);
+  tree.twists(pose_, v_, twist_);
+  const Vec6 momentum = tree.momentum(pose_, twist_, center_of_mass(tree));
+  tree.move(1.0, way, q_);
+  tree.place(q_, pose_);
+  restore_momentum(tree, momentum, center_of_mass(tree));
+  std::copy(q_.begin(), q_.end(), q.begin());
+  std::copy(v_.begin(), v_.end(), v.begin());
+}
+
 int TreeFlow::run(const Tree& tree, double dt, std::span<double> q, std::span<double> v) {
   const std::size_t nq = tree.q_size(), nv = tree.v_size();
   for (auto* x : {&q_, &stage_q_, &rate_q_, &sum_q_}) x->resize(nq);

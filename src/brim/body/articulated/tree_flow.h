@@ -19,11 +19,18 @@ class TreeFlow {
   /// @param q, v  moved in place @return the number of pieces
   int run(const Tree& tree, double dt, std::span<double> q, std::span<double> v);
 
+  /// Takes a tree along a way that is no velocity. Joint velocities stay; a floating tree keeps its momentum and its
+  /// spin about its centre of mass.
+  /// @param way  in the coordinates of v  @param q, v  moved in place
+  void shift(const Tree& tree, std::span<const double> way, std::span<double> q, std::span<double> v);
+
  private:
   void piece(const Tree& tree, double dt);
   /// rate_ = −M⁻¹ C at (stage_q_, stage_v_)
   void acceleration(const Tree& tree);
   double kinetic_energy(const Tree& tree, std::span<const double> q, std::span<const double> v);
+  /// [m] as placed last
+  Vec3 center_of_mass(const Tree& tree) const;
   void restore_momentum(const Tree& tree, const Vec6& wanted, const Vec3& point);
 
   TreePose pose_;
