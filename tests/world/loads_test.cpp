@@ -30,7 +30,14 @@ struct Scene {
     speed.push_back(v);
     bodies.push_back(std::move(b));
   }
-  Loads loads(const Vec3& gravity = Vec3(0, 0, -kGravity)) const { return estimate_loads(parts, speed, {gravity}); }
+  std::vector<Loads> of_parts(const Vec3& gravity = Vec3(0, 0, -kGravity)) const {
+    return estimate_loads(parts, speed, {gravity});
+  }
+  Loads loads(const Vec3& gravity = Vec3(0, 0, -kGravity)) const {
+    Loads heaviest;
+    for (const Loads& l : of_parts(gravity)) heaviest.raise_to(l);
+    return heaviest;
+  }
 };
 
 TEST(Loads, OneBoxByHand) {
@@ -67,6 +74,22 @@ TEST(Loads, AColumnWeighsWhatItsBoxesWeigh) {
   for (int i = 0; i < 10; ++i) s.add(box("box" + std::to_string(i), {Vec3(0, 0, 0.5 + i)}));
   s.add(box("apart", {Vec3(20, 0, 0.5)}));
   EXPECT_NEAR(s.loads().pressure, 10 * 1000.0 * kGravity, 1e-6);
+}
+
+TEST(Loads, EachPartHasItsOwnAndTheWeightAboveIt) {
+  Scene s;
+  s.add(ground(0.5));
+  s.add(box("below", {Vec3(0, 0, 0.5)}));
+  s.add(box("above", {Vec3(0, 0, 2.5)}, 0.5, 1.0, 3000.0));
+  s.add(box("apart", {Vec3(20, 0, 1.0)}, 0.5, 1.0, 10.0));
+  const std::vector<Loads> l = s.of_parts();
+  EXPECT_EQ(l[0].pressure + l[0].areal_mass + l[0].impact_energy, 0.0) << "the ground";
+  EXPECT_NEAR(l[1].pressure, 4000.0 * kGravity, 1e-6);
+  EXPECT_NEAR(l[2].pressure, 3000.0 * kGravity, 1e-6);
+  EXPECT_NEAR(l[3].pressure, 10.0 * kGravity, 1e-9);
+  EXPECT_NEAR(l[1].areal_mass, 1000.0, 1e-9);
+  EXPECT_NEAR(l[2].impact_energy, 3000.0 * 2 * kGravity * 2.0, 1e-6);
+  EXPECT_NEAR(l[3].impact_energy, 10.0 * 2 * kGravity * 0.5, 1e-9);
 }
 
 TEST(Loads, DependOnGravitysDirectionOnlyThroughTheScene) {

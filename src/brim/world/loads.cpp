@@ -30,8 +30,15 @@ double drop_height(std::span<const WorldPart> parts, const Vec3& down, const Aab
 
 }  // namespace
 
-Loads estimate_loads(std::span<const WorldPart> parts, std::span<const double> part_speed, const Environment& env) {
-  Loads loads;
+void Loads::raise_to(const Loads& other) {
+  pressure = std::max(pressure, other.pressure);
+  areal_mass = std::max(areal_mass, other.areal_mass);
+  impact_energy = std::max(impact_energy, other.impact_energy);
+}
+
+std::vector<Loads> estimate_loads(std::span<const WorldPart> parts, std::span<const double> part_speed,
+                                  const Environment& env) {
+  std::vector<Loads> loads(parts.size());
   const double g = env.gravity.norm();
   const Vec3 down = g > 0.0 ? Vec3(env.gravity / g) : Vec3(0, 0, -1);
   int axis = 0;
@@ -49,23 +56,31 @@ Loads estimate_loads(std::span<const WorldPart> parts, std::span<const double> p
     const double extent = std::max(all.hi[a] - all.lo[a], 1e-12);
     return std::clamp(static_cast<int>(kColumns * (x - all.lo[a]) / extent), 0, kColumns - 1);
   };
-  for (std::size_t i = 0; i < parts.size(); ++i) {
+  // From the top down, so that each column holds what lies above.
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (!is_fixed(parts[i])) order.push_back(i);
+  const auto depth = [&](std::size_t i) { return down.dot(parts[i].body->bounds(parts[i].index).center()); };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return depth(i) < depth(j); });
+  for (const std::size_t i : order) {
     const WorldPart& p = parts[i];
-    if (is_fixed(p)) continue;
     const Aabb b = p.body->bounds(p.index);
     double areal = p.info.areal_mass;
     if (!(areal > 0.0)) {
       const double area = std::max(b.extent()[u], p.h) * std::max(b.extent()[v], p.h);
       areal = p.body->mass() / p.body->part_count() / area;
     }
-    loads.areal_mass = std::max(loads.areal_mass, areal);
+    loads[i].areal_mass = areal;
     const double fall = drop_height(parts, down, b);
     const double speed2 = part_speed[i] * part_speed[i] + 2.0 * g * fall;
-    loads.impact_energy = std::max(loads.impact_energy, areal * speed2);
+    loads[i].impact_energy = areal * speed2;
     for (int y = cell(b.lo[v], v); y <= cell(b.hi[v], v); ++y)
-      for (int x = cell(b.lo[u], u); x <= cell(b.hi[u], u); ++x) column[y * kColumns + x] += g * areal;
+      for (int x = cell(b.lo[u], u); x <= cell(b.hi[u], u); ++x) {
+        double& weight = column[y * kColumns + x];
+        weight += g * areal;
+        loads[i].pressure = std::max(loads[i].pressure, weight);
+      }
   }
-  loads.pressure = *std::max_element(column.begin(), column.end());
   return loads;
 }
 

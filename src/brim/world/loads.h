@@ -1,19 +1,26 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "brim/world/contact_stage.h"
 
 namespace brim {
 
-/// The loads that a scene puts on its contacts, estimated from its initial state.
+/// The loads that a part, or several, put on their contacts, estimated from the initial state.
 struct Loads {
-  double pressure = 0.0;       ///< [Pa] largest weight per area of a column along gravity
+  double pressure = 0.0;       ///< [Pa] largest weight per area of it and what lies above, in a column along gravity
   double areal_mass = 0.0;     ///< [kg/m²] largest mass of one part over its footprint
   double impact_energy = 0.0;  ///< [J/m²] largest areal mass times squared speed at impact
+
+  /// Becomes the larger of both, one by one.
+  void raise_to(const Loads& other);
 };
 
-Loads estimate_loads(std::span<const WorldPart> parts, std::span<const double> part_speed, const Environment& env);
+/// @param part_speed  [m/s] shape (parts)
+/// @return the loads of each part; what is fixed has none
+std::vector<Loads> estimate_loads(std::span<const WorldPart> parts, std::span<const double> part_speed,
+                                  const Environment& env);
 
 /// Contact stiffness that the loads ask for between parts that do not deform, [Pa]: the largest of
 ///   2000 p_max                  static loads: penetration of 3.3 p/k voxels, stacks that stand

@@ -162,7 +162,7 @@ class World {
   std::span<const ContactSample> contacts() const;
   /// Tiles that were rasterized for two parts or more in the last sub-step: key and step h.
   std::span<const std::pair<TileKey, double>> active_tiles() const;
-  /// Contact stiffness given, or the one that the loads ask for between parts that do not deform, [Pa].
+  /// Contact stiffness given, or the largest that the loads ask for between parts that do not deform, [Pa].
   double stiffness() const;
   /// [m] grid step at which a part is sampled by itself.
   double voxel_size(int part) const;

@@ -91,7 +91,7 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
   velocity_a.resize(contacts.size()), velocity_b.resize(contacts.size());
   {
     const ScopedSeconds timer(seconds(Phase::Respond));
-    laws.choose(parts, state.v, first_v, options, contacts.pairs);
+    laws.choose(parts, state.v, first_v, options, stage);
     laws.leave_to_links(contacts.first_link_pair());
     response.find_normals(contacts, laws.penalties());
     place_under_balls(parts, response.normals(), contacts);
