@@ -255,16 +255,14 @@ TEST(GridFluidBody, WaterAroundABallHeldStillHardlyMoves) {
   const double speed = std::sqrt(2.0 * energy / w.body(0).mass());
   RecordProperty("speed", std::to_string(speed));
   RecordProperty("lift", std::to_string(lift));
-  // Measured 0.038. Normals smoothed over 3h stirred the water as little, but turned part of the pressure on the
-  // sides of a ball this small into lift: 1.57 of its buoyancy.
-  EXPECT_LT(speed, 0.05);
+  EXPECT_LT(speed, 1e-3);  // measured 3e-4
   // Archimedes: the weight of what the ball displaces.
   const double weight = 9810.0 * 4.0 / 3.0 * std::numbers::pi * 0.008;
-  EXPECT_GT(-lift, 0.97 * weight);
-  EXPECT_LT(-lift, 1.05 * weight);
+  EXPECT_NEAR(-lift, weight, 0.01 * weight);
 }
 
-/// A slab of half the water's density let go at the surface of a pool; its draft, [m], is the mean of the last second.
+/// A slab of half the water's density let go at the surface of a pool; its draft, [m], is the mean from the first
+/// second on: it bobs.
 struct Floating {
   double draft = 0.0, volume = 0.0, worst_volume = 0.0;
   double momentum_error = 0.0;  ///< [-] the worst
@@ -290,7 +288,7 @@ Floating float_slab(double dx, double seconds) {
   for (int s = 0; s < static_cast<int>(seconds / 0.01); ++s) {
     f.momentum_error = std::max(f.momentum_error, w.step().momentum_error);
     f.worst_volume = std::max(f.worst_volume, std::abs(fluid_of(w).volume() / f.volume - 1.0));
-    if (s < static_cast<int>((seconds - 1.0) / 0.01)) continue;
+    if (s < 100) continue;
     // What Archimedes says of the level: half of the slab is displaced.
     const double level = 0.4 + 0.5 * e.prod();
     f.draft += level - (testing::position(w, 1).z() - 0.5 * e.z());
@@ -301,12 +299,11 @@ Floating float_slab(double dx, double seconds) {
 }
 
 TEST(GridFluidBody, SlabFloatsAsArchimedesSaysAndNoMomentumIsLost) {
-  const Floating f = float_slab(1.0 / 16.0, 2.5);
+  const Floating f = float_slab(1.0 / 16.0, 6.0);
   RecordProperty("draft", std::to_string(f.draft));
   EXPECT_LT(f.worst_volume, 0.02);
-  // 1.9 cells deep; measured 0.8 % too little. What floats moves for ever, and its mean depends on rounding by 2 %.
-  EXPECT_NEAR(f.draft, 0.12, 0.04 * 0.12);
-  // The water slips, and contact acts in the direction that it takes whole.
+  // 1.9 cells deep.
+  EXPECT_NEAR(f.draft, 0.12, 0.03 * 0.12);
   EXPECT_LT(f.momentum_error, 1e-12);
 }
 
@@ -330,8 +327,10 @@ TEST(GridFluidBody, WaterRestsOnAPlaneAndCarriesASoftSolid) {
     for (std::size_t i = 2; i < w.q(2).size(); i += 3) mean += 3.0 * w.q(2)[i] / static_cast<double>(w.q(2).size());
     lowest = std::min(lowest, mean);
   }
-  EXPECT_GT(lowest, 0.4);  // centre: at rest 0.46
-  EXPECT_LT(lowest, 0.52);
+  // Centre: let go at 0.52, at rest at 0.462. It falls by 0.02 before it meets the water, whose lift grows by
+  // ρ g A / (1 − A) a metre, and turns at 0.407 without a loss; two cells high, it lies 0.06 cells too deep.
+  EXPECT_GT(lowest, 0.39);
+  EXPECT_LT(lowest, 0.43);
   EXPECT_NEAR(fluid_of(w).volume(), 0.4, 0.008);
 }
 

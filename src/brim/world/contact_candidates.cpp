@@ -7,6 +7,7 @@
 #include "brim/world/contact_parameters.h"
 #include "brim/world/contact_stage.h"
 #include "brim/world/fill_stage.h"
+#include "brim/world/fluid_coupling.h"
 #include "brim/world/part_filter.h"
 
 // Which pairs of parts may touch, and on which layers they are looked at.
@@ -127,7 +128,7 @@ ContactStage::Meeting ContactStage::meet(std::span<const WorldPart> parts, std::
   const double ramp = options.ramp_voxels, fall = options.environment.gravity.norm() * dt;
   const WorldPart &a = parts[pa], &b = parts[pb];
   Meeting m;
-  if (!may_touch(a, b) || fills(a, b)) return m;
+  if (!may_touch(a, b) || fills(a, b) || flows_around(a, b)) return m;
   const bool held = rigid_.any() && rigid_.holds(pa, pb) && !PartFilter::concerns(a, b);
   const Aabb &box_a = held ? rigid_.box(pa) : outline_[pa].box, &box_b = held ? rigid_.box(pb) : outline_[pb].box;
   if (!box_a.overlaps(box_b)) return m;

@@ -83,6 +83,7 @@ bool ImplicitStep::make_passes(std::span<double> delta) {
   }
   // The forces that are told are those of the solve; what it left of the bodies' momenta follows.
   residual_.assign(cg_.residual().begin(), cg_.residual().end());
+  if (!c.coupling.empty()) c.coupling.finish(residual_);
   return true;
 }
 
@@ -105,9 +106,25 @@ SolveReport ImplicitStep::solve_once(int pass, bool kept, bool near, std::span<d
   // of a rigid system must be exact.
   const bool held = pass > 0 && !whole_ && (settled_ || preconditioner_.serves(context_->response));
   if (!held) prepare(pass == 0);
+  FluidCoupling& coupling = context_->coupling;
+  if (pass == 0 && !coupling.empty()) {
+    flowing_.assign(delta.size(), 0.0);
+    coupling.start(context_->v, flowing_);
+    std::copy(flowing_.begin(), flowing_.end(), delta.begin());
+  }
   const double tolerance = std::min((kept || near ? 1.0 : kDraft) * settings_->tolerance, whole_ ? kExact : 1.0);
   const auto solve_in = [&](int most) {
-    const SolveReport r = cg_.solve(system_, rhs_, tolerance, most, delta, scale_);
+    SolveReport r;
+    if (coupling.empty()) {
+      r = cg_.solve(system_, rhs_, tolerance, most, delta, scale_);
+    } else {
+      // A Δ' = b − A Δ₀ among velocities that keep the volume of every cell, Δ = Δ₀ + Δ'.
+      shifted_.resize(rhs_.size());
+      system_.apply(flowing_, shifted_);
+      for (std::size_t i = 0; i < rhs_.size(); ++i) shifted_[i] = rhs_[i] - shifted_[i], delta[i] -= flowing_[i];
+      r = cg_.solve(system_, shifted_, tolerance, most, delta, scale_);
+      for (std::size_t i = 0; i < rhs_.size(); ++i) delta[i] += flowing_[i];
+    }
     report.cg_iterations += r.iterations;
     return r;
   };
@@ -129,6 +146,7 @@ void ImplicitStep::give_back(std::span<double> delta) {
   if (whole_ || alone_) return;
   const StepContext& c = *context_;
   modes_.give_back(residual_, delta);
+  c.coupling.give_back(residual_, delta);
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
     if (lone_[b] == 0 || c.bodies[b]->immobile() || asleep(b)) continue;
     const auto size = static_cast<Eigen::Index>(c.first_v[b + 1] - c.first_v[b]);
@@ -157,6 +175,7 @@ bool ImplicitStep::correct_by(const Correct& correct, std::span<double> delta) {
     system_.apply(delta, scratch_);
     for (std::size_t i = 0; i < n; ++i) residual_[i] = rhs_[i] + added_[i] - scratch_[i];
     system_.filter(residual_);
+    if (!c.coupling.empty()) c.coupling.finish(residual_);
     give_back(delta);
   }
   rows_timer.reset();

@@ -73,6 +73,8 @@ class ImplicitStep {
   void begin_preconditioner();
   void multiply(std::span<const double> x, std::span<double> y);
   void precondition(std::span<const double> r, std::span<double> z);
+  /// All bodies, but for what a pressure among solids does.
+  void precondition_bodies(std::span<const double> r, std::span<double> z);
   /// Makes the preconditioner of the contacts that act.
   void prepare(bool first);
   void find_right_hand_side(bool first);
@@ -107,12 +109,14 @@ class ImplicitStep {
   ContactMaps acting_;    ///< of the contacts that act; waiting ones cost nothing in the products
   std::size_t room_ = 0;  ///< most contacts so far
   CoarseSpace modes_;
-  std::vector<std::uint8_t> sparse_;            ///< per body: its maps show their rows
-  std::vector<std::uint8_t> lone_;              ///< per body: one block, without coarse modes
-  std::vector<std::uint8_t> without_;           ///< per body: without coarse modes
-  std::vector<double> residual_;                ///< of the last solve of the passes
-  std::vector<double> scale_;                   ///< of the first pass, for all
-  std::vector<std::int32_t> island_;            ///< per body
+  std::vector<std::uint8_t> sparse_;   ///< per body: its maps show their rows
+  std::vector<std::uint8_t> lone_;     ///< per body: one block, without coarse modes
+  std::vector<std::uint8_t> without_;  ///< per body: without coarse modes
+  std::vector<double> resisted_;
+  std::vector<double> flowing_, shifted_;  ///< Δ₀ that makes all flow keep the volume of cells, and b − A Δ₀
+  std::vector<double> residual_;           ///< of the last solve of the passes
+  std::vector<double> scale_;              ///< of the first pass, for all
+  std::vector<std::int32_t> island_;       ///< per body
   std::vector<double> negligible_, sharpness_;  ///< per island, as LinearSystem has them
   ContactPreconditioner preconditioner_;
   ConjugateGradient cg_;

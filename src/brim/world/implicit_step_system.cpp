@@ -122,6 +122,9 @@ void ImplicitStep::find_islands() {
   for (const ContactPair& pair : c.contacts.pairs)
     if (moves(c.parts[pair.part_a]) && moves(c.parts[pair.part_b]))
       islands.join(c.parts[pair.part_a].body_index, c.parts[pair.part_b].body_index);
+  c.coupling.for_pairs([&](int fluid, int solid) {
+    if (!c.bodies[solid]->immobile() && !asleep(static_cast<std::size_t>(solid))) islands.join(fluid, solid);
+  });
   island_ = islands.numbers();
   sharpness_.assign(island_.empty() ? 0 : 1 + static_cast<std::size_t>(*std::ranges::max_element(island_)), 1.0);
   for (std::size_t p = c.contacts.first_link_pair(); p < c.contacts.pairs.size(); ++p)
@@ -225,6 +228,7 @@ void ImplicitStep::prepare(bool first) {
     if (!asleep(b)) c.bodies[b]->prepare_preconditioner(first_block_[b], diagonal_);
   });
   diagonal_.factor();
+  if (!c.coupling.empty()) c.coupling.prepare(diagonal_, first_block_, settings_->asleep);
   if (contacts_ == 0) return;
   const ScopedSeconds contact_timer(contact_seconds());
   coarse_ = false;
@@ -236,6 +240,19 @@ void ImplicitStep::prepare(bool first) {
 }
 
 void ImplicitStep::precondition(std::span<const double> r, std::span<double> z) {
+  if (context_->coupling.empty()) {
+    precondition_bodies(r, z);
+    return;
+  }
+  resisted_.assign(r.begin(), r.end());
+  context_->coupling.resist(resisted_);
+  system_.filter(resisted_);
+  precondition_bodies(resisted_, z);
+  system_.filter(z);
+  context_->coupling.correct(z);
+}
+
+void ImplicitStep::precondition_bodies(std::span<const double> r, std::span<double> z) {
   const StepContext& c = *context_;
   parallel_for(c.bodies.size(), [&](std::size_t b) {
     const ProfileScope scope("precondition", *c.bodies[b]);

@@ -9,6 +9,7 @@
 #include "brim/response/penalty.h"
 #include "brim/world/contact_maps.h"
 #include "brim/world/fill_stage.h"
+#include "brim/world/fluid_coupling.h"
 #include "brim/world/step_report.h"
 #include "brim/world/world_part.h"
 
@@ -26,6 +27,7 @@ struct StepContext {
   const ContactMaps& maps;  ///< of all contacts
   Penalty& response;        ///< begun
   FillStage& fill;          ///< begun; has the forces of its contacts afterwards
+  FluidCoupling& coupling;  ///< found
   StepReport& report;
   std::span<const double> impulse{};  ///< [N s] that acts besides, shape (nv) or empty
 

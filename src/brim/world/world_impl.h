@@ -15,6 +15,7 @@
 #include "brim/world/contact_stage.h"
 #include "brim/world/edits.h"
 #include "brim/world/fill_stage.h"
+#include "brim/world/fluid_coupling.h"
 #include "brim/world/free_flight.h"
 #include "brim/world/implicit_step.h"
 #include "brim/world/levels.h"
@@ -70,6 +71,7 @@ struct World::Impl {
 
   ContactStage stage;
   FillStage fill;
+  FluidCoupling coupling;
   BoxSweep motion_sweep;  ///< of what chooses sub-steps
   FreeFlight flight;
   ContactMaps maps;
@@ -132,6 +134,8 @@ struct World::Impl {
   void find_contacts(double dt, StepReport& report);
   /// Wakes what something awake has contacts with. @return true where there was something
   bool wake_touched();
+  /// Wakes what fluids flow around, which push it at any time.
+  void wake_in_fluids();
   /// Tells bodies whose surface yields where it is touched where that is.
   void tell_touched();
   /// Tells bodies with walls of their own what acted on them in a sub-step. @param mapped  [N] (n_v) contact forces on

@@ -49,6 +49,15 @@ bool World::Impl::wake_touched() {
   return woke;
 }
 
+void World::Impl::wake_in_fluids() {
+  bool woke = false;
+  coupling.for_pairs([&](int fluid, int solid) {
+    woke = sleep.wake(static_cast<std::size_t>(fluid)) || woke;
+    woke = sleep.wake(static_cast<std::size_t>(solid)) || woke;
+  });
+  if (woke) sleep.mark(parts, state.v, first_v);
+}
+
 void World::Impl::find_contacts(double dt, StepReport& report) {
   do {
     stage.find(parts, state.v, first_v, dt, options, report);
@@ -83,6 +92,8 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
     update_bodies();
   }
 
+  coupling.find(bodies, parts, state.q, first_v, {});
+  if (sleep.on()) wake_in_fluids();
   find_contacts(dt, report);
   tell_touched();
   if (!links.empty())
@@ -155,8 +166,8 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
     rows = [&](const ImplicitStep::Respond& solve, std::span<double> change, std::span<double> added) {
       return constraints.correct(solve, change, added, report);
     };
-  const StepContext context{bodies, first_v, parts,  options.environment, state.v, contacts, maps, response,
-                            fill,   report,  impulse};
+  const StepContext context{bodies,   first_v, parts,  options.environment, state.v, contacts, maps, response, fill,
+                            coupling, report,  impulse};
   return implicit.solve(context, settings, delta, rows);
 }
 
@@ -223,6 +234,7 @@ double World::Impl::substep(double left, StepReport& report) {
     fill.add_forces(normal_force);
     report_pairs(parts, contacts, normal_force, friction_force, state.time, report, samples);
     stage.rigid().report(parts, state.time, report);
+    coupling.report(dt, report);
     // Before stiff contact has pushed apart what lies within each other.
     if (state.step == 0 && report.substeps == 1) warn_of_start(parts, state.time, report);
     for (std::size_t c = 0; c < contacts.size(); ++c) normal_force[c] += friction_force[c];
@@ -259,6 +271,11 @@ double World::Impl::substep(double left, StepReport& report) {
   stir();
   levels.shift().pass(dt);
   state.time += dt;
+  if (!coupling.empty()) {
+    // The masses of faces change as solids move; what is seen as a step begins follows from the state alone.
+    update_bodies();
+    coupling.find(bodies, parts, state.q, first_v, state.v);
+  }
   return dt;
 }
 

@@ -74,16 +74,21 @@ void GridFluidBody::initial_state(std::span<double> q, std::span<double> v) cons
 void GridFluidBody::set_base(const Pose& from_start) {
   model_.grid.origin = start_origin_ + from_start.translation;
   level_.set_origin(model_.grid.origin);
-  phi_.clear();  // what was found for the last place is found again
+  taken_.clear();  // what was found for the last place is found again
 }
 
 void GridFluidBody::take_level_set(std::span<const double> q) {
-  const MacGrid& g = model_.grid;
-  const auto phi = q.first(g.cells());
-  if (phi_.size() == phi.size() && volume_ == q.back() && std::equal(phi.begin(), phi.end(), phi_.begin())) return;
-  phi_.assign(phi.begin(), phi.end());
+  const auto phi = q.first(model_.grid.cells());
+  if (taken_.size() == phi.size() && volume_ == q.back() && std::equal(phi.begin(), phi.end(), taken_.begin())) return;
+  taken_.assign(phi.begin(), phi.end());
+  phi_ = taken_;
   volume_ = q.back();
-  wet_.find(g, phi_, model_.open);
+  find_wet();
+}
+
+void GridFluidBody::find_wet() {
+  const MacGrid& g = model_.grid;
+  wet_.find(g, phi_, model_.open, left_of_face_);
   weigh_faces();
   projection_.prepare(g, wet_, mass_);
   bounds_ = Aabb();
@@ -141,6 +146,7 @@ void GridFluidBody::advance(double dt, std::span<double> q, std::span<const doub
   extend_velocity(g, wet_, model_.open, static_cast<int>(cells) + kExtraLayers, extended_, marks_);
 
   const auto phi = q.first(g.cells());
+  if (among_solids()) std::copy(phi_.begin(), phi_.end(), phi.begin());
   const double left = q.back() - leaving(dt, phi, v);
   level_.advect(phi, dt, (cells + 3.0) * g.dx, model_.open, [&](int cell, const Vec3& x) -> Vec3 {
     thread_local std::vector<FaceWeight> row;
@@ -153,7 +159,7 @@ void GridFluidBody::advance(double dt, std::span<double> q, std::span<const doub
   });
   level_.redistance(phi);
   q.back() = std::max(0.0, left);
-  level_.correct_volume(phi, q.back(), kMostShift * g.dx);
+  level_.correct_volume(phi, q.back(), kMostShift * g.dx, left_);
 }
 
 void GridFluidBody::finish_step(double, double dt, std::span<double> q, std::span<double> v) {
@@ -166,6 +172,11 @@ void GridFluidBody::finish_step(double, double dt, std::span<double> q, std::spa
   advect_velocity(g, extended_, mass_, dt, moved);
   const bool closed = std::none_of(model_.open.begin(), model_.open.end(), [](bool open) { return open; });
   wall_impulse_ -= keeper_.restore(g, wet_, mass_, closed, moved);
+  if (among_solids()) {
+    // What flows out of cells is mended with the solids, as the next step begins.
+    std::copy(moved.begin(), moved.end(), v.begin());
+    return;
+  }
   for (std::size_t f = 0; f < moved.size(); ++f) moved[f] *= mass_[f];
   std::vector<double> pressure(g.cells(), 0.0);
   projection_.project(moved, kPressureTolerance, v, pressure);
@@ -231,6 +242,10 @@ void GridFluidBody::prepare_preconditioner(std::size_t first, const BlockDiagona
 
 void GridFluidBody::precondition(std::size_t, const BlockDiagonal&, std::span<const double> r,
                                  std::span<double> z) const {
+  if (among_solids()) {  // the pressure is that of all (FluidCoupling)
+    solver_.divide_by_mass(r, z);
+    return;
+  }
   // Starting from the last pressure, which hardly changes within a solve, only the correction is computed.
   pressure_iterations_ += solver_.project(r, kPressureTolerance, z, impulse_);
 }

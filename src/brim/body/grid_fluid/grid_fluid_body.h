@@ -5,6 +5,7 @@
 #include "brim/body/body.h"
 #include "brim/body/changing_surface.h"
 #include "brim/body/flow_places.h"
+#include "brim/body/flows_around.h"
 #include "brim/body/grid_fluid/face_map.h"
 #include "brim/body/grid_fluid/face_transport.h"
 #include "brim/body/grid_fluid/level_set.h"
@@ -46,6 +47,7 @@ class GridFluidBody final : public Body,
                             public FlowPlaces,
                             public Restless,
                             public TouchedSurface,
+                            public FlowsAround,
                             public MovableBase {
  public:
   /// @throws InputError for a grid without cells, or numbers out of range
@@ -91,6 +93,20 @@ class GridFluidBody final : public Body,
   void note_impulse(std::span<const double> impulse) override;
   void note_contacts(std::span<const Vec3> points) override { touched_.note(model_.grid, points); }
   Vec3 wall_impulse() const override { return wall_impulse_; }
+
+  const MacGrid& flow_grid() const override { return model_.grid; }
+  bool flows_around(const PartInfo& other) const override;
+  void set_solids(std::span<const float> octant, std::span<double> v) override;
+  bool is_wet(int cell) const override { return wet_.cell[cell] != 0; }
+  double open_share(int face) const override { return wet_.open[face]; }
+  void add_flow(std::span<const double> u, std::span<double> out) const override { solver_.flow(u, out); }
+  void add_push(std::span<const double> pressure, std::span<double> impulse) const override {
+    solver_.add_push(pressure, impulse);
+  }
+  void divide_by_mass(std::span<const double> r, std::span<double> z) const override { solver_.divide_by_mass(r, z); }
+  void apply_poisson(std::span<const double> x, std::span<double> y) override { solver_.poisson().multiply(x, y); }
+  void invert_poisson(std::span<const double> r, std::span<double> z) override { solver_.poisson().cycle(r, z); }
+  void take_pressure(std::span<const double> pressure) override { impulse_.assign(pressure.begin(), pressure.end()); }
   bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
 
   const Display& display() const override { return display_; }
@@ -116,6 +132,12 @@ class GridFluidBody final : public Body,
 
  private:
   void take_level_set(std::span<const double> q);
+  /// Finds what is wet of phi_, and all that follows.
+  void find_wet();
+  /// Continues phi_ into solids, along which the surface stands upright, and closes what is thinner than half a cell
+  /// between the two.
+  void extend_into_solids();
+  bool among_solids() const { return !left_.empty(); }
   /// A face weighs as much of its share θ as makes all faces across an axis weigh what the volume does. What θ alone
   /// leaves out is cells cut by the surface whose centres are dry.
   void weigh_faces();
@@ -134,8 +156,8 @@ class GridFluidBody final : public Body,
   Display display_;
 
   // Of the last update:
-  std::vector<double> phi_;
-  double volume_ = 0.0;  ///< [m³] to be kept
+  std::vector<double> taken_, phi_;  ///< level set as it was given, and as solids continue it
+  double volume_ = 0.0;              ///< [m³] to be kept
   WetFaces wet_;
   Aabb bounds_;
   std::vector<double> v_;
@@ -150,6 +172,11 @@ class GridFluidBody final : public Body,
   Vec3 held_ = Vec3::Zero();          ///< [N s] what acted on faces that walls hold, in this one
 
   TouchedCells touched_;
+
+  // Of the solids in it:
+  std::vector<double> left_;  ///< part of each cell that they leave; empty: there are none
+  std::vector<double> left_of_face_;
+  std::vector<Vec3> left_moment_;  ///< [m] that part times the way to its centre
 
   // Workspace:
   mutable LevelSet level_;

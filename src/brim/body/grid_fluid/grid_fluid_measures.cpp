@@ -11,7 +11,7 @@ constexpr double kOnSide = 0.25;
 
 double GridFluidBody::volume() const {
   double area = 0.0;
-  return level_.volume(phi_, 0.0, area);
+  return level_.volume(phi_, 0.0, area, left_);
 }
 
 double GridFluidBody::divergence(std::span<const double> v) const {
@@ -27,9 +27,13 @@ double GridFluidBody::potential_energy(const Environment& env) const {
         double s = 0.0;
         const int k = static_cast<int>(plane);
         for (int j = 0; j < g.n.y(); ++j)
-          for (int i = 0; i < g.n.x(); ++i)
-            s +=
-                env.gravity.dot(level_.fraction(phi_, i, j, k) * g.cell_center(i, j, k) + level_.moment(phi_, i, j, k));
+          for (int i = 0; i < g.n.x(); ++i) {
+            const double left = left_.empty() ? 1.0 : left_[g.cell(i, j, k)];
+            if (left == 0.0) continue;
+            const double share = level_.fraction(phi_, i, j, k);
+            s += left * env.gravity.dot(share * g.cell_center(i, j, k) + level_.moment(phi_, i, j, k));
+            if (left < 1.0) s += share * env.gravity.dot(left_moment_[g.cell(i, j, k)]);
+          }
         return s;
       },
       1);
@@ -73,8 +77,14 @@ void GridFluidBody::velocity_places(std::span<Vec3> x) const {
 }
 
 void GridFluidBody::display_surface(std::vector<Vec3f>& x, std::vector<Triangle>& triangles) const {
+  const MacGrid& g = model_.grid;
+  // Without what solids take: where half of a cell is left, about, their surface is.
+  std::vector<double> within(left_.size());
+  for (std::size_t c = 0; c < left_.size(); ++c) within[c] = (0.5 - left_[c]) * g.dx;
   fluid_surface(
-      model_.grid, [&](const Vec3& p) { return distance(p); }, x, triangles);
+      g,
+      [&](const Vec3& p) { return within.empty() ? distance(p) : std::max(distance(p), sample_cells(g, within, p)); },
+      x, triangles);
 }
 
 bool GridFluidBody::meets_air(const Vec3& x) const {

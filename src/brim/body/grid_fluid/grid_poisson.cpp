@@ -154,6 +154,30 @@ void GridPoisson::turn(double ratio, double most) {
   });
 }
 
+void GridPoisson::multiply(std::span<const double> x, std::span<double> y) {
+  const PaddedBox& box = multigrid_.box();
+  const auto known = [&](std::size_t c) { return matrix_.diagonal[c] > 0.0; };
+  box.for_cells([&](std::size_t at, std::size_t c) { p_[at] = known(c) ? x[c] : 0.0; });
+  apply(p_, y_);
+  box.for_cells([&](std::size_t at, std::size_t c) {
+    if (known(c)) y[c] = y_[at];
+  });
+}
+
+void GridPoisson::cycle(std::span<const double> r, std::span<double> z) {
+  const PaddedBox& box = multigrid_.box();
+  const auto known = [&](std::size_t c) { return matrix_.diagonal[c] > 0.0; };
+  double most = 0.0;
+  box.for_cells([&](std::size_t at, std::size_t c) {
+    r_[at] = known(c) ? r[c] : 0.0;
+    most = std::max(most, std::abs(r_[at]));
+  });
+  if (most > 0.0) precondition(most);
+  box.for_cells([&](std::size_t at, std::size_t c) {
+    if (known(c)) z[c] = most > 0.0 ? most * double{multigrid_.scale()[at]} * double{multigrid_.found()[at]} : 0.0;
+  });
+}
+
 int GridPoisson::solve(std::span<const double> b, double tolerance, int max_iterations, std::span<double> x) {
   BRIM_CHECK(b.size(), ==, matrix_.diagonal.size());
   BRIM_CHECK(x.size(), ==, matrix_.diagonal.size());

@@ -25,6 +25,12 @@ class GridPoisson {
   /// @return number of iterations
   int solve(std::span<const double> b, double tolerance, int max_iterations, std::span<double> x);
 
+  // For solvers that add something to A; values of cells that take no part are neither read nor written.
+  /// y = A x.
+  void multiply(std::span<const double> x, std::span<double> y);
+  /// z = one cycle of r: symmetric, positive.
+  void cycle(std::span<const double> r, std::span<double> z);
+
  private:
   double apply(std::span<const double> x, std::span<double> y);
   double advance(double step);

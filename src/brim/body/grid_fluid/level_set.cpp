@@ -147,7 +147,7 @@ Vec3 LevelSet::moment(std::span<const double> phi, int i, int j, int k) const {
   return 0.125 * grid_.dx * sum;
 }
 
-double LevelSet::volume(std::span<const double> phi, double s, double& area) const {
+double LevelSet::volume(std::span<const double> phi, double s, double& area, std::span<const double> left) const {
   const double cell = grid_.dx * grid_.dx * grid_.dx, step = 1e-3 * grid_.dx;
   std::vector<double> slope(grid_.n.z());
   const double sum = ordered_sum(
@@ -157,8 +157,10 @@ double LevelSet::volume(std::span<const double> phi, double s, double& area) con
         double v = 0.0, later = 0.0;
         for (int j = 0; j < grid_.n.y(); ++j)
           for (int i = 0; i < grid_.n.x(); ++i) {
-            v += fraction(phi, i, j, k, s);
-            later += fraction(phi, i, j, k, s - step);
+            const double part = left.empty() ? 1.0 : left[grid_.cell(i, j, k)];
+            if (part == 0.0) continue;
+            v += part * fraction(phi, i, j, k, s);
+            later += part * fraction(phi, i, j, k, s - step);
           }
         slope[begin] = later - v;
         return v;
@@ -169,11 +171,11 @@ double LevelSet::volume(std::span<const double> phi, double s, double& area) con
   return sum * cell;
 }
 
-double LevelSet::correct_volume(std::span<double> phi, double wanted, double most) const {
+double LevelSet::correct_volume(std::span<double> phi, double wanted, double most, std::span<const double> left) const {
   double s = 0.0;
   for (int iteration = 0; iteration < 4; ++iteration) {
     double area = 0.0;
-    const double v = volume(phi, s, area);
+    const double v = volume(phi, s, area, left);
     if (!(area > 0.0) || std::abs(v - wanted) < 1e-9 * wanted) break;
     s = std::clamp(s + (v - wanted) / area, -most, most);
   }

@@ -48,7 +48,8 @@ class LevelSet {
 
   /// Volume inside, [m³]: each cell near the surface counts the part of it behind the plane φ + s + ∇φ·(x − c) = 0.
   /// @param s  [m] added to φ  @param area  [m²] of the surface, −dV/ds
-  double volume(std::span<const double> phi, double s, double& area) const;
+  /// @param left  part of each cell that solids leave, shape (cells); empty: all
+  double volume(std::span<const double> phi, double s, double& area, std::span<const double> left = {}) const;
   /// The part of a cell that is fluid, [0, 1].
   double fraction(std::span<const double> phi, int i, int j, int k, double s = 0.0) const;
   /// Share of a cell that is fluid times the way from the cell's centre to that of its fluid, [m].
@@ -56,7 +57,7 @@ class LevelSet {
 
   /// Moves the surface along its normal, by at most `most`, so that the volume becomes the wanted one.
   /// @return the shift, [m], positive outwards
-  double correct_volume(std::span<double> phi, double wanted, double most) const;
+  double correct_volume(std::span<double> phi, double wanted, double most, std::span<const double> left = {}) const;
 
  private:
   /// Calls f(share that is fluid, its centre in the cell's own frame [cells]) for each eighth of a cell that has some.

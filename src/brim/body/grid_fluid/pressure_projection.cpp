@@ -20,7 +20,9 @@ void PressureProjection::prepare(const MacGrid& g, const WetFaces& wet, std::spa
   poisson_.reset(g.n);
   GridMatrix& A = poisson_.finest();
   const double area2 = g.dx * g.dx * g.dx * g.dx;
-  const auto free_inverse = [&](int f) { return wet.kind[f] == WetFaces::Kind::Free ? 1.0 / mass[f] : 0.0; };
+  const auto free_inverse = [&](int f) {
+    return wet.kind[f] == WetFaces::Kind::Free ? wet.open[f] * wet.open[f] / mass[f] : 0.0;
+  };
   const auto air = static_cast<std::int32_t>(g.cells());
   for (int k = 0; k <= g.n.z(); ++k)
     for (int j = 0; j <= g.n.y(); ++j)
@@ -30,7 +32,8 @@ void PressureProjection::prepare(const MacGrid& g, const WetFaces& wet, std::spa
           const int f = g.face(a, at);
           if (wet.kind[f] != WetFaces::Kind::Free) continue;
           const Vec3i below = at - Vec3i::Unit(a);
-          push_.push_back({f, g.inside(below) ? g.cell(below) : air, g.inside(at) ? g.cell(at) : air, 1.0 / mass[f]});
+          push_.push_back({f, g.inside(below) ? g.cell(below) : air, g.inside(at) ? g.cell(at) : air, 1.0 / mass[f],
+                           g.dx * g.dx * wet.open[f]});
         }
         if (!g.inside(at) || !wet.cell[g.cell(at)]) continue;
         const int c = g.cell(at);
@@ -50,12 +53,15 @@ void PressureProjection::prepare(const MacGrid& g, const WetFaces& wet, std::spa
 void PressureProjection::flow(std::span<const double> u, std::span<double> out) const {
   const MacGrid& g = *grid_;
   const double area = g.dx * g.dx;
+  const double* open = wet_->open.data();
   const int sx = g.face_stride(0), sy = g.face_stride(1), sz = g.face_stride(2);
   parallel_for(
       wet_cell_.size(),
       [&](std::size_t n) {
         const auto [c, f] = wet_cell_[n];
-        out[c] = area * ((u[f + sx] - u[f]) + (u[f + 1 + sy] - u[f + 1]) + (u[f + 2 + sz] - u[f + 2]));
+        const auto through = [&](int face) { return open[face] * u[face]; };
+        out[c] = area * ((through(f + sx) - through(f)) + (through(f + 1 + sy) - through(f + 1)) +
+                         (through(f + 2 + sz) - through(f + 2)));
       },
       kOfWork);
 }
@@ -83,7 +89,7 @@ int PressureProjection::project(std::span<const double> r, double tolerance, std
       const Push& p = push_[n];
       const double free = p.inverse_mass * r[p.face];
       most = std::max(most, std::abs(free));
-      z[p.face] = free + p.inverse_mass * area * (known_[p.low] - known_[p.high]);
+      z[p.face] = free + p.inverse_mass * p.area * (known_[p.low] - known_[p.high]);
     }
     fastest[begin / kOfWork] = most;
   });
@@ -98,11 +104,29 @@ int PressureProjection::project(std::span<const double> r, double tolerance, std
       push_.size(),
       [&](std::size_t n) {
         const Push& p = push_[n];
-        z[p.face] += p.inverse_mass * area * (change_[p.low] - change_[p.high]);
+        z[p.face] += p.inverse_mass * p.area * (change_[p.low] - change_[p.high]);
       },
       kOfWork);
   for (std::size_t c = 0; c < g.cells(); ++c) pressure[c] = known_[c] + change_[c];
   return iterations;
+}
+
+void PressureProjection::add_push(std::span<const double> pressure, std::span<double> impulse) const {
+  const auto air = static_cast<std::int32_t>(grid_->cells());
+  const auto at = [&](std::int32_t c) { return c == air || !wet_->cell[c] ? 0.0 : pressure[c]; };
+  parallel_for(
+      push_.size(),
+      [&](std::size_t n) {
+        const Push& p = push_[n];
+        impulse[p.face] += p.area * (at(p.low) - at(p.high));
+      },
+      kOfWork);
+}
+
+void PressureProjection::divide_by_mass(std::span<const double> r, std::span<double> z) const {
+  std::fill(z.begin(), z.end(), 0.0);
+  parallel_for(
+      push_.size(), [&](std::size_t n) { z[push_[n].face] = push_[n].inverse_mass * r[push_[n].face]; }, kOfWork);
 }
 
 Vec3 PressureProjection::wall_impulse(std::span<const double> pressure) const {

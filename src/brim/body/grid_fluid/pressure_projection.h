@@ -29,6 +29,13 @@ class PressureProjection {
   int project(std::span<const double> r, double tolerance, std::span<double> z, std::span<double> pressure);
   /// What the closed sides of the box push with, [N s]. @param pressure  π, [Pa s] per cell
   Vec3 wall_impulse(std::span<const double> pressure) const;
+  /// Flow out of each wet cell, D u, [m³/s]; the others are left alone.
+  void flow(std::span<const double> u, std::span<double> out) const;
+  /// impulse += Dᵀ π. @param pressure  [Pa s] per cell
+  void add_push(std::span<const double> pressure, std::span<double> impulse) const;
+  /// z = M⁻¹ r of free faces, zero elsewhere.
+  void divide_by_mass(std::span<const double> r, std::span<double> z) const;
+  GridPoisson& poisson() { return poisson_; }  ///< D M⁻¹ Dᵀ
   /// Largest flow out of a wet cell, [m³/s].
   double divergence(std::span<const double> u) const;
 
@@ -37,8 +44,8 @@ class PressureProjection {
   struct Push {
     std::int32_t face, low, high;
     double inverse_mass;  ///< [1/kg]
+    double area;          ///< [m²] that is open
   };
-  void flow(std::span<const double> u, std::span<double> out) const;
 
   const MacGrid* grid_ = nullptr;
   const WetFaces* wet_ = nullptr;

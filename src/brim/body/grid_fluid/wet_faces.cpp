@@ -5,14 +5,32 @@ namespace brim {
 namespace {
 /// Least share of a face at the surface: lighter faces would only spoil the condition of the pressure solve.
 constexpr double kLeastWet = 0.05;
+/// Part of a face below which it is closed.
+constexpr double kLeastOpen = 0.03;
 }  // namespace
 
-void WetFaces::find(const MacGrid& g, std::span<const double> phi, const std::array<bool, 6>& open) {
+void WetFaces::find(const MacGrid& g, std::span<const double> phi, const std::array<bool, 6>& sides,
+                    std::span<const double> left) {
   cell.resize(g.cells());
   kind.resize(g.faces());
   share.resize(g.faces());
+  open.assign(g.faces(), 1.0);
+  for (std::size_t f = 0; f < left.size(); ++f) open[f] = left[f] < kLeastOpen ? 0.0 : left[f];
   wet_cells = 0;
-  for (std::size_t c = 0; c < cell.size(); ++c) wet_cells += cell[c] = phi[c] < 0.0;
+  for_places(g.n, [&](int i, int j, int k) {
+    const Vec3i at(i, j, k);
+    const int c = g.cell(at);
+    cell[c] = phi[c] < 0.0;
+    if (left.empty() || !cell[c]) return;
+    bool any = false;
+    for (int a = 0; a < 3; ++a) {
+      const int f = g.face(a, at);
+      const bool low = at[a] > 0 || sides[2 * a], high = at[a] + 1 < g.n[a] || sides[2 * a + 1];
+      any = any || (low && open[f] > 0.0) || (high && open[f + g.face_stride(a)] > 0.0);
+    }
+    cell[c] = any;
+  });
+  for (const unsigned char c : cell) wet_cells += c;
   const Vec3i places = g.n + Vec3i::Ones();
   for_places(places, [&](int i, int j, int k) {
     for (int a = 0; a < 3; ++a) {
@@ -25,17 +43,19 @@ void WetFaces::find(const MacGrid& g, std::span<const double> phi, const std::ar
       const bool low_side = lo[a] < 0, high_side = hi[a] >= g.n[a];
       if (low_side || high_side) {
         if (!cell[g.cell(low_side ? hi : lo)]) continue;
-        kind[f] = open[2 * a + (high_side ? 1 : 0)] ? Kind::Free : Kind::Wall;
-        share[f] = 0.5;
+        const bool free = sides[2 * a + (high_side ? 1 : 0)];
+        if (free && open[f] == 0.0) continue;
+        kind[f] = free ? Kind::Free : Kind::Wall;
+        share[f] = 0.5 * open[f];
         continue;
       }
       const int cl = g.cell(lo), ch = g.cell(hi);
-      if (!cell[cl] && !cell[ch]) continue;
+      if ((!cell[cl] && !cell[ch]) || open[f] == 0.0) continue;
       kind[f] = Kind::Free;
-      share[f] = 1.0;
+      share[f] = open[f];
       if (cell[cl] && cell[ch]) continue;
       const double in = cell[cl] ? phi[cl] : phi[ch], out = cell[cl] ? phi[ch] : phi[cl];
-      share[f] = std::max(in / (in - out), kLeastWet);
+      share[f] = open[f] * (out > 0.0 ? std::max(in / (in - out), kLeastWet) : 1.0);
     }
   });
   touches_walls = std::find(kind.begin(), kind.end(), Kind::Wall) != kind.end();

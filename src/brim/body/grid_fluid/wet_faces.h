@@ -14,17 +14,21 @@ namespace brim {
 ///   share θ    of the distance between two centres that is fluid: 1 between two wet cells, φ_in/(φ_in − φ_out) at the
 ///              surface, so that the pressure is zero at the surface and not at a centre (Gibou et al. 2002); 1/2 at
 ///              sides
-/// The mass of a face is in proportion to θ.
+///   open       part of a face that no solid takes; cells all of whose faces are closed are not wet
+/// The mass of a face is in proportion to its share, θ times what is open.
 struct WetFaces {
   enum class Kind : unsigned char { Dry, Free, Wall };
   std::vector<unsigned char> cell;  ///< 1 where wet, shape (cells)
   std::vector<Kind> kind;           ///< shape (faces)
-  std::vector<double> share;        ///< θ, [-], 0 where dry, shape (faces)
+  std::vector<double> share;        ///< [-], 0 where dry, shape (faces)
+  std::vector<double> open;         ///< [-], shape (faces)
   std::size_t wet_cells = 0;
   bool touches_walls = false;  ///< some face is a wall's
 
   /// @param open  sides −x, +x, −y, +y, −z, +z beyond which there is air
-  void find(const MacGrid& grid, std::span<const double> phi, const std::array<bool, 6>& open);
+  /// @param left  part of a face that solids leave, shape (faces); empty: all
+  void find(const MacGrid& grid, std::span<const double> phi, const std::array<bool, 6>& open,
+            std::span<const double> left = {});
 };
 
 }  // namespace brim

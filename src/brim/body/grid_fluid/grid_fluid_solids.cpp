@@ -1,0 +1,114 @@
+#include "brim/body/grid_fluid/grid_fluid_body.h"
+
+/// How a grid fluid sees the solids that lie in its cells.
+namespace brim {
+
+namespace {
+
+/// [cells] thickness of what is seen as a share of cells.
+constexpr double kShared = 1.5;
+/// Share of a cell that is solid, from which on its centre lies within.
+constexpr double kWithin = 0.5;
+/// [cells] from the surface within which a cell beside a solid is wet.
+constexpr double kNear = 0.5, kJustWet = 0.02;
+
+}  // namespace
+
+bool GridFluidBody::flows_around(const PartInfo& other) const {
+  return !other.conforming && model_.material.friction == 0.0 && other.thickness >= kShared * model_.grid.dx;
+}
+
+void GridFluidBody::set_solids(std::span<const float> octant, std::span<double> v) {
+  if (octant.empty() && !among_solids()) return;
+  const MacGrid& g = model_.grid;
+  if (!v.empty()) keeper_.note(wet_, mass_, v);
+  left_.assign(octant.empty() ? 0 : g.cells(), 1.0);
+  left_of_face_.assign(octant.empty() ? 0 : g.faces(), 1.0);
+  if (!octant.empty()) {
+    const Vec3i eighths = 2 * g.n;
+    const auto share = [&](int i, int j, int k) -> double {
+      if (i < 0 || j < 0 || k < 0 || i >= eighths.x() || j >= eighths.y() || k >= eighths.z()) return 0.0;
+      return std::min(octant[i + eighths.x() * (j + std::size_t{1} * eighths.y() * k)], 1.0f);
+    };
+    const auto sum = [&](const Vec3i& low) {
+      double s = 0.0;
+      for (int c = 0; c < 8; ++c) s += share(low.x() + (c & 1), low.y() + (c >> 1 & 1), low.z() + (c >> 2));
+      return 0.125 * s;
+    };
+    left_moment_.assign(g.cells(), Vec3::Zero());
+    for_places(g.n, [&](int i, int j, int k) {
+      const int cell = g.cell(i, j, k);
+      left_[cell] = 1.0 - sum(2 * Vec3i(i, j, k));
+      for (int c = 0; c < 8; ++c) {
+        const Vec3i at(c & 1, c >> 1 & 1, c >> 2);
+        const Vec3 way = 0.5 * g.dx * (at.cast<double>() - Vec3::Constant(0.5));
+        left_moment_[cell] -= 0.125 * share(2 * i + at.x(), 2 * j + at.y(), 2 * k + at.z()) * way;
+      }
+    });
+    for (int a = 0; a < 3; ++a)
+      for_places(g.face_count(a), [&](int i, int j, int k) {
+        const Vec3i low = 2 * Vec3i(i, j, k) - Vec3i::Unit(a);
+        const bool side = low[a] < 0 || low[a] + 1 >= eighths[a];
+        left_of_face_[g.face(a, i, j, k)] = 1.0 - (side ? 2.0 : 1.0) * sum(low);
+      });
+  }
+  phi_ = taken_;
+  if (among_solids()) extend_into_solids();
+  find_wet();
+  if (!v.empty()) keeper_.restore(g, wet_, mass_, true, v);
+}
+
+void GridFluidBody::extend_into_solids() {
+  const MacGrid& g = model_.grid;
+  const auto within = [&](int c) { return 1.0 - left_[c] >= kWithin; };
+  // A gap between surface and solid that is thinner than half a cell is none.
+  std::vector<double>& next = scratch_;
+  next.assign(phi_.begin(), phi_.end());
+  for_places(g.n, [&](int i, int j, int k) {
+    const std::array<int, 3> at = {i, j, k};
+    const int c = g.cell(i, j, k);
+    if (within(c) || phi_[c] < 0.0 || phi_[c] > kNear * g.dx) return;
+    for (int a = 0; a < 3; ++a)
+      for (const int side : {-1, 1}) {
+        if (at[a] + side < 0 || at[a] + side >= g.n[a] || at[a] - side < 0 || at[a] - side >= g.n[a]) continue;
+        const int s = g.cell_stride(a) * side;
+        if (within(c + s) && !within(c - s) && phi_[c - s] < 0.0) next[c] = -kJustWet * g.dx;
+      }
+  });
+  std::copy(next.begin(), next.end(), phi_.begin());
+  // Layer by layer, from cells that are known.
+  std::vector<unsigned char> known(g.cells());
+  std::vector<int> front, now;
+  for (std::size_t c = 0; c < known.size(); ++c) {
+    known[c] = !within(static_cast<int>(c));
+    if (!known[c]) front.push_back(static_cast<int>(c));
+  }
+  const double far = g.box().extent().norm();
+  for (const int c : front) phi_[c] = far;
+  while (!front.empty()) {
+    now.clear();
+    std::vector<int> later;
+    for (const int c : front) {
+      const std::array<int, 3> at = {c % g.n.x(), c / g.n.x() % g.n.y(), c / (g.n.x() * g.n.y())};
+      double sum = 0.0;
+      int found = 0;
+      for (int a = 0; a < 3; ++a)
+        for (const int side : {-1, 1}) {
+          if (at[a] + side < 0 || at[a] + side >= g.n[a]) continue;
+          const int other = c + side * g.cell_stride(a);
+          if (known[other] == 1) sum += phi_[other], ++found;
+        }
+      if (found == 0) {
+        later.push_back(c);
+        continue;
+      }
+      phi_[c] = sum / found;
+      now.push_back(c);
+    }
+    if (now.empty()) break;
+    for (const int c : now) known[c] = 1;
+    front.swap(later);
+  }
+}
+
+}  // namespace brim
