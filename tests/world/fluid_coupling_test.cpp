@@ -115,6 +115,24 @@ TEST(FluidCoupling, ALightBallIsHeldBackByTheWaterThatItDrags) {
   EXPECT_NEAR(v / 0.03, ideal, 0.2 * ideal);
 }
 
+TEST(FluidCoupling, AnObstacleThatIsMovedIsSeenWhereItIs) {
+  const double radius = 0.14;
+  World w(options());
+  w.add(pool(0.75));
+  w.add(testing::obstacle("ball", make_sphere(radius), 0.0, Vec3(0.5, 0.5, 0.36)));
+  const auto center = [&] {
+    for (int s = 0; s < 40; ++s) EXPECT_TRUE(w.step().ok);
+    const StepReport r = w.step();
+    EXPECT_EQ(r.pairs.size(), 1u);
+    const double weight = 9810.0 * 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
+    EXPECT_NEAR(-r.pairs.at(0).force_on_a.z(), weight, 0.05 * weight);
+    return r.pairs.at(0).center;
+  };
+  const Vec3 before = center();
+  w.move(1, {Mat3::Identity(), Vec3(0.13, 0.0, 0.0)});
+  EXPECT_NEAR(center().x() - before.x(), 0.13, 0.02);
+}
+
 TEST(FluidCoupling, WhatIsThinOrStickyMeetsItByContact) {
   PartInfo thick, sheet, other;
   thick.thickness = 2.0 * kCell;

@@ -27,6 +27,9 @@ class FlowsAround {
   /// @param v       [m/s] of the body: keeps its momentum where masses of faces change; or empty
   virtual void set_solids(std::span<const float> octant, std::span<double> v) = 0;
 
+  /// True while that holds of what the body was updated to.
+  virtual bool has_taken_solids() const = 0;
+
   // ---- of the solve, after prepare_preconditioner; cells that are not wet count for nothing
   // ---------------------------
   virtual bool is_wet(int cell) const = 0;

@@ -77,7 +77,9 @@ void FluidCoupling::find(std::span<const std::unique_ptr<Body>> bodies, std::spa
     for (const Side& s : f.sides) look_.push_back(s.part);
   }
   if (fluids.empty() && found_.empty()) return;
-  const bool known = look_ == found_ && std::equal(q.begin(), q.end(), found_q_.begin(), found_q_.end()) &&
+  const bool known = look_ == found_ &&
+                     std::ranges::all_of(fluids, [](const Fluid& f) { return f.flow->has_taken_solids(); }) &&
+                     std::equal(q.begin(), q.end(), found_q_.begin(), found_q_.end()) &&
                      std::equal(bodies.begin(), bodies.end(), body_.begin(), body_.end(),
                                 [](const auto& a, const Body* b) { return a.get() == b; });
   if (known) return;

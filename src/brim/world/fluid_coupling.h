@@ -28,6 +28,8 @@ class FluidCoupling {
   /// @param v  [m/s] of all bodies: fluids keep their momentum while solids move in them; or empty
   void find(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts, std::span<const double> q,
             std::span<const std::size_t> first_v, std::span<double> v);
+  /// Looks again at all bodies the next time: something moved them that the state does not tell.
+  void forget() { found_.clear(), found_q_.clear(), shares_.clear(); }
   bool empty() const { return fluids_.empty(); }
   /// Calls f(body, other body) for every fluid and solid that are coupled.
   template <class F>

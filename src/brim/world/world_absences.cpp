@@ -88,6 +88,7 @@ PartInfo World::Impl::info_of(const WorldPart& p) const {
 }
 
 void World::Impl::set_bases() {
+  coupling.forget();
   for (std::size_t i = 0; i < count(); ++i) {
     auto* base = dynamic_cast<MovableBase*>(out(i) ? absences.at(i).other.get() : bodies[i].get());
     if (base == nullptr) continue;

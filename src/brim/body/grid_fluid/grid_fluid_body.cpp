@@ -81,6 +81,7 @@ void GridFluidBody::take_level_set(std::span<const double> q) {
   const auto phi = q.first(model_.grid.cells());
   if (taken_.size() == phi.size() && volume_ == q.back() && std::equal(phi.begin(), phi.end(), taken_.begin())) return;
   taken_.assign(phi.begin(), phi.end());
+  solids_taken_ = false;
   phi_ = taken_;
   volume_ = q.back();
   find_wet();

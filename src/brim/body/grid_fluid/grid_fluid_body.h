@@ -97,6 +97,7 @@ class GridFluidBody final : public Body,
   const MacGrid& flow_grid() const override { return model_.grid; }
   bool flows_around(const PartInfo& other) const override;
   void set_solids(std::span<const float> octant, std::span<double> v) override;
+  bool has_taken_solids() const override { return solids_taken_; }
   bool is_wet(int cell) const override { return wet_.cell[cell] != 0; }
   double open_share(int face) const override { return wet_.open[face]; }
   void add_flow(std::span<const double> u, std::span<double> out) const override { solver_.flow(u, out); }
@@ -176,6 +177,7 @@ class GridFluidBody final : public Body,
   // Of the solids in it:
   std::vector<double> left_;  ///< part of each cell that they leave; empty: there are none
   std::vector<double> left_of_face_;
+  bool solids_taken_ = false;      ///< since phi_ was last taken
   std::vector<Vec3> left_moment_;  ///< [m] that part times the way to its centre
 
   // Workspace:

@@ -19,6 +19,7 @@ bool GridFluidBody::flows_around(const PartInfo& other) const {
 }
 
 void GridFluidBody::set_solids(std::span<const float> octant, std::span<double> v) {
+  solids_taken_ = true;
   if (octant.empty() && !among_solids()) return;
   const MacGrid& g = model_.grid;
   if (!v.empty()) keeper_.note(wet_, mass_, v);
