@@ -101,7 +101,7 @@ void FluidCoupling::find(std::span<const std::unique_ptr<Body>> bodies, std::spa
   fluids_ = std::move(fluids);
   for (Fluid& f : fluids_) {
     const std::size_t n = f.flow->flow_grid().cells();
-    for (auto* x : {&f.pressure, &f.guess, &f.change, &f.x, &f.r, &f.p, &f.y, &f.z}) x->assign(n, 0.0);
+    for (auto* x : {&f.pressure, &f.guess, &f.x, &f.r, &f.p, &f.y, &f.z}) x->assign(n, 0.0);
   }
 }
 
@@ -204,8 +204,15 @@ void FluidCoupling::find_rows(Fluid& fluid, std::span<const WorldPart> parts) {
     const float part = 0.125f * e.share / std::max(1.0f, octant_[e.place]);
     for (int a = 0; a < 3; ++a) {
       Vec3i cell = at / 2;
+      // At the box's sides as the fluid continues what it is told (set_solids).
+      for (const int side : {0, g.n[a]}) {
+        const int layer = side == 0 ? at[a] : n[a] - 1 - at[a];
+        if (layer > 1) continue;
+        cell[a] = side;
+        f(g.face(a, cell), layer == 0 ? 3.0f * part : -part);
+      }
       cell[a] = (at[a] + 1) / 2;
-      if (cell[a] > 0 && cell[a] < g.n[a]) f(g.face(a, cell), part);  // others are the box's
+      if (cell[a] > 0 && cell[a] < g.n[a]) f(g.face(a, cell), part);
     }
   };
   for (const Side& side : fluid.sides)
@@ -215,7 +222,7 @@ void FluidCoupling::find_rows(Fluid& fluid, std::span<const WorldPart> parts) {
     touched.clear(), sources.clear();
     for (const Eighth& e : *side.eighths)
       for_faces(e, [&](int f, float part) {
-        if (share[f] == 0.0f) touched.push_back(f);
+        if (best[f] == 0.0f) touched.push_back(f);
         share[f] += part;
         if (e.share > best[f]) best[f] = e.share, source[f] = e.source;
       });
@@ -225,10 +232,11 @@ void FluidCoupling::find_rows(Fluid& fluid, std::span<const WorldPart> parts) {
       const Vec3i hi(place % (g.n.x() + 1), place / (g.n.x() + 1) % (g.n.y() + 1),
                      place / ((g.n.x() + 1) * (g.n.y() + 1)));
       const int high = g.cell(hi), low = high - g.cell_stride(a);
-      const bool wet_low = fluid.flow->is_wet(low), wet_high = fluid.flow->is_wet(high);
-      if (wet_low || wet_high) {
+      const bool wet_low = hi[a] > 0 && fluid.flow->is_wet(low);
+      const bool wet_high = hi[a] < g.n[a] && fluid.flow->is_wet(high);
+      if ((wet_low || wet_high) && all[f] > 0.0f && share[f] > 0.0f) {
         // All that is not open to the fluid is the solids'.
-        const double part = double{share[f]} / all[f] * (1.0 - fluid.flow->open_share(f));
+        const double part = std::min(double{share[f]} / all[f], 1.0) * (1.0 - fluid.flow->open_share(f));
         side.rows.push_back({wet_low ? low : -1, wet_high ? high : -1, a, part * g.dx * g.dx});
         side.points.push_back(g.face_position(a, hi.x(), hi.y(), hi.z()));
         sources.push_back(source[f]);
@@ -375,10 +383,11 @@ void FluidCoupling::start(std::span<const double> v, std::span<double> delta) {
   push(&Fluid::x, impulse_);
   divide(impulse_, velocity_);
   for (std::size_t i = 0; i < delta.size(); ++i) delta[i] += velocity_[i];
+  for (Fluid& f : fluids_) f.pressure = f.x;
 }
 
 void FluidCoupling::resist(std::span<double> r) {
-  // From the last pressure on, which hardly changes within a solve, only what is new is computed.
+  // From the last on, which hardly changes within a solve, only what is new is computed.
   velocity_.assign(first_.back(), 0.0);
   push(&Fluid::guess, r);
   divide(r, velocity_);
@@ -411,12 +420,18 @@ void FluidCoupling::correct(std::span<double> z) {
   for (std::size_t i = 0; i < z.size(); ++i) z[i] += velocity_[i];
 }
 
-void FluidCoupling::finish(std::span<double> r) {
+void FluidCoupling::relieve(std::span<double> r) {
+  for (Fluid& f : fluids_) f.guess = f.pressure;
   resist(r);
   for (Fluid& f : fluids_) {
-    f.pressure = f.guess;
-    f.flow->take_pressure(f.pressure);
+    f.pressure.swap(f.guess);
+    std::fill(f.guess.begin(), f.guess.end(), 0.0);
   }
+}
+
+void FluidCoupling::finish(std::span<double> r) {
+  relieve(r);
+  for (Fluid& f : fluids_) f.flow->take_pressure(f.pressure);
 }
 
 void FluidCoupling::give_back(std::span<const double> residual, std::span<double> delta) const {

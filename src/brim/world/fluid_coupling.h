@@ -44,11 +44,14 @@ class FluidCoupling {
                std::span<const std::uint8_t> held);
   /// delta += what makes D (v + delta) = 0, with the least change in G.
   void start(std::span<const double> v, std::span<double> delta);
-  /// r ← Πᵀ r: takes what a pressure resists out of impulses.
+  /// r ← Πᵀ r: takes what a pressure resists out of the impulses of a whole system, and keeps that pressure. What is
+  /// left is what acts among velocities that keep volume, and may be a millionth of what was there.
+  void relieve(std::span<double> r);
+  /// The same of what a solve has left since.
   void resist(std::span<double> r);
   /// z ← Π z.
   void correct(std::span<double> z);
-  /// Takes the pressure out of what a solve has left, and keeps it: r ← Πᵀ r, r the residual of the whole system.
+  /// Relieves what a solve has left of the whole system, and tells the fluids their pressure.
   void finish(std::span<double> r);
 
   /// Hands the momentum that a solve has left of the fluids back to them. @param residual  as finish left it
@@ -83,8 +86,9 @@ class FluidCoupling {
     std::int32_t part = 0;
     int body = 0;
     std::vector<Side> sides;
-    std::vector<double> pressure;  ///< [Pa s] of the last solve
-    std::vector<double> guess, change, x, r, p, y, z;
+    std::vector<double> pressure;  ///< [Pa s] that was taken out
+    std::vector<double> guess;     ///< [Pa s] that resists what a solve has left
+    std::vector<double> x, r, p, y, z;
   };
   /// The fluids, and the solids that they may flow around.
   std::vector<Fluid> find_fluids(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts) const;

@@ -82,9 +82,22 @@ bool ImplicitStep::make_passes(std::span<double> delta) {
     }
   }
   // The forces that are told are those of the solve; what it left of the bodies' momenta follows.
-  residual_.assign(cg_.residual().begin(), cg_.residual().end());
-  if (!c.coupling.empty()) c.coupling.finish(residual_);
+  if (c.coupling.empty()) {
+    residual_.assign(cg_.residual().begin(), cg_.residual().end());
+  } else {
+    find_residual(delta, {});
+  }
   return true;
+}
+
+void ImplicitStep::find_residual(std::span<const double> delta, std::span<const double> added) {
+  system_.apply(delta, scratch_);
+  residual_.resize(delta.size());
+  for (std::size_t i = 0; i < delta.size(); ++i)
+    residual_[i] = rhs_[i] + (added.empty() ? 0.0 : added[i]) - scratch_[i];
+  system_.filter(residual_);
+  FluidCoupling& coupling = context_->coupling;
+  if (!coupling.empty()) coupling.finish(residual_);
 }
 
 void ImplicitStep::find_right_hand_side(bool first) {
@@ -122,6 +135,7 @@ SolveReport ImplicitStep::solve_once(int pass, bool kept, bool near, std::span<d
       shifted_.resize(rhs_.size());
       system_.apply(flowing_, shifted_);
       for (std::size_t i = 0; i < rhs_.size(); ++i) shifted_[i] = rhs_[i] - shifted_[i], delta[i] -= flowing_[i];
+      coupling.relieve(shifted_);
       r = cg_.solve(system_, shifted_, tolerance, most, delta, scale_);
       for (std::size_t i = 0; i < rhs_.size(); ++i) delta[i] += flowing_[i];
     }
@@ -172,10 +186,7 @@ bool ImplicitStep::correct_by(const Correct& correct, std::span<double> delta) {
   if (contacts_ > 0) c.maps.relative(delta, contact_delta_), c.fill.finish(c.first_v, delta, contact_delta_);
   if (!added_.empty()) {
     // Rows then hold to what the solve left: a velocity of the size of its tolerance.
-    system_.apply(delta, scratch_);
-    for (std::size_t i = 0; i < n; ++i) residual_[i] = rhs_[i] + added_[i] - scratch_[i];
-    system_.filter(residual_);
-    if (!c.coupling.empty()) c.coupling.finish(residual_);
+    find_residual(delta, added_);
     give_back(delta);
   }
   rows_timer.reset();

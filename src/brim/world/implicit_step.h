@@ -84,6 +84,8 @@ class ImplicitStep {
   SolveReport solve_once(int pass, bool kept, bool near, std::span<double> delta);
   /// Hands the momentum that the solve has left over back to the bodies that it is of.
   void give_back(std::span<double> delta);
+  /// Finds what a solve has left: b + added − A Δ, less what pressure resists.
+  void find_residual(std::span<const double> delta, std::span<const double> added);
   bool correct_by(const Correct& correct, std::span<double> delta);
   bool asleep(std::size_t b) const { return !settings_->asleep.empty() && settings_->asleep[b] != 0; }
   /// [s] of the report that is contact's.

@@ -84,6 +84,7 @@ void GridFluidBody::take_level_set(std::span<const double> q) {
   solids_taken_ = false;
   phi_ = taken_;
   volume_ = q.back();
+  if (among_solids()) extend_into_solids();  // where they were: how they move since is told by set_solids
   find_wet();
 }
 

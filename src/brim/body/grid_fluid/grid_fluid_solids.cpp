@@ -48,15 +48,27 @@ void GridFluidBody::set_solids(std::span<const float> octant, std::span<double> 
     });
     for (int a = 0; a < 3; ++a)
       for_places(g.face_count(a), [&](int i, int j, int k) {
-        const Vec3i low = 2 * Vec3i(i, j, k) - Vec3i::Unit(a);
-        const bool side = low[a] < 0 || low[a] + 1 >= eighths[a];
-        left_of_face_[g.face(a, i, j, k)] = 1.0 - (side ? 2.0 : 1.0) * sum(low);
+        const Vec3i at(i, j, k);
+        double solid = 0.0;
+        if (at[a] > 0 && at[a] < g.n[a]) {
+          solid = sum(2 * at - Vec3i::Unit(a));
+        } else {
+          // What crosses the box's sides goes on beyond them; what stands beside one leaves it alone.
+          const int inwards = at[a] == 0 ? 1 : -1;
+          const Vec3i low = 2 * (at - (at[a] == 0 ? 0 : 1) * Vec3i::Unit(a));
+          for (int c = 0; c < 8; ++c) {
+            const Vec3i e(c & 1, c >> 1 & 1, c >> 2);
+            const bool first = e[a] == (inwards > 0 ? 0 : 1);
+            solid += 0.25 * (first ? 1.5 : -0.5) * share(low.x() + e.x(), low.y() + e.y(), low.z() + e.z());
+          }
+        }
+        left_of_face_[g.face(a, at)] = 1.0 - std::clamp(solid, 0.0, 1.0);
       });
   }
   phi_ = taken_;
   if (among_solids()) extend_into_solids();
   find_wet();
-  if (!v.empty()) keeper_.restore(g, wet_, mass_, true, v);
+  if (!v.empty()) keeper_.hand_over(g, wet_, mass_, v);
 }
 
 void GridFluidBody::extend_into_solids() {

@@ -1,5 +1,7 @@
 #include "brim/body/grid_fluid/momentum_keeper.h"
 
+#include <cmath>
+
 namespace brim {
 
 namespace {
@@ -65,6 +67,7 @@ Vec3 MomentumKeeper::restore(const MacGrid& g, const WetFaces& wet, std::span<co
   for_faces_of(g, piece_, [&](int f, int a, std::int32_t p) {
     before_[p].momentum[a] += momentum_before_[f];
     before_[p].mass[a] += mass_before_[f];
+    if (mass_before_[f] > 0.0) before_[p].energy += 0.5 * momentum_before_[f] * momentum_before_[f] / mass_before_[f];
     if (wet.kind[f] != WetFaces::Kind::Free) return;
     after_[p].momentum[a] += mass[f] * v[f];
     after_[p].mass[a] += mass[f];
@@ -84,7 +87,72 @@ Vec3 MomentumKeeper::restore(const MacGrid& g, const WetFaces& wet, std::span<co
     if (wet.kind[f] != WetFaces::Kind::Free) return;
     v[f] += (before_[p].momentum[a] - after_[p].momentum[a]) / after_[p].mass[a] + all.momentum[a] / all.mass[a];
   });
+  if (gone.isZero()) keep_energy(g, wet, mass, v);
   return gone;
+}
+
+void MomentumKeeper::keep_energy(const MacGrid& g, const WetFaces& wet, std::span<const double> mass,
+                                 std::span<double> v) {
+  after_.assign(before_.size(), {});
+  for_faces_of(g, piece_, [&](int f, int a, std::int32_t p) {
+    if (wet.kind[f] != WetFaces::Kind::Free) return;
+    after_[p].momentum[a] += mass[f] * v[f];
+    after_[p].mass[a] += mass[f];
+    after_[p].energy += 0.5 * mass[f] * v[f] * v[f];
+  });
+  std::vector<double> drawn(after_.size(), 1.0);
+  for (std::size_t p = 0; p < after_.size(); ++p) {
+    double as_one = 0.0;
+    for (int a = 0; a < 3; ++a)
+      if (after_[p].mass[a] > 0.0) as_one += 0.5 * after_[p].momentum[a] * after_[p].momentum[a] / after_[p].mass[a];
+    const double more = after_[p].energy - as_one;
+    if (after_[p].energy > before_[p].energy && more > 0.0)
+      drawn[p] = std::sqrt(std::max(0.0, before_[p].energy - as_one) / more);
+  }
+  for_faces_of(g, piece_, [&](int f, int a, std::int32_t p) {
+    if (drawn[p] == 1.0 || wet.kind[f] != WetFaces::Kind::Free) return;
+    const double mean = after_[p].momentum[a] / after_[p].mass[a];
+    v[f] = mean + drawn[p] * (v[f] - mean);
+  });
+}
+
+void MomentumKeeper::hand_over(const MacGrid& g, const WetFaces& wet, std::span<const double> mass,
+                               std::span<double> v) {
+  label(g, wet);
+  const auto mass_after = [&](int f) { return wet.kind[f] == WetFaces::Kind::Free ? mass[f] : 0.0; };
+  // What is on its way, and the mass that takes it.
+  for_faces_of(g, piece_, [&](int f, int a, std::int32_t p) {
+    const double gained = mass_after(f) - mass_before_[f];
+    if (gained > 0.0) {
+      after_[p].mass[a] += gained;
+    } else if (gained < 0.0) {
+      before_[p].mass[a] -= gained;
+      before_[p].momentum[a] -= gained * momentum_before_[f] / mass_before_[f];
+    }
+  });
+  // What a piece loses beyond what it gains goes to those that gain more.
+  Sum over, wanted;
+  for (std::size_t p = 0; p < before_.size(); ++p)
+    for (int a = 0; a < 3; ++a) {
+      const double lost = before_[p].mass[a], gained = after_[p].mass[a];
+      wanted.mass[a] += std::max(0.0, gained - lost);
+      if (lost <= gained) continue;
+      const double share = 1.0 - gained / lost;
+      over.mass[a] += share * lost;
+      over.momentum[a] += share * before_[p].momentum[a];
+      before_[p].momentum[a] *= 1.0 - share;
+    }
+  for (std::size_t p = 0; p < before_.size(); ++p)
+    for (int a = 0; a < 3; ++a) {
+      const double more = after_[p].mass[a] - before_[p].mass[a];
+      if (more > 0.0) before_[p].momentum[a] += more / wanted.mass[a] * over.momentum[a];
+    }
+  for_faces_of(g, piece_, [&](int f, int a, std::int32_t p) {
+    const double m = mass_after(f), gained = m - mass_before_[f];
+    if (gained > 0.0) v[f] = (momentum_before_[f] + gained / after_[p].mass[a] * before_[p].momentum[a]) / m;
+  });
+  for (std::size_t f = 0; f < v.size(); ++f)
+    if (wet.kind[f] != WetFaces::Kind::Free) v[f] = 0.0;
 }
 
 }  // namespace brim

@@ -12,7 +12,9 @@ namespace brim {
 /// some. Every piece of connected fluid keeps its own: a piece is what hangs together in the cells that were wet before
 /// or are wet after, and all of its faces get the same change of velocity,
 ///   v_f += (P − Σ m_f v_f)/Σ m_f      along each axis, P the piece's momentum before, m_f after
-/// What a piece has lost in mass takes its share of P along; that goes to all fluid, as its volume does.
+/// What a piece has lost in mass takes its share of P along; that goes to all fluid, as its volume does. Nor does being
+/// carried along give energy: where a piece would have more than before, its velocities are drawn towards their mean,
+///   v_f ← u + s (v_f − u)      u = P/Σ m_f, s² = (E − ½ P·u)/(E' − ½ P·u), E before and E' after
 /// All in a fixed order: the same bits always.  Tests: tests/body/momentum_keeper_test.cpp
 class MomentumKeeper {
  public:
@@ -22,13 +24,20 @@ class MomentumKeeper {
   /// @param keep  no fluid may leave: all of its momentum stays
   /// @return what left with the fluid that did, [N s]
   Vec3 restore(const MacGrid& grid, const WetFaces& wet, std::span<const double> mass, bool keep, std::span<double> v);
+  /// The same where fluid stays in its place and solids come and go: mass that faces lose takes its momentum along, to
+  /// faces of its piece that gain some, which mix it with their own. So no energy is won, as mixing wins none; what was
+  /// noted is that of v.
+  void hand_over(const MacGrid& grid, const WetFaces& wet, std::span<const double> mass, std::span<double> v);
 
  private:
   void label(const MacGrid& grid, const WetFaces& wet);
 
-  /// Momentum and mass along each axis.
+  void keep_energy(const MacGrid& grid, const WetFaces& wet, std::span<const double> mass, std::span<double> v);
+
+  /// Momentum and mass along each axis, and energy.
   struct Sum {
     Vec3 momentum = Vec3::Zero(), mass = Vec3::Zero();
+    double energy = 0.0;
   };
   std::vector<unsigned char> wet_before_;
   std::vector<double> mass_before_, momentum_before_;  ///< per face

@@ -138,8 +138,9 @@ Vec3 PressureProjection::wall_impulse(std::span<const double> pressure) const {
         const Vec3i at(i, j, k);
         const double p = pressure[g.cell(at)];
         for (int a = 0; a < 3; ++a) {
-          if (at[a] == 0 && wet_->kind[g.face(a, at)] == WetFaces::Kind::Wall) sum[a] += p;
-          if (at[a] + 1 == g.n[a] && wet_->kind[g.face(a, at + Vec3i::Unit(a))] == WetFaces::Kind::Wall) sum[a] -= p;
+          const int low = g.face(a, at), high = low + g.face_stride(a);
+          if (at[a] == 0 && wet_->kind[low] == WetFaces::Kind::Wall) sum[a] += wet_->open[low] * p;
+          if (at[a] + 1 == g.n[a] && wet_->kind[high] == WetFaces::Kind::Wall) sum[a] -= wet_->open[high] * p;
         }
       }
   return g.dx * g.dx * sum;
