@@ -32,5 +32,16 @@ TEST(TouchedCells, PointsBeyondTheBoxCountForTheNearestCell) {
   EXPECT_FALSE(touched.has(g.cell(3, 3, 3)));
 }
 
+TEST(TouchedCells, WhereAFluidTouchesAsWellItIsKnown) {
+  const MacGrid g{Vec3::Zero(), 0.1, Vec3i(9, 3, 3)};
+  TouchedCells touched;
+  const std::vector<Vec3> points = {g.cell_center(1, 1, 1), g.cell_center(6, 1, 1), g.cell_center(6, 1, 1)};
+  const std::vector<std::uint8_t> by_fluid = {0, 1, 0};
+  touched.note(g, points, by_fluid);
+  EXPECT_TRUE(touched.has(g.cell(1, 1, 1)));
+  EXPECT_FALSE(touched.has_fluid(g.cell(1, 1, 1)));
+  EXPECT_TRUE(touched.has_fluid(g.cell(7, 1, 1)));
+}
+
 }  // namespace
 }  // namespace brim::touched_cells_test

@@ -6,6 +6,7 @@
 
 #include "brim/body/fem/fem_body.h"
 #include "brim/body/grid_fluid/grid_fluid_body.h"
+#include "brim/body/walled.h"
 #include "support/solids.h"
 #include "support/worlds.h"
 
@@ -100,6 +101,66 @@ TEST(FluidCoupling, WhatOneTakesTheOtherGives) {
   for (int s = 0; s < 25; ++s) ASSERT_TRUE(w.step().ok);
   EXPECT_LT((momentum() - before).norm(), 1e-11 * before.norm());
   EXPECT_LT(w.body(1).linear_momentum(w.v(1)).norm(), 0.8 * before.norm());
+}
+
+TEST(FluidCoupling, ASolidOfItsBoxThatItDoesNotTouchLeavesItsPressure) {
+  World w(options());
+  w.add(pool(0.4));
+  w.add(testing::obstacle("ball", make_sphere(0.14), 0.0, Vec3(0.5, 0.5, 0.75)));
+  for (int s = 0; s < 20; ++s) ASSERT_TRUE(w.step().ok);
+  EXPECT_LT(w.body(0).kinetic_energy(w.v(0)), 1e-12);
+  EXPECT_NEAR(fluid_of(w).pressure(fluid_of(w).grid().cell(8, 8, 0)), 9810.0 * (0.4 - 0.5 * kCell), 1.0);
+}
+
+TEST(FluidCoupling, WhatLeavesTheBoxIsNotHeldByItsSides) {
+  // A ball flies through the closed lid into a drop: nothing but the drop acts on it.
+  World w(options(Vec3::Zero()));
+  w.add(water([](const Vec3& x) { return (x - Vec3(0.5, 0.5, 0.75)).norm() - 0.22; }));
+  testing::Start start;
+  start.x = Vec3(0.53, 0.5, 1.14);
+  start.v = Vec3(0.0, 0.0, -1.0);
+  w.add(testing::ball("ball", start, 0.0, 0.16, 500.0));
+  const auto momentum = [&] { return Vec3(w.body(0).linear_momentum(w.v(0)) + w.body(1).linear_momentum(w.v(1))); };
+  const auto energy = [&] { return w.body(0).kinetic_energy(w.v(0)) + w.body(1).kinetic_energy(w.v(1)); };
+  const double before = energy();
+  for (int s = 0; s < 12; ++s) {
+    ASSERT_TRUE(w.step().ok);
+    EXPECT_LT(energy(), before * (1.0 + 1e-9)) << s;
+    Vec3 walls = dynamic_cast<const Walled&>(w.body(0)).wall_impulse();
+    EXPECT_LT((momentum() + walls).z(), 0.0) << s;
+  }
+  EXPECT_LT(w.v(1)[2], -0.5);
+}
+
+TEST(FluidCoupling, ADropThatMeetsASolidGainsNoEnergyAndLosesNoMomentum) {
+  for (const bool free : {false, true}) {
+    World w(options(Vec3::Zero()));
+    w.add(std::make_unique<GridFluidBody>([] {
+      GridFluidModel m;
+      m.grid = {Vec3::Zero(), kCell, {16, 16, 16}};
+      m.distance = [](const Vec3& x) { return (x - Vec3(0.5, 0.5, 0.6)).norm() - 0.22; };
+      m.velocity = [](const Vec3&) { return Vec3(0.0, 0.0, -1.0); };
+      m.material.friction = 0.0;
+      return m;
+    }()));
+    testing::Start start;
+    start.x = Vec3(0.53, 0.47, 0.2);
+    if (free)
+      w.add(testing::ball("ball", start, 0.0, 0.16, 500.0));
+    else
+      w.add(testing::obstacle("ball", make_sphere(0.16), 0.0, start.x));
+    const double before = w.body(0).kinetic_energy(w.v(0));
+    Vec3 told = w.body(0).linear_momentum(w.v(0));
+    for (int s = 0; s < 30; ++s) {
+      const StepReport r = w.step();
+      ASSERT_TRUE(r.ok);
+      EXPECT_LT(r.kinetic_energy, before * (1.0 + 1e-9)) << s;
+      // Of fluid and pair: what contact reports is what the drop has lost.
+      for (const PairReport& p : r.pairs) told += 0.01 * p.force_on_a;
+      told += dynamic_cast<const Walled&>(w.body(0)).wall_impulse();
+      EXPECT_LT((w.body(0).linear_momentum(w.v(0)) - told).norm(), 1e-10 * before) << s;
+    }
+  }
 }
 
 TEST(FluidCoupling, ALightBallIsHeldBackByTheWaterThatItDrags) {

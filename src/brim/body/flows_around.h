@@ -31,7 +31,6 @@ class FlowsAround {
   virtual bool has_taken_solids() const = 0;
 
   // ---- of the solve, after prepare_preconditioner; cells that are not wet count for nothing
-  // ---------------------------
   virtual bool is_wet(int cell) const = 0;
   /// Share of face f that is fluid, [0, 1]; 0 where it is closed.
   virtual double open_share(int face) const = 0;

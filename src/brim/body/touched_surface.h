@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include "brim/math/types.h"
@@ -13,7 +14,9 @@ class TouchedSurface {
   virtual ~TouchedSurface() = default;
   /// Told once a sub-step, after contacts have been found and before the body is advanced.
   /// @param points  [m] nodes of its contacts, waiting ones among them; empty: nothing is near
-  virtual void note_contacts(std::span<const Vec3> points) = 0;
+  /// @param by_fluid  nonzero where it is a fluid that touches: both have no direction along which alone they give way,
+  ///                  and each must take all of a force; shape (points)
+  virtual void note_contacts(std::span<const Vec3> points, std::span<const std::uint8_t> by_fluid) = 0;
 };
 
 }  // namespace brim

@@ -1,27 +1,24 @@
 #pragma once
 
-#include <map>
+#include <algorithm>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "brim/body/flows_around.h"
-#include "brim/grid/tile.h"
-#include "brim/raster/shape.h"
+#include "brim/world/solid_shares.h"
 #include "brim/world/step_report.h"
 #include "brim/world/world_part.h"
 
 namespace brim {
 
-class BlockDiagonal;
-class PosedShape;
-
 /// Solids in fluids on grids (FlowsAround): finds the share that each solid has of every cell and face, and keeps the
 /// velocities of a solve among those that keep the volume of every wet cell, D v = 0, D over fluids and solids. With B
-/// a preconditioner of all bodies by themselves, G its simple part (masses of faces, diagonal blocks of solids),
-///   S = D G⁻¹ Dᵀ      Π = 1 − G⁻¹ Dᵀ S⁻¹ D      preconditioner Π B Πᵀ
-/// so that conjugate gradients never leave D v = 0 (Gould, Hribar and Nocedal 2001).
-/// Same bits for any number of threads.  Tests: tests/world/fluid_coupling_test.cpp
+/// the preconditioner of all bodies and their contacts,
+///   S = D B Dᵀ      preconditioner B (1 − Dᵀ S⁻¹ D B)
+/// so that conjugate gradients hardly leave D v = 0 (Gould, Hribar and Nocedal 2001); what they have left it by is
+/// mended once at their end. Same bits for any number of threads.  Tests: tests/world/fluid_coupling_test.cpp
 class FluidCoupling {
  public:
   /// Finds shares and maps of bodies that have been updated, and tells the fluids; nothing where all is as it was.
@@ -38,21 +35,23 @@ class FluidCoupling {
       for (const Side& side : fluid.sides) f(fluid.body, side.body);
   }
 
-  /// Takes G, once the diagonal is factored. @param held  nonzero for bodies that nothing moves, shape (bodies) or
-  /// empty
-  void prepare(const BlockDiagonal& diagonal, std::span<const std::size_t> first_block,
-               std::span<const std::uint8_t> held);
-  /// delta += what makes D (v + delta) = 0, with the least change in G.
-  void start(std::span<const double> v, std::span<double> delta);
-  /// r ← Πᵀ r: takes what a pressure resists out of the impulses of a whole system, and keeps that pressure. What is
-  /// left is what acts among velocities that keep volume, and may be a millionth of what was there.
-  void relieve(std::span<double> r);
+  /// z = B r of all bodies, or of all but the fluids here.
+  enum class Of { All, Solids };
+  using Invert = std::function<void(std::span<const double> r, std::span<double> z, Of of)>;
+  /// Nonzero for fluids that no contact acts on in a solve: B divides by their masses; shape (bodies).
+  void set_untouched(std::span<const std::uint8_t> untouched);
+  bool flows(std::size_t body) const {
+    return std::ranges::any_of(fluids_, [&](const Fluid& f) { return f.body == static_cast<int>(body); });
+  }
+  /// delta += what makes D (v + delta) = 0, by a pressure that is kept as the first guess.
+  void keep_volume(const Invert& invert, std::span<const double> v, std::span<double> delta);
+  /// Takes what a pressure resists out of the impulses of a whole system, r += Dᵀ π with D B r = 0, and keeps that
+  /// pressure. What is left is what acts among velocities that keep volume, and may be a millionth of what was there.
+  void relieve(const Invert& invert, std::span<double> r);
   /// The same of what a solve has left since.
-  void resist(std::span<double> r);
-  /// z ← Π z.
-  void correct(std::span<double> z);
+  void resist(const Invert& invert, std::span<double> r);
   /// Relieves what a solve has left of the whole system, and tells the fluids their pressure.
-  void finish(std::span<double> r);
+  void finish(const Invert& invert, std::span<double> r);
 
   /// Hands the momentum that a solve has left of the fluids back to them. @param residual  as finish left it
   void give_back(std::span<const double> residual, std::span<double> delta) const;
@@ -61,12 +60,6 @@ class FluidCoupling {
   std::size_t rows() const { return rows_; }
 
  private:
-  /// What one solid has of eighths of cells.
-  struct Eighth {
-    std::int32_t place;
-    float share;
-    std::int32_t source;
-  };
   /// A face of a fluid, and how much of it a solid takes.
   struct Row {
     std::int32_t low, high;  ///< wet cells on its sides, or −1
@@ -85,6 +78,7 @@ class FluidCoupling {
     FlowsAround* flow = nullptr;
     std::int32_t part = 0;
     int body = 0;
+    bool told = false;  ///< that solids lie in its box
     std::vector<Side> sides;
     std::vector<double> pressure;  ///< [Pa s] that was taken out
     std::vector<double> guess;     ///< [Pa s] that resists what a solve has left
@@ -92,9 +86,6 @@ class FluidCoupling {
   };
   /// The fluids, and the solids that they may flow around.
   std::vector<Fluid> find_fluids(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts) const;
-  /// @param grid  of the fluid  @param solid  the part as a shape, or null
-  /// @param out   eighths of the fluid's cells that the part has something of
-  void sample(const MacGrid& grid, const WorldPart& part, const PosedShape* solid, std::vector<Eighth>& out);
   void find_shares(Fluid& fluid, std::span<const WorldPart> parts);
   void find_rows(Fluid& fluid, std::span<const WorldPart> parts);
   /// out = D u.
@@ -104,13 +95,14 @@ class FluidCoupling {
   /// The solids' parts of the two.
   void add_solid_flow(Fluid& f, std::span<const double> u, std::span<double> out);
   void push_solids(const Fluid& f, std::span<const double> pressure, std::span<double> impulse);
-  /// z = G⁻¹ r on coupled bodies.
-  void divide(std::span<const double> r, std::span<double> z);
-  void divide_solids(std::span<const double> r, std::span<double> z);
-  /// y += D_s G⁻¹ D_sᵀ p over the solids.
-  void add_yield();
-  /// x = S⁻¹ b, from zero, b in `r` and x in `x` of the fluids. @param tolerance  [m³/s] of the largest flow left
-  int solve(double tolerance);
+  /// velocity_ = B Dᵀ π.
+  void yield(const Invert& invert, const std::vector<double> Fluid::*pressure);
+  /// y = S p.
+  void apply(const Invert& invert);
+  /// r = −D u of the fluids. @return the largest, [m³/s]
+  double find_excess(std::span<const double> u);
+  /// x = S⁻¹ r, from zero. @param tolerance  [m³/s] of the largest flow left
+  int solve(const Invert& invert, double tolerance);
   std::span<double> slice(std::span<double> x, int b) const { return x.subspan(first_[b], first_[b + 1] - first_[b]); }
   std::span<const double> slice(std::span<const double> x, int b) const {
     return x.subspan(first_[b], first_[b + 1] - first_[b]);
@@ -120,25 +112,13 @@ class FluidCoupling {
   std::vector<double> found_q_;             ///< state that was looked at
   std::vector<std::int32_t> found_, look_;  ///< parts that were looked at, each fluid's after it
   std::vector<std::size_t> first_;
-  std::vector<int> solids_;  ///< bodies that some fluid is coupled to, each once
   std::vector<const Body*> body_;
   std::size_t rows_ = 0;
-  const BlockDiagonal* diagonal_ = nullptr;
-  std::vector<std::size_t> first_block_;
-  std::vector<std::uint8_t> held_;
-  std::vector<double> impulse_, velocity_, own_;
+  bool apart_ = false;  ///< no contact acts on any of the fluids: B is that of solids beside that of fluids
+  std::vector<double> impulse_, velocity_;
   std::vector<Vec3> at_points_;
-
-  struct Shares {
-    const Body* body = nullptr;
-    Vec3 origin = Vec3::Zero();  ///< [m] of the fluid's grid
-    Pose pose;
-    std::vector<Eighth> eighths;
-  };
-  std::map<std::pair<std::int32_t, std::int32_t>, Shares> shares_;  ///< of fluid and solid
+  SolidShares shares_;
   std::vector<float> octant_;
-  std::vector<TileKey> tiles_;
-  std::vector<DensityBlock> blocks_;
 };
 
 /// True when one of two parts is a fluid that flows around the other, so that no contacts between them are looked for.

@@ -97,7 +97,7 @@ void ImplicitStep::find_residual(std::span<const double> delta, std::span<const 
     residual_[i] = rhs_[i] + (added.empty() ? 0.0 : added[i]) - scratch_[i];
   system_.filter(residual_);
   FluidCoupling& coupling = context_->coupling;
-  if (!coupling.empty()) coupling.finish(residual_);
+  if (!coupling.empty()) coupling.finish(invert_, residual_);
 }
 
 void ImplicitStep::find_right_hand_side(bool first) {
@@ -122,7 +122,7 @@ SolveReport ImplicitStep::solve_once(int pass, bool kept, bool near, std::span<d
   FluidCoupling& coupling = context_->coupling;
   if (pass == 0 && !coupling.empty()) {
     flowing_.assign(delta.size(), 0.0);
-    coupling.start(context_->v, flowing_);
+    coupling.keep_volume(invert_, context_->v, flowing_);
     std::copy(flowing_.begin(), flowing_.end(), delta.begin());
   }
   const double tolerance = std::min((kept || near ? 1.0 : kDraft) * settings_->tolerance, whole_ ? kExact : 1.0);
@@ -135,7 +135,7 @@ SolveReport ImplicitStep::solve_once(int pass, bool kept, bool near, std::span<d
       shifted_.resize(rhs_.size());
       system_.apply(flowing_, shifted_);
       for (std::size_t i = 0; i < rhs_.size(); ++i) shifted_[i] = rhs_[i] - shifted_[i], delta[i] -= flowing_[i];
-      coupling.relieve(shifted_);
+      coupling.relieve(invert_, shifted_);
       r = cg_.solve(system_, shifted_, tolerance, most, delta, scale_);
       for (std::size_t i = 0; i < rhs_.size(); ++i) delta[i] += flowing_[i];
     }
@@ -147,6 +147,7 @@ SolveReport ImplicitStep::solve_once(int pass, bool kept, bool near, std::span<d
   SolveReport s = solve_in(most);
   if (s.finite && !s.converged && most < settings_->max_iterations)
     prepare(pass == 0), s = solve_in(settings_->max_iterations);
+  if (s.finite && !coupling.empty()) coupling.keep_volume(invert_, context_->v, delta);
   if (!held) iterations_made_ = s.iterations;
   ++report.solves;
   if (s.finite && !s.converged)
@@ -183,6 +184,7 @@ bool ImplicitStep::correct_by(const Correct& correct, std::span<double> delta) {
     return cg_.solve(system_, b, settings_->tolerance, settings_->max_iterations, x);
   };
   const bool finite = correct(respond, delta, added_);
+  if (finite && !c.coupling.empty()) c.coupling.keep_volume(invert_, c.v, delta);
   if (contacts_ > 0) c.maps.relative(delta, contact_delta_), c.fill.finish(c.first_v, delta, contact_delta_);
   if (!added_.empty()) {
     // Rows then hold to what the solve left: a velocity of the size of its tolerance.

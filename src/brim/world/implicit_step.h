@@ -73,8 +73,11 @@ class ImplicitStep {
   void begin_preconditioner();
   void multiply(std::span<const double> x, std::span<double> y);
   void precondition(std::span<const double> r, std::span<double> z);
-  /// All bodies, but for what a pressure among solids does.
-  void precondition_bodies(std::span<const double> r, std::span<double> z);
+  /// But for what a pressure among solids does. @param left_out  of a body: true where z is left as it is
+  template <class F>
+  void precondition_bodies(std::span<const double> r, std::span<double> z, const F& left_out);
+  template <class F>
+  void filter_bodies(std::span<double> x, const F& left_out) const;
   /// Makes the preconditioner of the contacts that act.
   void prepare(bool first);
   void find_right_hand_side(bool first);
@@ -114,7 +117,8 @@ class ImplicitStep {
   std::vector<std::uint8_t> sparse_;   ///< per body: its maps show their rows
   std::vector<std::uint8_t> lone_;     ///< per body: one block, without coarse modes
   std::vector<std::uint8_t> without_;  ///< per body: without coarse modes
-  std::vector<double> resisted_;
+  FluidCoupling::Invert invert_;       ///< precondition_bodies, filtered
+  std::vector<double> filtered_, resisted_;
   std::vector<double> flowing_, shifted_;  ///< Δ₀ that makes all flow keep the volume of cells, and b − A Δ₀
   std::vector<double> residual_;           ///< of the last solve of the passes
   std::vector<double> scale_;              ///< of the first pass, for all

@@ -140,17 +140,29 @@ void ImplicitStep::begin_system() {
   find_islands();
   system_.first = c.first_v, system_.island = island_, system_.negligible = negligible_;
   system_.sharpness = sharpness_;
-  system_.filter = [this](std::span<double> x) {
-    parallel_for(context_->bodies.size(), [&](std::size_t b) {
-      const auto xb = context_->slice(x, b);
-      if (asleep(b))
-        std::fill(xb.begin(), xb.end(), 0.0);
-      else
-        context_->bodies[b]->filter(xb);
-    });
-  };
+  system_.filter = [this](std::span<double> x) { filter_bodies(x, [](std::size_t) { return false; }); };
   system_.apply = [this](std::span<const double> x, std::span<double> y) { multiply(x, y); };
   system_.precondition = [this](std::span<const double> r, std::span<double> z) { precondition(r, z); };
+  invert_ = [this](std::span<const double> r, std::span<double> z, FluidCoupling::Of of) {
+    const bool solids = of == FluidCoupling::Of::Solids;
+    const auto left_out = [&](std::size_t b) { return solids && context_->coupling.flows(b); };
+    filtered_.assign(r.begin(), r.end());
+    filter_bodies(filtered_, left_out);
+    precondition_bodies(filtered_, z, left_out);
+    filter_bodies(z, left_out);
+  };
+}
+
+template <class F>
+void ImplicitStep::filter_bodies(std::span<double> x, const F& left_out) const {
+  parallel_for(context_->bodies.size(), [&](std::size_t b) {
+    if (left_out(b)) return;
+    const auto xb = context_->slice(x, b);
+    if (asleep(b))
+      std::fill(xb.begin(), xb.end(), 0.0);
+    else
+      context_->bodies[b]->filter(xb);
+  });
 }
 
 void ImplicitStep::multiply(std::span<const double> x, std::span<double> y) {
@@ -186,6 +198,11 @@ void ImplicitStep::multiply(std::span<const double> x, std::span<double> y) {
 void ImplicitStep::begin_preconditioner() {
   const StepContext& c = *context_;
   const std::size_t bodies = c.bodies.size();
+  std::vector<std::uint8_t> untouched(bodies, 1);
+  if (contacts_ > 0)
+    for (const ContactPair& pair : c.contacts.pairs)
+      for (const int part : {pair.part_a, pair.part_b}) untouched[c.parts[part].body_index] = 0;
+  c.coupling.set_untouched(untouched);
   if (contacts_ > 0) {
     const ScopedSeconds contact_timer(contact_seconds());
     sparse_.resize(bodies);
@@ -228,7 +245,6 @@ void ImplicitStep::prepare(bool first) {
     if (!asleep(b)) c.bodies[b]->prepare_preconditioner(first_block_[b], diagonal_);
   });
   diagonal_.factor();
-  if (!c.coupling.empty()) c.coupling.prepare(diagonal_, first_block_, settings_->asleep);
   if (contacts_ == 0) return;
   const ScopedSeconds contact_timer(contact_seconds());
   coarse_ = false;
@@ -241,23 +257,21 @@ void ImplicitStep::prepare(bool first) {
 
 void ImplicitStep::precondition(std::span<const double> r, std::span<double> z) {
   if (context_->coupling.empty()) {
-    precondition_bodies(r, z);
+    precondition_bodies(r, z, [&](std::size_t b) { return cg_.solved(b); });
     return;
   }
   resisted_.assign(r.begin(), r.end());
-  context_->coupling.resist(resisted_);
-  system_.filter(resisted_);
-  precondition_bodies(resisted_, z);
-  system_.filter(z);
-  context_->coupling.correct(z);
+  context_->coupling.resist(invert_, resisted_);
+  invert_(resisted_, z, FluidCoupling::Of::All);
 }
 
-void ImplicitStep::precondition_bodies(std::span<const double> r, std::span<double> z) {
+template <class F>
+void ImplicitStep::precondition_bodies(std::span<const double> r, std::span<double> z, const F& left_out) {
   const StepContext& c = *context_;
   parallel_for(c.bodies.size(), [&](std::size_t b) {
+    if (left_out(b)) return;
     const ProfileScope scope("precondition", *c.bodies[b]);
     const auto zb = c.slice(z, b);
-    if (cg_.solved(b)) return;
     if (asleep(b) || (coarse_ && modes_.complete(b)))
       std::fill(zb.begin(), zb.end(), 0.0);
     else

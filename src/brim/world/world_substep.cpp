@@ -73,14 +73,17 @@ void World::Impl::tell_touched() {
     auto* touched = interface_of<TouchedSurface>(*bodies[b]);
     if (touched == nullptr) continue;
     std::vector<Vec3> points;
+    std::vector<std::uint8_t> by_fluid;
     const ContactSet& contacts = stage.contacts();
     for (const ContactPair& p : contacts.pairs) {
       const bool a = parts[p.part_a].body_index == static_cast<int>(b),
                  other = parts[p.part_b].body_index == static_cast<int>(b);
-      for (std::size_t c = p.begin; c < p.end && (a || other); ++c)
+      for (std::size_t c = p.begin; c < p.end && (a || other); ++c) {
         points.push_back(a ? contacts.point[c] : contacts.point_b(c));
+        by_fluid.push_back(parts[a ? p.part_b : p.part_a].info.conforming);
+      }
     }
-    touched->note_contacts(points);
+    touched->note_contacts(points, by_fluid);
   }
 }
 

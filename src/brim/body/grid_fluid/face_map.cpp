@@ -169,13 +169,17 @@ Vec3 surface_velocity(const MacGrid& g, const WetFaces& wet, std::span<const dou
   return u;
 }
 
-void FaceMap::reset(const MacGrid& g, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
-                    std::span<const Vec3> points) {
+void FaceMap::reset(const MacGrid& g, const WetFaces& wet, std::span<const double> phi,
+                    const std::function<SurfaceMotion(int)>& motion, std::span<const Vec3> points) {
   const std::size_t n = points.size();
   if (row_.size() < n) row_.resize(n);
   direction_.resize(n);
   parallel_for(
-      n, [&](std::size_t p) { direction_[p] = surface_row(g, wet, phi, motion, points[p], row_[p]); }, 64);
+      n,
+      [&](std::size_t p) {
+        direction_[p] = surface_row(g, wet, phi, motion(g.cell_at(points[p])), points[p], row_[p]);
+      },
+      64);
   row_start_.assign(n + 1, 0);
   for (std::size_t p = 0; p < n; ++p) row_start_[p + 1] = row_start_[p] + row_[p].size();
   entry_.resize(row_start_.back());

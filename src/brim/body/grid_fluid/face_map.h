@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "brim/body/grid_fluid/mac_grid.h"
@@ -47,8 +48,14 @@ Vec3 surface_velocity(const MacGrid& grid, const WetFaces& wet, std::span<const 
 /// tests/body/face_map_test.cpp
 class FaceMap final : public Map, public DirectedMap {
  public:
+  /// @param motion  how contact takes the surface's motion in a cell
+  void reset(const MacGrid& grid, const WetFaces& wet, std::span<const double> phi,
+             const std::function<SurfaceMotion(int cell)>& motion, std::span<const Vec3> points);
   void reset(const MacGrid& grid, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
-             std::span<const Vec3> points);
+             std::span<const Vec3> points) {
+    reset(
+        grid, wet, phi, [motion](int) { return motion; }, points);
+  }
 
   std::span<const Vec3> directions() const override { return direction_; }
   std::size_t points() const override { return row_start_.empty() ? 0 : row_start_.size() - 1; }

@@ -84,7 +84,8 @@ void GridFluidBody::take_level_set(std::span<const double> q) {
   solids_taken_ = false;
   phi_ = taken_;
   volume_ = q.back();
-  if (among_solids()) extend_into_solids();  // where they were: how they move since is told by set_solids
+  if (among_solids())
+    extend_into_solids(), hide_in_solids();  // where they were: how they move since is told by set_solids
   find_wet();
 }
 
@@ -155,7 +156,7 @@ void GridFluidBody::advance(double dt, std::span<double> q, std::span<const doub
     const auto at = [&](SurfaceMotion motion, const Vec3& y) {
       return surface_velocity(g, wet_, phi_, motion, v, y, row);
     };
-    if (touched_.has(cell)) return at(touched_motion(), x);
+    if (touched_.has(cell)) return at(touched_motion(cell), x);
     // Along its own normal alone, or without the midpoint, a curved surface would sweep more than its matter does.
     return at(SurfaceMotion::Follows, x - 0.5 * dt * at(SurfaceMotion::Follows, x));
   });
@@ -175,7 +176,7 @@ void GridFluidBody::finish_step(double, double dt, std::span<double> q, std::spa
   const bool closed = std::none_of(model_.open.begin(), model_.open.end(), [](bool open) { return open; });
   wall_impulse_ -= keeper_.restore(g, wet_, mass_, closed, moved);
   if (among_solids()) {
-    // What flows out of cells is mended with the solids, as the next step begins.
+    // What flows out of cells is mended with the solids as the next step begins (FluidCoupling).
     std::copy(moved.begin(), moved.end(), v.begin());
     return;
   }

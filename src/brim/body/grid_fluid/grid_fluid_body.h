@@ -91,7 +91,9 @@ class GridFluidBody final : public Body,
   Vec3 angular_momentum(std::span<const double> v) const override;
   bool confined() const override { return wet_.touches_walls; }
   void note_impulse(std::span<const double> impulse) override;
-  void note_contacts(std::span<const Vec3> points) override { touched_.note(model_.grid, points); }
+  void note_contacts(std::span<const Vec3> points, std::span<const std::uint8_t> by_fluid) override {
+    touched_.note(model_.grid, points, by_fluid);
+  }
   Vec3 wall_impulse() const override { return wall_impulse_; }
 
   const MacGrid& flow_grid() const override { return model_.grid; }
@@ -138,13 +140,16 @@ class GridFluidBody final : public Body,
   /// Continues phi_ into solids, along which the surface stands upright, and closes what is thinner than half a cell
   /// between the two.
   void extend_into_solids();
+  /// Takes what lies within solids out of what contact sees of the fluid: seen_ = max(phi_, depth in solids).
+  void hide_in_solids();
   bool among_solids() const { return !left_.empty(); }
+  std::span<const double> seen() const { return among_solids() ? seen_ : phi_; }
   /// A face weighs as much of its share θ as makes all faces across an axis weigh what the volume does. What θ alone
   /// leaves out is cells cut by the surface whose centres are dry.
   void weigh_faces();
   /// How contact takes the surface's motion.
-  SurfaceMotion touched_motion() const {
-    return model_.material.friction == 0.0 ? SurfaceMotion::Slips : SurfaceMotion::Sticks;
+  SurfaceMotion touched_motion(int cell) const {
+    return model_.material.friction == 0.0 && !touched_.has_fluid(cell) ? SurfaceMotion::Slips : SurfaceMotion::Sticks;
   }
   /// [m³] that leaves through the open sides in a step. phi and v are those of its start and its end.
   double leaving(double dt, std::span<const double> phi, std::span<const double> v) const;
@@ -166,6 +171,8 @@ class GridFluidBody final : public Body,
 
   // Of the solve:
   mutable PressureProjection solver_;
+  PressureProjection* acting_ =
+      &projection_;                      ///< the one that is of what is wet now: of the solve, or before and after
   mutable std::vector<double> impulse_;  ///< [Pa s] pressure, the first guess of the next
   mutable int pressure_iterations_ = 0;
   std::vector<double> mass_;
@@ -177,6 +184,7 @@ class GridFluidBody final : public Body,
   // Of the solids in it:
   std::vector<double> left_;  ///< part of each cell that they leave; empty: there are none
   std::vector<double> left_of_face_;
+  std::vector<double> seen_;       ///< phi_ as contact sees it, [m]
   bool solids_taken_ = false;      ///< since phi_ was last taken
   std::vector<Vec3> left_moment_;  ///< [m] that part times the way to its centre
 

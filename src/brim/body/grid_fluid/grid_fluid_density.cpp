@@ -33,6 +33,7 @@ void GridFluidBody::presence(int, double h, double w, const Aabb& region, std::v
   const Aabb where = region.intersection(bounds_.inflated(0.5 * w + h));
   if (where.empty()) return;
   const TileRange range = tiles_meeting(where.inflated(h), h);
+  const std::span<const double> phi = seen();
   const double near = 0.5 * w + g.dx;  // averages may tell nearly a cell less than the distance
   for (int z = range.lo.z; z <= range.hi.z; ++z)
     for (int y = range.lo.y; y <= range.hi.y; ++y)
@@ -46,20 +47,21 @@ void GridFluidBody::presence(int, double h, double w, const Aabb& region, std::v
         for (int k = place(block.lo.z(), 2); k <= std::min(place(block.hi.z(), 2) + 1, g.n.z() - 1) && !found; ++k)
           for (int j = place(block.lo.y(), 1); j <= std::min(place(block.hi.y(), 1) + 1, g.n.y() - 1) && !found; ++j)
             for (int i = place(block.lo.x(), 0); i <= std::min(place(block.hi.x(), 0) + 1, g.n.x() - 1) && !found; ++i)
-              found = phi_[g.cell(i, j, k)] < near;
+              found = phi[g.cell(i, j, k)] < near;
         if (found) out.push_back({x, y, z});
       }
 }
 
 void GridFluidBody::rasterize(int, double h, double w, std::span<const TileKey> tiles,
                               std::span<DensityBlock> out) const {
-  fill_tiles([this, w](const Vec3& r) { return averaged_distance(model_.grid, phi_, r, w); }, tiles, h, w, out);
+  fill_tiles([this, w](const Vec3& r) { return averaged_distance(model_.grid, seen(), r, w); }, tiles, h, w, out);
 }
 
 void GridFluidBody::make_map(int, std::span<const Vec3> points, std::span<const std::int32_t>,
                              std::unique_ptr<Map>& map) const {
   if (!map) map = std::make_unique<FaceMap>();
-  static_cast<FaceMap&>(*map).reset(model_.grid, wet_, phi_, touched_motion(), points);
+  static_cast<FaceMap&>(*map).reset(
+      model_.grid, wet_, phi_, [this](int cell) { return touched_motion(cell); }, points);
 }
 
 }  // namespace brim

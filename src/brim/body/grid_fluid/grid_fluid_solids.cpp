@@ -11,6 +11,8 @@ constexpr double kShared = 1.5;
 constexpr double kWithin = 0.5;
 /// [cells] from the surface within which a cell beside a solid is wet.
 constexpr double kNear = 0.5, kJustWet = 0.02;
+/// Layers of cells on both sides of a solid's surface that know how deep they lie in it.
+constexpr int kLayers = 4;
 
 }  // namespace
 
@@ -66,7 +68,7 @@ void GridFluidBody::set_solids(std::span<const float> octant, std::span<double> 
       });
   }
   phi_ = taken_;
-  if (among_solids()) extend_into_solids();
+  if (among_solids()) extend_into_solids(), hide_in_solids();
   find_wet();
   if (!v.empty()) keeper_.hand_over(g, wet_, mass_, v);
 }
@@ -122,6 +124,45 @@ void GridFluidBody::extend_into_solids() {
     for (const int c : now) known[c] = 1;
     front.swap(later);
   }
+}
+
+void GridFluidBody::hide_in_solids() {
+  const MacGrid& g = model_.grid;
+  const auto within = [&](std::size_t c) { return 1.0 - left_[c] >= kWithin; };
+  const auto for_neighbours = [&](std::size_t c, const auto& f) {
+    const Vec3i at(static_cast<int>(c) % g.n.x(), static_cast<int>(c) / g.n.x() % g.n.y(),
+                   static_cast<int>(c) / (g.n.x() * g.n.y()));
+    for (int a = 0; a < 3; ++a)
+      for (const int side : {-1, 1})
+        if (at[a] + side >= 0 && at[a] + side < g.n[a]) f(c + static_cast<std::size_t>(side * g.cell_stride(a)));
+  };
+  // Depth in the solids: of cells at their surface by their share, of those behind by how many cells lie between.
+  std::vector<double>& depth = scratch_;
+  depth.assign(g.cells(), 0.0);
+  std::vector<int> layer(g.cells(), kLayers + 1);
+  std::vector<std::size_t> front, next;
+  for (std::size_t c = 0; c < g.cells(); ++c) {
+    bool surface = left_[c] > 0.0 && left_[c] < 1.0;
+    if (!surface) for_neighbours(c, [&](std::size_t o) { surface = surface || within(o) != within(c); });
+    depth[c] = (surface ? 0.5 - left_[c] : within(c) ? kLayers : -kLayers) * g.dx;
+    if (surface) layer[c] = 0, front.push_back(c);
+  }
+  for (int l = 1; l <= kLayers && !front.empty(); ++l, front.swap(next)) {
+    next.clear();
+    for (const std::size_t c : front)
+      for_neighbours(c, [&](std::size_t o) {
+        if (layer[o] < l) return;
+        const double there = within(o) ? std::max(depth[c], 0.0) + g.dx : std::min(depth[c], 0.0) - g.dx;
+        if (layer[o] > l) {
+          layer[o] = l, depth[o] = there;
+          next.push_back(o);
+        } else if (std::abs(there) < std::abs(depth[o])) {
+          depth[o] = there;
+        }
+      });
+  }
+  seen_.resize(g.cells());
+  for (std::size_t c = 0; c < g.cells(); ++c) seen_[c] = std::max(phi_[c], depth[c]);
 }
 
 }  // namespace brim

@@ -42,6 +42,17 @@ struct MacGrid {
   Vec3 cell_center(int i, int j, int k) const { return origin + dx * Vec3(i + 0.5, j + 0.5, k + 0.5); }
   Vec3 face_offset(int a) const { return Vec3::Constant(0.5) - 0.5 * Vec3::Unit(a); }
   Vec3 face_position(int a, int i, int j, int k) const { return origin + dx * (Vec3(i, j, k) + face_offset(a)); }
+  /// Cell that x lies in, or the nearest one.
+  int cell_at(const Vec3& x) const {
+    return cell(((x - origin) / dx)
+                    .array()
+                    .floor()
+                    .cwiseMax(-1.0)
+                    .cwiseMin(n.array().cast<double>())
+                    .cast<int>()
+                    .max(0)
+                    .min(n.array() - 1));
+  }
   Aabb box() const { return {origin, origin + dx * n.cast<double>()}; }
   bool inside(const Vec3i& c) const { return (c.array() >= 0).all() && (c.array() < n.array()).all(); }
 };

@@ -11,10 +11,13 @@ namespace brim {
 class TouchedCells {
  public:
   /// @param points  [m] where it is touched; those outside count for the nearest cell
-  void note(const MacGrid& grid, std::span<const Vec3> points);
+  /// @param by_fluid  nonzero where what touches is a fluid; shape (points), or empty
+  void note(const MacGrid& grid, std::span<const Vec3> points, std::span<const std::uint8_t> by_fluid = {});
   bool has(int cell) const { return !touched_.empty() && touched_[static_cast<std::size_t>(cell)] != 0; }
+  bool has_fluid(int cell) const { return !touched_.empty() && touched_[static_cast<std::size_t>(cell)] == kByFluid; }
 
  private:
+  static constexpr unsigned char kTouched = 1, kByFluid = 2;
   std::vector<unsigned char> touched_;  ///< shape (cells), or empty: nothing touches
 };
 

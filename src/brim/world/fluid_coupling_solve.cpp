@@ -1,0 +1,203 @@
+#include <algorithm>
+#include <cmath>
+
+#include "brim/core/parallel.h"
+#include "brim/core/profile.h"
+#include "brim/world/fluid_coupling.h"
+
+/// How the velocities of fluids and of solids in them keep the volume of cells.
+namespace brim {
+
+namespace {
+
+/// Flow that may remain in a cell after a solve, over the largest before.
+constexpr double kFlowTolerance = 1e-6;
+/// The same over the flow through a face: of velocities that are kept, and where it is rounding.
+constexpr double kKept = 1e-9, kFlowRounding = 1e-15;
+constexpr int kMostIterations = 300, kMostRounds = 3;
+
+double largest_of_flow(std::span<const double> x) {
+  double most = 0.0;
+  for (const double xi : x) most = std::max(most, std::abs(xi));
+  return most;
+}
+
+double dot_cells(std::span<const double> a, std::span<const double> b) {
+  return ordered_sum(
+      a.size(),
+      [&](std::size_t begin, std::size_t end) {
+        double s = 0.0;
+        for (std::size_t i = begin; i < end; ++i) s += a[i] * b[i];
+        return s;
+      },
+      4096);
+}
+
+}  // namespace
+
+void FluidCoupling::add_solid_flow(Fluid& f, std::span<const double> u, std::span<double> out) {
+  for (const Side& s : f.sides) {
+    at_points_.resize(s.rows.size());
+    s.map->apply(slice(u, s.body), at_points_);
+    for (std::size_t i = 0; i < s.rows.size(); ++i) {
+      const Row& row = s.rows[i];
+      const double through = row.area * at_points_[i][row.axis];
+      if (row.low >= 0) out[row.low] += through;
+      if (row.high >= 0) out[row.high] -= through;
+    }
+  }
+}
+
+void FluidCoupling::push_solids(const Fluid& f, std::span<const double> pressure, std::span<double> impulse) {
+  for (const Side& s : f.sides) {
+    at_points_.assign(s.rows.size(), Vec3::Zero());
+    for (std::size_t i = 0; i < s.rows.size(); ++i) {
+      const Row& row = s.rows[i];
+      at_points_[i][row.axis] =
+          row.area * ((row.low >= 0 ? pressure[row.low] : 0.0) - (row.high >= 0 ? pressure[row.high] : 0.0));
+    }
+    s.map->apply_transpose(at_points_, slice(impulse, s.body));
+  }
+}
+
+void FluidCoupling::flow(std::span<const double> u, std::vector<double> Fluid::*out) {
+  for (Fluid& f : fluids_) {
+    std::vector<double>& to = f.*out;
+    std::fill(to.begin(), to.end(), 0.0);
+    f.flow->add_flow(slice(u, f.body), to);
+    add_solid_flow(f, u, to);
+  }
+}
+
+void FluidCoupling::push(const std::vector<double> Fluid::*pressure, std::span<double> impulse) {
+  for (Fluid& f : fluids_) {
+    f.flow->add_push(f.*pressure, slice(impulse, f.body));
+    push_solids(f, f.*pressure, impulse);
+  }
+}
+
+int FluidCoupling::solve(const Invert& invert, double tolerance) {
+  // The fluids' own part is a Poisson equation; each of the few motions with which solids yield costs an iteration
+  // where they are light.
+  double most = 0.0, rz = 0.0;
+  for (Fluid& f : fluids_) {
+    std::fill(f.x.begin(), f.x.end(), 0.0);
+    most = std::max(most, largest_of_flow(f.r));
+  }
+  int iterations = 0;
+  while (most > tolerance && iterations < kMostIterations) {
+    double next = 0.0;
+    for (Fluid& f : fluids_) {
+      f.flow->invert_poisson(f.r, f.z);
+      next += dot_cells(f.r, f.z);
+    }
+    if (!(next > 0.0) || !std::isfinite(next)) break;
+    const double ratio = iterations > 0 ? next / rz : 0.0;
+    rz = next;
+    for (Fluid& f : fluids_)
+      for (std::size_t c = 0; c < f.p.size(); ++c) f.p[c] = f.z[c] + ratio * f.p[c];
+    apply(invert);
+    double curvature = 0.0;
+    for (Fluid& f : fluids_) curvature += dot_cells(f.p, f.y);
+    if (!(curvature > 0.0)) break;
+    const double step = rz / curvature;
+    most = 0.0;
+    for (Fluid& f : fluids_) {
+      for (std::size_t c = 0; c < f.p.size(); ++c) {
+        f.x[c] += step * f.p[c];
+        f.r[c] -= step * f.y[c];
+      }
+      most = std::max(most, largest_of_flow(f.r));
+    }
+    ++iterations;
+  }
+  profile_count("pressure iterations among solids", iterations);
+  return iterations;
+}
+
+void FluidCoupling::yield(const Invert& invert, const std::vector<double> Fluid::*pressure) {
+  impulse_.assign(first_.back(), 0.0);
+  velocity_.resize(first_.back());
+  push(pressure, impulse_);
+  invert(impulse_, velocity_, Of::All);
+}
+
+void FluidCoupling::apply(const Invert& invert) {
+  if (!apart_) {
+    yield(invert, &Fluid::p);
+    flow(velocity_, &Fluid::y);
+    return;
+  }
+  impulse_.resize(first_.back()), velocity_.resize(first_.back());
+  for (std::size_t b = 0; b < body_.size(); ++b) {
+    if (flows(b)) continue;
+    const auto own = slice(std::span<double>(impulse_), static_cast<int>(b));
+    std::fill(own.begin(), own.end(), 0.0);
+  }
+  for (const Fluid& f : fluids_) push_solids(f, f.p, impulse_);
+  invert(impulse_, velocity_, Of::Solids);
+  for (Fluid& f : fluids_) {
+    f.flow->apply_poisson(f.p, f.y);
+    add_solid_flow(f, velocity_, f.y);
+  }
+}
+
+void FluidCoupling::set_untouched(std::span<const std::uint8_t> untouched) {
+  apart_ = std::ranges::all_of(fluids_, [&](const Fluid& f) { return untouched[f.body] != 0; });
+}
+
+double FluidCoupling::find_excess(std::span<const double> u) {
+  flow(u, &Fluid::r);
+  double most = 0.0;
+  for (Fluid& f : fluids_) {
+    for (double& x : f.r) x = -x;
+    most = std::max(most, largest_of_flow(f.r));
+  }
+  return most;
+}
+
+void FluidCoupling::keep_volume(const Invert& invert, std::span<const double> v, std::span<double> delta) {
+  std::vector<double> sum(v.size());
+  for (int round = 0; round < kMostRounds; ++round) {
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = v[i] + delta[i];
+    const double most = find_excess(sum);
+    double fastest = 0.0;
+    for (const Fluid& f : fluids_)
+      fastest = std::max(fastest, largest_of_flow(slice(std::span<const double>(sum), f.body)));
+    const double goal = kKept * std::pow(fluids_.front().flow->flow_grid().dx, 2) * fastest;
+    if (most <= goal || solve(invert, std::max(0.1 * goal, kFlowTolerance * most)) == 0) return;
+    yield(invert, &Fluid::x);
+    for (std::size_t i = 0; i < delta.size(); ++i) delta[i] += velocity_[i];
+    for (Fluid& f : fluids_)
+      for (std::size_t c = 0; c < f.x.size(); ++c) f.pressure[c] += f.x[c];
+  }
+}
+
+void FluidCoupling::resist(const Invert& invert, std::span<double> r) {
+  // From the last on, which hardly changes within a solve, only what is new is computed.
+  push(&Fluid::guess, r);
+  velocity_.resize(first_.back());
+  invert(r, velocity_, Of::All);
+  const double most = find_excess(velocity_);
+  const double fastest = largest_of_flow(velocity_), area = std::pow(fluids_.front().flow->flow_grid().dx, 2);
+  solve(invert, std::max(kFlowTolerance * most, kFlowRounding * area * fastest));
+  push(&Fluid::x, r);
+  for (Fluid& f : fluids_)
+    for (std::size_t c = 0; c < f.guess.size(); ++c) f.guess[c] += f.x[c];
+}
+
+void FluidCoupling::relieve(const Invert& invert, std::span<double> r) {
+  for (Fluid& f : fluids_) f.guess = f.pressure;
+  resist(invert, r);
+  for (Fluid& f : fluids_) {
+    f.pressure.swap(f.guess);
+    std::fill(f.guess.begin(), f.guess.end(), 0.0);
+  }
+}
+
+void FluidCoupling::finish(const Invert& invert, std::span<double> r) {
+  relieve(invert, r);
+  for (Fluid& f : fluids_) f.flow->take_pressure(f.pressure);
+}
+
+}  // namespace brim

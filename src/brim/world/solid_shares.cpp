@@ -1,0 +1,92 @@
+#include "brim/world/solid_shares.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "brim/body/distance_bound.h"
+#include "brim/body/posed_shape.h"
+#include "brim/core/interface_of.h"
+#include "brim/core/parallel.h"
+#include "brim/math/ramp.h"
+
+namespace brim {
+
+const std::vector<Eighth>& SolidShares::of(std::pair<std::int32_t, std::int32_t> two, const MacGrid& g,
+                                           const WorldPart& part) {
+  Found& found = found_[two];
+  const auto* bound = interface_of<DistanceBound>(*part.body);
+  const PosedShape* solid = bound != nullptr ? bound->solid(part.index) : nullptr;
+  const bool same = solid != nullptr && found.body == part.body && found.origin == g.origin &&
+                    found.pose.rotation == solid->pose().rotation &&
+                    found.pose.translation == solid->pose().translation;
+  found.body = part.body, found.origin = g.origin;
+  if (solid != nullptr) found.pose = solid->pose();
+  if (!same) sample(g, part, solid, found.eighths);
+  return found.eighths;
+}
+
+void SolidShares::sample(const MacGrid& g, const WorldPart& part, const PosedShape* solid, std::vector<Eighth>& out) {
+  const double h = 0.5 * g.dx, w = 3.0 * g.dx;
+  const Vec3i n = 2 * g.n;
+  const Vec3 origin = g.origin / h + Vec3::Constant(0.5);
+  const Vec3i first = origin.array().floor().cast<int>();
+  const Vec3 t = origin - first.cast<double>();  // of a middle of an eighth, from the node below it
+  const int p = part.index;
+  const Aabb region = part.body->bounds(p).inflated(g.dx).intersection(g.box().inflated(g.dx));
+  tiles_.clear(), out.clear();
+  if (!region.empty()) part.body->presence(p, h, w, region, tiles_);
+  std::sort(tiles_.begin(), tiles_.end());
+  tiles_.erase(std::unique(tiles_.begin(), tiles_.end()), tiles_.end());
+  if (tiles_.empty()) return;
+  if (blocks_.size() < tiles_.size()) blocks_.resize(tiles_.size());
+  const auto blocks = std::span(blocks_).first(tiles_.size());
+  for (DensityBlock& b : blocks) b.octants = kAllOctants;
+  part.body->rasterize(p, h, w, tiles_, blocks);
+  std::vector<std::vector<Eighth>> piece(tiles_.size());
+  parallel_for(tiles_.size(), [&](std::size_t k) {
+    const DensityBlock& block = blocks[k];
+    const Vec3i tile = kTileSize * Vec3i(tiles_[k].x, tiles_[k].y, tiles_[k].z);
+    std::array<double, kBlockNodes> distance;
+    for (int i = 0; i < kBlockNodes; ++i) {
+      const double rho = block.rho[i];
+      distance[i] = rho <= 0.0 ? 0.5 * w : rho >= 1.0 ? -0.5 * w : ramp_inverse(rho, w);
+    }
+    for (int c = 0; c < kTileSize; ++c)
+      for (int b = 0; b < kTileSize; ++b)
+        for (int a = 0; a < kTileSize; ++a) {
+          const Vec3i at = tile + Vec3i(a, b, c) - first;
+          if ((at.array() < 0).any() || (at.array() >= n.array()).any()) continue;
+          double d = 0.0, fullest = 0.0;
+          Vec3 slope = Vec3::Zero();
+          std::int32_t source = 0;
+          for (int corner = 0; corner < 8; ++corner) {
+            const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
+            const int node = block_index(a + x + kHalo, b + y + kHalo, c + z + kHalo);
+            const double dist = distance[node];
+            const double wx = x ? t[0] : 1.0 - t[0], wy = y ? t[1] : 1.0 - t[1], wz = z ? t[2] : 1.0 - t[2];
+            d += wx * wy * wz * dist;
+            slope +=
+                dist / h * Vec3((x ? 1.0 : -1.0) * wy * wz, wx * (y ? 1.0 : -1.0) * wz, wx * wy * (z ? 1.0 : -1.0));
+            if (block.rho[node] > fullest) fullest = block.rho[node], source = block.source[node];
+          }
+          const double length = slope.norm();
+          const double width = h * (length > 1e-6 ? slope.lpNorm<1>() / length : 1.0);
+          double share = std::clamp(0.5 - d / width, 0.0, 1.0);
+          if (solid != nullptr && std::abs(d) < h) {
+            // What is known everywhere is asked at the middles of eighths of it: edges are no planes.
+            share = 0.0;
+            const Vec3 middle = g.origin + h * (at.cast<double>() + Vec3::Constant(0.5));
+            for (int corner = 0; corner < 8; ++corner) {
+              const Vec3 x = middle + 0.25 * h * Vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+              const double there = solid->shape().distance(solid->pose().to_local(x));
+              share += 0.125 * std::clamp(0.5 - 2.0 * there / width, 0.0, 1.0);
+            }
+          }
+          if (share > 0.0)
+            piece[k].push_back({at.x() + n.x() * (at.y() + n.y() * at.z()), static_cast<float>(share), source});
+        }
+  });
+  for (const auto& found : piece) out.insert(out.end(), found.begin(), found.end());
+}
+
+}  // namespace brim
