@@ -5,6 +5,7 @@
 
 #include "brim/core/interface_of.h"
 #include "brim/core/profile.h"
+#include "brim/world/part_filter.h"
 
 namespace brim {
 
@@ -41,7 +42,8 @@ std::vector<FluidCoupling::Fluid> FluidCoupling::find_fluids(std::span<const std
 }
 
 void FluidCoupling::find(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts,
-                         std::span<const double> q, std::span<const std::size_t> first_v, std::span<double> v) {
+                         PartFilter& filter, std::span<const double> q, std::span<const std::size_t> first_v,
+                         std::span<double> v) {
   std::vector<Fluid> fluids = find_fluids(bodies, parts);
   look_.clear();
   for (const Fluid& f : fluids) {
@@ -62,7 +64,7 @@ void FluidCoupling::find(std::span<const std::unique_ptr<Body>> bodies, std::spa
   rows_ = 0;
   for (Fluid& fluid : fluids) {
     const ProfileScope scope("flows around", *parts[fluid.part].body);
-    find_shares(fluid, parts);
+    find_shares(fluid, parts, filter);
     fluid.flow->set_solids(octant_, v.empty() ? v : slice(v, fluid.body));
     if (!fluid.sides.empty()) find_rows(fluid, parts);
     fluid.told = !octant_.empty();
@@ -77,11 +79,22 @@ void FluidCoupling::find(std::span<const std::unique_ptr<Body>> bodies, std::spa
   }
 }
 
-void FluidCoupling::find_shares(Fluid& fluid, std::span<const WorldPart> parts) {
+void FluidCoupling::find_shares(Fluid& fluid, std::span<const WorldPart> parts, PartFilter& filter) {
   const MacGrid& g = fluid.flow->flow_grid();
   octant_.clear();
   for (Side& side : fluid.sides) {
     side.eighths = &shares_.of({fluid.part, side.part}, g, parts[side.part]);
+    if (const WorldPart& a = parts[fluid.part], &b = parts[side.part]; PartFilter::concerns(a, b)) {
+      filter.follow(a), filter.follow(b);
+      std::vector<Eighth>& left = left_by_filter_[{fluid.part, side.part}];
+      left = *side.eighths;
+      const Vec3i n = 2 * g.n;
+      std::erase_if(left, [&](const Eighth& e) {
+        const Vec3i at(e.place % n.x(), e.place / n.x() % n.y(), e.place / (n.x() * n.y()));
+        return !filter.touch(a, b, g.origin + 0.5 * g.dx * (at.cast<double>() + Vec3::Constant(0.5)));
+      });
+      side.eighths = &left;
+    }
     if (side.eighths->empty()) continue;
     if (octant_.empty()) octant_.assign(8 * g.cells(), 0.0f);
     for (const Eighth& e : *side.eighths) octant_[e.place] += e.share;
@@ -167,7 +180,7 @@ void FluidCoupling::give_back(std::span<const double> residual, std::span<double
   }
 }
 
-void FluidCoupling::report(double dt, StepReport& report) const {
+void FluidCoupling::report(double dt, StepReport& report, std::vector<ContactSample>& samples) const {
   for (const Fluid& f : fluids_)
     for (const Side& s : f.sides) {
       PairReport r;
@@ -180,11 +193,16 @@ void FluidCoupling::report(double dt, StepReport& report) const {
         const double push =
             row.area / dt * ((row.low >= 0 ? f.pressure[row.low] : 0.0) - (row.high >= 0 ? f.pressure[row.high] : 0.0));
         on_solid[row.axis] += push;
+        if (push != 0.0) {
+          const Vec3 on_a = (s.part < f.part ? push : -push) * Vec3::Unit(row.axis);
+          samples.push_back({s.points[i].cast<float>(), on_a.cast<float>(), Vec3f::Zero(), 0.0f, r.part_a, r.part_b});
+        }
         r.center += std::abs(push) * s.points[i];
         load += std::abs(push);
       }
       if (load > 0.0) r.center /= load;
       r.force_on_a = s.part < f.part ? on_solid : Vec3(-on_solid);
+      report.contacts += r.contacts;
       report.pairs.push_back(r);
     }
   std::sort(report.pairs.begin(), report.pairs.end(), [](const PairReport& r, const PairReport& s) {

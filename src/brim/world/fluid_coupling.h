@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <vector>
@@ -13,6 +14,8 @@
 
 namespace brim {
 
+class PartFilter;
+
 /// Solids in fluids on grids (FlowsAround): finds the share that each solid has of every cell and face, and keeps the
 /// velocities of a solve among those that keep the volume of every wet cell, D v = 0, D over fluids and solids. With B
 /// the preconditioner of all bodies and their contacts,
@@ -22,9 +25,10 @@ namespace brim {
 class FluidCoupling {
  public:
   /// Finds shares and maps of bodies that have been updated, and tells the fluids; nothing where all is as it was.
-  /// @param v  [m/s] of all bodies: fluids keep their momentum while solids move in them; or empty
-  void find(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts, std::span<const double> q,
-            std::span<const std::size_t> first_v, std::span<double> v);
+  /// @param filter  parts of solids that it keeps from the fluid are not there for it
+  /// @param v       [m/s] of all bodies: fluids keep their momentum while solids move in them; or empty
+  void find(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts, PartFilter& filter,
+            std::span<const double> q, std::span<const std::size_t> first_v, std::span<double> v);
   /// Looks again at all bodies the next time: something moved them that the state does not tell.
   void forget() { found_.clear(), found_q_.clear(), shares_.clear(); }
   bool empty() const { return fluids_.empty(); }
@@ -55,8 +59,8 @@ class FluidCoupling {
 
   /// Hands the momentum that a solve has left of the fluids back to them. @param residual  as finish left it
   void give_back(std::span<const double> residual, std::span<double> delta) const;
-  /// Forces of the last solve. @param dt  [s]
-  void report(double dt, StepReport& report) const;
+  /// Forces of the last solve, of each pair and at each face. @param dt  [s]
+  void report(double dt, StepReport& report, std::vector<ContactSample>& samples) const;
   std::size_t rows() const { return rows_; }
 
  private:
@@ -86,7 +90,7 @@ class FluidCoupling {
   };
   /// The fluids, and the solids that they may flow around.
   std::vector<Fluid> find_fluids(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts) const;
-  void find_shares(Fluid& fluid, std::span<const WorldPart> parts);
+  void find_shares(Fluid& fluid, std::span<const WorldPart> parts, PartFilter& filter);
   void find_rows(Fluid& fluid, std::span<const WorldPart> parts);
   /// out = D u.
   void flow(std::span<const double> u, std::vector<double> Fluid::*out);
@@ -118,6 +122,7 @@ class FluidCoupling {
   std::vector<double> impulse_, velocity_;
   std::vector<Vec3> at_points_;
   SolidShares shares_;
+  std::map<std::pair<std::int32_t, std::int32_t>, std::vector<Eighth>> left_by_filter_;  ///< of fluid and solid
   std::vector<float> octant_;
 };
 

@@ -222,7 +222,7 @@ void ImplicitStep::begin_preconditioner() {
     const ProfileScope scope("coarse modes, made");
     without_ = lone_;
     for (std::size_t b = 0; b < bodies; ++b)
-      if (asleep(b)) without_[b] = 1;
+      if (asleep(b) || c.coupling.flows(b)) without_[b] = 1;
     modes_.begin(c.bodies, c.first_v, c.parts, without_);
   }
   if (contacts_ > room_) {

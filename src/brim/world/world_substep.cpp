@@ -95,7 +95,8 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
     update_bodies();
   }
 
-  coupling.find(bodies, parts, state.q, first_v, {});
+  if (filter.size() > 0) filter.moved();
+  coupling.find(bodies, parts, filter, state.q, first_v, {});
   if (sleep.on()) wake_in_fluids();
   find_contacts(dt, report);
   tell_touched();
@@ -237,7 +238,7 @@ double World::Impl::substep(double left, StepReport& report) {
     fill.add_forces(normal_force);
     report_pairs(parts, contacts, normal_force, friction_force, state.time, report, samples);
     stage.rigid().report(parts, state.time, report);
-    coupling.report(dt, report);
+    coupling.report(dt, report, samples);
     // Before stiff contact has pushed apart what lies within each other.
     if (state.step == 0 && report.substeps == 1) warn_of_start(parts, state.time, report);
     for (std::size_t c = 0; c < contacts.size(); ++c) normal_force[c] += friction_force[c];
@@ -277,7 +278,8 @@ double World::Impl::substep(double left, StepReport& report) {
   if (!coupling.empty()) {
     // The masses of faces change as solids move; what is seen as a step begins follows from the state alone.
     update_bodies();
-    coupling.find(bodies, parts, state.q, first_v, state.v);
+    if (filter.size() > 0) filter.moved();
+    coupling.find(bodies, parts, filter, state.q, first_v, state.v);
   }
   return dt;
 }

@@ -78,7 +78,7 @@ class Trial {
     substeps_ += r.substeps;
     for (const Warning& w : r.warnings)
       if (w.code == "no_convergence") unsolved_ = true;
-    count_contacts(r);
+    count_contacts();
     Vec3 force[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};  // of contact, the floor's last
     for (const PairReport& pair : r.pairs) {
       force[world_.part(pair.part_a).body] += pair.force_on_a;
@@ -104,15 +104,10 @@ class Trial {
     result_.leak = std::max(result_.leak, sides_.leaked(world_.body(kLower), world_.body(kUpper)));
   }
 
-  void count_contacts(const StepReport& r) {
-    const auto between = [&](std::int32_t a, std::int32_t b) {
-      return world_.part(a).body + world_.part(b).body == kLower + kUpper;
-    };
+  void count_contacts() {
     std::int64_t count = 0;
-    for (const ContactSample& c : world_.contacts()) count += between(c.part_a, c.part_b) && c.force.norm() > 0.0f;
-    if (count == 0)  // a fluid that flows around the other has faces for points
-      for (const PairReport& p : r.pairs)
-        if (between(p.part_a, p.part_b) && p.force_on_a.norm() > 0.0) count += p.contacts;
+    for (const ContactSample& c : world_.contacts())
+      if (world_.part(c.part_a).body + world_.part(c.part_b).body == kLower + kUpper && c.force.norm() > 0.0f) ++count;
     result_.contacts = std::max(result_.contacts, count);
   }
 
