@@ -30,8 +30,8 @@ double GridFluidBody::potential_energy(const Environment& env) const {
           for (int i = 0; i < g.n.x(); ++i) {
             const double left = left_.empty() ? 1.0 : left_[g.cell(i, j, k)];
             if (left == 0.0) continue;
-            const double share = level_.fraction(phi_, i, j, k);
-            s += left * env.gravity.dot(share * g.cell_center(i, j, k) + level_.moment(phi_, i, j, k));
+            const double share = level_.fraction(taken_, i, j, k);
+            s += left * env.gravity.dot(share * g.cell_center(i, j, k) + level_.moment(taken_, i, j, k));
             if (left < 1.0) s += share * env.gravity.dot(left_moment_[g.cell(i, j, k)]);
           }
         return s;
