@@ -101,6 +101,7 @@ class FluidCoupling {
   void push_solids(const Fluid& f, std::span<const double> pressure, std::span<double> impulse);
   /// velocity_ = B Dᵀ π.
   void yield(const Invert& invert, const std::vector<double> Fluid::*pressure);
+  void resist(const Invert& invert, double tolerance, std::span<double> r);
   /// y = S p.
   void apply(const Invert& invert);
   /// r = −D u of the fluids. @return the largest, [m³/s]

@@ -12,6 +12,8 @@ namespace {
 
 /// Flow that may remain in a cell after a solve, over the largest before.
 constexpr double kFlowTolerance = 1e-6;
+/// The same where a whole system is relieved, of which a millionth may be what acts.
+constexpr double kSharp = 1e-11;
 /// The same over the flow through a face: of velocities that are kept, and where it is rounding.
 constexpr double kKept = 1e-9, kFlowRounding = 1e-15;
 constexpr int kMostIterations = 300, kMostRounds = 3;
@@ -173,14 +175,16 @@ void FluidCoupling::keep_volume(const Invert& invert, std::span<const double> v,
   }
 }
 
-void FluidCoupling::resist(const Invert& invert, std::span<double> r) {
+void FluidCoupling::resist(const Invert& invert, std::span<double> r) { resist(invert, kFlowTolerance, r); }
+
+void FluidCoupling::resist(const Invert& invert, double tolerance, std::span<double> r) {
   // From the last on, which hardly changes within a solve, only what is new is computed.
   push(&Fluid::guess, r);
   velocity_.resize(first_.back());
   invert(r, velocity_, Of::All);
   const double most = find_excess(velocity_);
   const double fastest = largest_of_flow(velocity_), area = std::pow(fluids_.front().flow->flow_grid().dx, 2);
-  solve(invert, std::max(kFlowTolerance * most, kFlowRounding * area * fastest));
+  solve(invert, std::max(tolerance * most, kFlowRounding * area * fastest));
   push(&Fluid::x, r);
   for (Fluid& f : fluids_)
     for (std::size_t c = 0; c < f.guess.size(); ++c) f.guess[c] += f.x[c];
@@ -188,7 +192,7 @@ void FluidCoupling::resist(const Invert& invert, std::span<double> r) {
 
 void FluidCoupling::relieve(const Invert& invert, std::span<double> r) {
   for (Fluid& f : fluids_) f.guess = f.pressure;
-  resist(invert, r);
+  resist(invert, kSharp, r);
   for (Fluid& f : fluids_) {
     f.pressure.swap(f.guess);
     std::fill(f.guess.begin(), f.guess.end(), 0.0);

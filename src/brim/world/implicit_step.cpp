@@ -21,6 +21,8 @@ constexpr double kNear = 20.0;
 constexpr std::size_t kSmall = 6;
 /// Tolerance where the preconditioner is the inverse.
 constexpr double kExact = 1e-10;
+/// Share of what acts on fluids and solids in them, before their pressure is taken out, that is rounding after it.
+constexpr double kRelieved = 1e-9;
 /// Times as many solves may be made there: each lets go of a third of the nodes that hold a body that tips over.
 constexpr int kExactPasses = 3;
 
@@ -135,6 +137,7 @@ SolveReport ImplicitStep::solve_once(int pass, bool kept, bool near, std::span<d
       shifted_.resize(rhs_.size());
       system_.apply(flowing_, shifted_);
       for (std::size_t i = 0; i < rhs_.size(); ++i) shifted_[i] = rhs_[i] - shifted_[i], delta[i] -= flowing_[i];
+      ignore_of_relieved();
       coupling.relieve(invert_, shifted_);
       r = cg_.solve(system_, shifted_, tolerance, most, delta, scale_);
       for (std::size_t i = 0; i < rhs_.size(); ++i) delta[i] += flowing_[i];
@@ -155,6 +158,19 @@ SolveReport ImplicitStep::solve_once(int pass, bool kept, bool near, std::span<d
         {report.time, "no_convergence",
          fmt::format("the solve stopped after {} iterations at relative residual {:.1e}", s.iterations, s.residual)});
   return s;
+}
+
+void ImplicitStep::ignore_of_relieved() {
+  answer_.resize(shifted_.size());
+  invert_(shifted_, answer_, FluidCoupling::Of::All);
+  std::vector<double> energy(negligible_.size(), 0.0);
+  for (std::size_t b = 0; b < context_->bodies.size(); ++b) {
+    const auto r = context_->slice(shifted_, b);
+    const auto z = context_->slice(answer_, b);
+    for (std::size_t i = 0; i < r.size(); ++i) energy[island_[b]] += r[i] * z[i];
+  }
+  for (std::size_t k = 0; k < energy.size(); ++k)
+    negligible_[k] = std::max(negligible_[k], kRelieved * kRelieved * energy[k]);
 }
 
 void ImplicitStep::give_back(std::span<double> delta) {

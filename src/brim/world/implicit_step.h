@@ -87,6 +87,8 @@ class ImplicitStep {
   SolveReport solve_once(int pass, bool kept, bool near, std::span<double> delta);
   /// Hands the momentum that the solve has left over back to the bodies that it is of.
   void give_back(std::span<double> delta);
+  /// Takes as negligible what rounding leaves of shifted_ once it is relieved.
+  void ignore_of_relieved();
   /// Finds what a solve has left: b + added − A Δ, less what pressure resists.
   void find_residual(std::span<const double> delta, std::span<const double> added);
   bool correct_by(const Correct& correct, std::span<double> delta);
@@ -118,7 +120,7 @@ class ImplicitStep {
   std::vector<std::uint8_t> lone_;     ///< per body: one block, without coarse modes
   std::vector<std::uint8_t> without_;  ///< per body: without coarse modes
   FluidCoupling::Invert invert_;       ///< precondition_bodies, filtered
-  std::vector<double> filtered_, resisted_;
+  std::vector<double> filtered_, resisted_, answer_;
   std::vector<double> flowing_, shifted_;  ///< Δ₀ that makes all flow keep the volume of cells, and b − A Δ₀
   std::vector<double> residual_;           ///< of the last solve of the passes
   std::vector<double> scale_;              ///< of the first pass, for all
