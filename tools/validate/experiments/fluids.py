@@ -153,8 +153,7 @@ def dragged_share():
             unit="m/s²", tolerance=0.10, cases=cases(fluid=("particles", "grid"), density=(250, 2000)),
             theory=lambda c: G * (1000 - c.density) / (c.density + 1000 * dragged_share()), measure=lambda c, r: first_acceleration(c, r),
             misses={"fluid particles": "its first step is right (3.91 for 3.90 m/s² where it sinks); then it is braked by some 100 N s/m, half of it with half the step: around "
-                                       "a ball two spacings large single particles jump past each other (docs/bodies/particle_fluid.md, limits)",
-                    "fluid grid, density 250": "still water lifts it by 1.01 of its share (lift_on_a_grid), but it drags 0.43 of the water that it displaces, and one of 2000 kg/m³ 0.46; the cause was not looked for"},
+                                       "a ball two spacings large single particles jump past each other (docs/bodies/particle_fluid.md, limits)"},
             curve=lambda c, r: let_go(c, r), axes=("t [s]", "speed [m/s]"))
 def added_mass(case):
     """A ball of 0.2 m that is held in the middle of still water is let go: its acceleration in the first 0.05 s."""
