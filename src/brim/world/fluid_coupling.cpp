@@ -61,14 +61,12 @@ void FluidCoupling::find(std::span<const std::unique_ptr<Body>> bodies, std::spa
   first_.assign(first_v.begin(), first_v.end());
   body_.clear();
   for (const auto& b : bodies) body_.push_back(b.get());
-  rows_ = 0;
   for (Fluid& fluid : fluids) {
     const ProfileScope scope("flows around", *parts[fluid.part].body);
     find_shares(fluid, parts, filter);
     fluid.flow->set_solids(octant_, v.empty() ? v : slice(v, fluid.body));
     if (!fluid.sides.empty()) find_rows(fluid, parts);
     fluid.told = !octant_.empty();
-    for (const Side& s : fluid.sides) rows_ += s.rows.size();
   }
   // One that knows of solids leaves its pressure to the solve, far as they may be from what is wet.
   std::erase_if(fluids, [](const Fluid& f) { return !f.told; });

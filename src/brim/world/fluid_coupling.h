@@ -61,7 +61,6 @@ class FluidCoupling {
   void give_back(std::span<const double> residual, std::span<double> delta) const;
   /// Forces of the last solve, of each pair and at each face. @param dt  [s]
   void report(double dt, StepReport& report, std::vector<ContactSample>& samples) const;
-  std::size_t rows() const { return rows_; }
 
  private:
   /// A face of a fluid, and how much of it a solid takes.
@@ -118,7 +117,6 @@ class FluidCoupling {
   std::vector<std::int32_t> found_, look_;  ///< parts that were looked at, each fluid's after it
   std::vector<std::size_t> first_;
   std::vector<const Body*> body_;
-  std::size_t rows_ = 0;
   bool apart_ = false;  ///< no contact acts on any of the fluids: B is that of solids beside that of fluids
   std::vector<double> impulse_, velocity_;
   std::vector<Vec3> at_points_;
