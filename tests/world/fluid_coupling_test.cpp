@@ -228,5 +228,19 @@ TEST(FluidCoupling, ASoftSolidFloats) {
   EXPECT_NEAR(mean, 0.5 + 0.5 * 0.375 * 0.375 * 0.25, 0.1 * 0.25);
 }
 
+TEST(FluidCoupling, WhatWaterHoldsMovesByTheVelocityThatItIsLeftWith) {
+  // By the mean of those before and after, as in free flight, what bobs would swing ever higher.
+  World w(options());
+  w.add(pool(0.6));
+  testing::Start start;
+  start.x = Vec3(0.5, 0.5, 0.4);
+  w.add(testing::ball("ball", start, 0.0, 0.15, 500.0));
+  for (int s = 0; s < 5; ++s) {
+    const double before = w.q(1)[2];
+    ASSERT_TRUE(w.step().ok);
+    EXPECT_NEAR(w.q(1)[2] - before, 0.01 * w.v(1)[2], 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace brim::fluid_coupling_test

@@ -34,6 +34,8 @@ class FreeFlight {
   void find(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts, const ContactStage& stage,
             PartFilter& filter, const ContactParameters& laws, const OuterActions& actions,
             const WorldOptions& options);
+  /// Says of one that it does not fly: something else acts on it.
+  void hold(std::size_t body) { held_[body] = 1; }
   bool flies(std::size_t body) const { return held_[body] == 0; }
   /// Sets one back by dt/2 Δc, after its finish_step.
   /// @param delta     v⁺ − v of the body, as solved

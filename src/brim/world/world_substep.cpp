@@ -238,7 +238,6 @@ double World::Impl::substep(double left, StepReport& report) {
     fill.add_forces(normal_force);
     report_pairs(parts, contacts, normal_force, friction_force, state.time, report, samples);
     stage.rigid().report(parts, state.time, report);
-    coupling.report(dt, report, samples);
     // Before stiff contact has pushed apart what lies within each other.
     if (state.step == 0 && report.substeps == 1) warn_of_start(parts, state.time, report);
     for (std::size_t c = 0; c < contacts.size(); ++c) normal_force[c] += friction_force[c];
@@ -255,6 +254,7 @@ double World::Impl::substep(double left, StepReport& report) {
     constraints.finish(report, samples, last, state.warm_start);
     if (!constraints.empty() && !constraints.converged()) warn_of_mass_ratio(parts, laws, options, state.time, report);
     resist_rolling(parts, first_v, report.pairs, laws, options, dt, state.v, delta);
+    coupling.report(dt, report, samples);
     report.contact_energy = response.energy();
     for (const auto& w : watchers) w->substep(*self, state.time, dt);
   }
@@ -264,6 +264,9 @@ double World::Impl::substep(double left, StepReport& report) {
   for (std::size_t i = 0; i < constraints.position_correction().size(); ++i)
     advance_v[i] += constraints.position_correction()[i];
   flight.find(bodies, parts, stage, filter, laws, actions, options);
+  coupling.for_pairs([&](int fluid, int solid) {
+    flight.hold(static_cast<std::size_t>(fluid)), flight.hold(static_cast<std::size_t>(solid));
+  });
   parallel_for(bodies.size(), [&](std::size_t b) {
     if (sleep.asleep(b) || is_frozen(b)) return;
     const ProfileScope scope("advance", *bodies[b]);
