@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -11,6 +12,8 @@
 #include <vector>
 
 #include "brim/core/error.h"
+#include "brim/scene/document.h"
+#include "brim/world/measures.h"
 #include "commands.h"
 #include "number_range.h"
 #include "outside_program.h"
@@ -31,6 +34,8 @@ struct RenderOptions {
   double fps = 0.0;  ///< 0: the run's own
   bool tiles = false, no_links = false;
 };
+
+constexpr std::size_t kNamesShown = 20;
 
 /// Numbers between separators. @throws InputError  with the given text when there is anything else
 std::vector<double> numbers(const std::string& text, char separator, const std::string& usage) {
@@ -106,6 +111,42 @@ Json colour_wish(const std::string& text) {
   return wish;
 }
 
+/// The bodies of a run that a name means; numbered copies of it only where a stem is allowed.
+/// @throws InputError  where there is none
+std::vector<Json> named(const std::vector<Json>& bodies, const std::string& name, bool stem,
+                        const std::string& option) {
+  std::vector<Json> found;
+  std::vector<std::string> names;
+  for (const Json& body : bodies) {
+    names.push_back(body.at("name").get<std::string>());
+    if (stem ? concerns(name, names.back()) : name == names.back()) found.push_back(body);
+  }
+  if (!found.empty()) return found;
+  const std::string near = nearest_word(name, names);
+  std::string known;
+  for (std::size_t i = 0; i < std::min(names.size(), kNamesShown); ++i) known += (i ? ", " : "") + names[i];
+  if (names.size() > kNamesShown) known += fmt::format(" and {} more", names.size() - kNamesShown);
+  throw InputError(fmt::format("{}: \"{}\" is not a body of the run, which has {}{}", option, name, known,
+                               near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
+}
+
+/// What of a picture can be shown of the run. @throws InputError  for what cannot
+void check_wishes(const Json& run, const RenderOptions& options, const Json& slice, const Json& surface,
+                  const Json& colours) {
+  const auto bodies = run.at("bodies").get<std::vector<Json>>();
+  for (const auto& [name, unused] : colours.items()) named(bodies, name, true, "--colour " + options.colour);
+  if (surface.is_array())
+    for (const Json& name : surface)
+      for (const Json& body : named(bodies, name.get<std::string>(), true, "--surface " + options.surface))
+        if (body.at("display") != "points")
+          throw InputError(fmt::format("--surface {}: \"{}\" is not made of particles; a surface is shown around those",
+                                       options.surface, body.at("name").get<std::string>()));
+  if (slice.is_null()) return;
+  if (slice.contains("body")) named(bodies, slice.at("body").get<std::string>(), false, "--slice " + options.slice);
+  if (!run.at("slices").get<bool>())
+    throw InputError(fmt::format("--slice {}: the run keeps no scene.json to make densities from", options.slice));
+}
+
 struct Tools {
   std::string node, chromium, ffmpeg;
 };
@@ -136,7 +177,7 @@ int render(const RenderOptions& options) {
     if (s < 16 || s > 8192 || s != std::floor(s)) throw InputError(usage);
   const Json pose = camera_pose(options.camera);
   const Json slice = options.slice.empty() ? Json() : slice_wish(options.slice);
-  const Json colours = colour_wish(options.colour);
+  const Json colours = colour_wish(options.colour), surface = surface_wish(options.surface);
   const fs::path out = fs::absolute(options.out);
   if (out.extension() != ".png" && out.extension() != ".mp4")
     throw InputError(fmt::format("-o {}: must end in .png or .mp4", options.out));
@@ -146,6 +187,7 @@ int render(const RenderOptions& options) {
       out.extension() == ".png" && (options.frame >= frames || options.frame < -frames))
     throw InputError(
         fmt::format("--frame {}: is not there; it must be from {} to {}", options.frame, -frames, frames - 1));
+  check_wishes(Json(run.info()), options, slice, surface, colours);
   const Tools tools = find_tools();
   const std::string script = viewer::find_render_script().string();
   viewer::ViewerServer server(run, viewer::find_page_folder());
@@ -163,7 +205,7 @@ int render(const RenderOptions& options) {
                     {"links", !options.no_links},
                     {"slice", slice},
                     {"colours", colours},
-                    {"surface", surface_wish(options.surface)},
+                    {"surface", surface},
                     {"fps", options.fps > 0 ? options.fps : run.frame_rate()}};
   const std::jthread serving([&server] { server.listen(); });
   const int code = run_program(tools.node, {script, job.dump()});

@@ -54,6 +54,13 @@ Scene read_scene(const Options& o) {
   return parse_scene(kept.text, kept.file, o.settings.read());
 }
 
+/// The folder of a run that is named by it or by its run.h5.
+std::string folder_of_run(const std::string& path) {
+  const std::filesystem::path given(path);
+  if (given.filename() != "run.h5" || std::filesystem::is_directory(given)) return path;
+  return given.has_parent_path() ? given.parent_path().string() : ".";
+}
+
 int run(const Options& o) {
   const auto start = std::chrono::steady_clock::now();
   const ThreadLimit limit(o.threads);
@@ -90,6 +97,7 @@ int run(const Options& o) {
     hand.emplace();
     plan.before_step = [&](World& w) { hand->before_step(w); };
   }
+  plan.stop = interrupted;
   if (view)
     plan.started = [&] {
       if (hand) hand->write_to(plan.folder, plan.resume);
@@ -161,8 +169,8 @@ void add_run(CLI::App& app, int& code) {
       "as --view, no faster than the clock and until Ctrl-C or --frames, with bodies that can be pulled in "
       "the browser");
   CLI::Option* force = command->add_flag("--force", o->force, "replace an old run in the folder");
-  CLI::Option* resume =
-      command->add_option("--resume", o->resume, "go on with the run in this folder after its last frame");
+  CLI::Option* resume = command->add_option(
+      "--resume", o->resume, "go on with the run in this folder, or with its run.h5, after its last frame");
   resume->excludes(folder)->excludes(force);
   command
       ->add_flag("--edit", o->edit,
@@ -170,6 +178,7 @@ void add_run(CLI::App& app, int& code) {
       ->needs(resume);
   command->callback([o, &code] {
     if (o->scene.empty() && o->resume.empty()) throw CLI::RequiredError("scene, or --resume with the folder of a run,");
+    o->resume = folder_of_run(o->resume);
     code = run(*o);
   });
 }

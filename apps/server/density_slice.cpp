@@ -10,6 +10,8 @@ namespace brim::viewer {
 namespace {
 
 constexpr double kMostNodes = 3e6;
+/// Share of the finest step that contact takes below which no step may be asked for: finer shows nothing of contact.
+constexpr double kFinest = 0.25;
 
 /// Box of what can move, and of what is fixed near by; with a margin of some voxels.
 Aabb seen_box(const World& world, double h) {
@@ -50,9 +52,8 @@ class Plane {
     layer_ = static_cast<std::int32_t>(std::lround(slice.at / slice.step));
   }
 
-  /// Calls visit(index, rho) for every node with density.
-  template <class Visit>
-  void rasterize(int p, Visit visit) {
+  /// Tiles of the plane on which a part is, for as long as no others are asked for.
+  std::span<const TileKey> tiles(int p) {
     const PartRef part = world_.part(p);
     const Body& body = world_.body(part.body);
     const double h = slice_.step, ramp = world_.options().ramp_voxels * h;
@@ -69,11 +70,18 @@ class Plane {
     tiles_.erase(std::unique(tiles_.begin(), tiles_.end()), tiles_.end());
     const auto own_layer = static_cast<std::int32_t>(std::floor(static_cast<double>(layer_) / kTileSize));
     std::erase_if(tiles_, [&](const TileKey& t) { return coordinate(t, slice_.axis) != own_layer; });
+    return tiles_;
+  }
+
+  /// Calls visit(index, rho) for every node with density.
+  template <class Visit>
+  void rasterize(int p, Visit visit) {
     constexpr std::size_t kBatch = 256;
-    for (std::size_t at = 0; at < tiles_.size(); at += kBatch) {
-      const auto batch = std::span(tiles_).subspan(at, std::min(kBatch, tiles_.size() - at));
+    const std::span<const TileKey> all = tiles(p);
+    for (std::size_t at = 0; at < all.size(); at += kBatch) {
+      const auto batch = all.subspan(at, std::min(kBatch, all.size() - at));
       if (blocks_.size() < batch.size()) blocks_.resize(batch.size());
-      world_.density(p, h, batch, std::span(blocks_).first(batch.size()));
+      world_.density(p, slice_.step, batch, std::span(blocks_).first(batch.size()));
       for (std::size_t t = 0; t < batch.size(); ++t) read(batch[t], blocks_[t], visit);
     }
   }
@@ -117,6 +125,36 @@ void take(DensitySlice& slice, std::size_t n, float rho, std::int32_t body) {
   }
 }
 
+/// Nodes of the plane over a box, at the step that the slice has or a coarser one.
+void lay_out(const Aabb& box, double at, DensitySlice& slice) {
+  const int axes[2] = {(slice.axis + 1) % 3, (slice.axis + 2) % 3};
+  while (box.extent()[axes[0]] * box.extent()[axes[1]] > kMostNodes * slice.step * slice.step) slice.step *= 2.0;
+  slice.lowest = box.lo[slice.axis], slice.highest = box.hi[slice.axis];
+  slice.at = slice.step * std::round(std::clamp(at, slice.lowest, slice.highest) / slice.step);
+  for (int a = 0; a < 2; ++a) {
+    slice.first[a] = static_cast<std::int32_t>(std::floor(box.lo[axes[a]] / slice.step));
+    slice.count[a] = static_cast<std::int32_t>(std::ceil(box.hi[axes[a]] / slice.step)) - slice.first[a] + 1;
+  }
+}
+
+/// True when all parts, or those of one body, have no more tiles on the plane than can be sampled at once.
+bool can_be_sampled(const DensitySlice& slice, const World& world, int body) {
+  Plane plane(slice, world);
+  std::size_t tiles = 0;
+  for (int p = 0; p < world.part_count() && tiles <= kMostTiles; ++p)
+    if (body < 0 || world.part(p).body == body) tiles += plane.tiles(p).size();
+  return tiles <= kMostTiles;
+}
+
+void need_step(const World& world, double step) {
+  const double finest = finest_step(world), extent = seen_box(world, finest).extent().maxCoeff();
+  if (step < kFinest * finest * (1.0 - 1e-9) || step > extent)
+    throw TooMuchWork(
+        fmt::format("step: {:.3g} m is not allowed; must be 0, or from {:.3g} m (a quarter of the finest step "
+                    "of contact) to {:.3g} m",
+                    step, kFinest * finest, extent));
+}
+
 }  // namespace
 
 DensitySlice cut_densities(const World& world, const SliceRequest& request) {
@@ -125,17 +163,20 @@ DensitySlice cut_densities(const World& world, const SliceRequest& request) {
     throw InputError(fmt::format("no body {}", request.body));
   if (!std::isfinite(request.at) || !std::isfinite(request.step) || request.step < 0.0)
     throw InputError("place and step of a slice must be finite, the step not negative");
+  if (request.step > 0.0) need_step(world, request.step);
   DensitySlice slice;
   slice.axis = request.axis;
   slice.step = request.step > 0.0 ? request.step : finest_step(world);
   const Aabb box = seen_box(world, slice.step);
-  const int axes[2] = {(slice.axis + 1) % 3, (slice.axis + 2) % 3};
-  while (box.extent()[axes[0]] * box.extent()[axes[1]] > kMostNodes * slice.step * slice.step) slice.step *= 2.0;
-  slice.lowest = box.lo[slice.axis], slice.highest = box.hi[slice.axis];
-  slice.at = slice.step * std::round(std::clamp(request.at, slice.lowest, slice.highest) / slice.step);
-  for (int a = 0; a < 2; ++a) {
-    slice.first[a] = static_cast<std::int32_t>(std::floor(box.lo[axes[a]] / slice.step));
-    slice.count[a] = static_cast<std::int32_t>(std::ceil(box.hi[axes[a]] / slice.step)) - slice.first[a] + 1;
+  lay_out(box, request.at, slice);
+  while (!can_be_sampled(slice, world, request.body)) {
+    if (request.step > 0.0)
+      throw TooMuchWork(
+          fmt::format("step: {:.3g} m is not allowed here; bodies meet more than {} tiles of the plane with "
+                      "it; ask for a larger one, or for 0",
+                      request.step, kMostTiles));
+    slice.step *= 2.0;
+    lay_out(box, request.at, slice);
   }
   const std::size_t nodes = static_cast<std::size_t>(slice.count[0]) * static_cast<std::size_t>(slice.count[1]);
   slice.density.assign(nodes, 0.0f), slice.second.assign(nodes, 0.0f), slice.overlap.assign(nodes, 0.0f);

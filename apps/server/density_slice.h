@@ -3,16 +3,23 @@
 #include <cstdint>
 #include <vector>
 
+#include "brim/core/error.h"
 #include "brim/world/world.h"
 
 namespace brim::viewer {
+
+/// A request whose answer would take too long.
+class TooMuchWork : public InputError {
+ public:
+  using InputError::InputError;
+};
 
 /// Which plane of nodes to look at.
 struct SliceRequest {
   int axis = 2;       ///< across the plane: 0 x, 1 y, 2 z
   double at = 0.0;    ///< [m] along the axis; the nearest layer of nodes is taken
   int body = -1;      ///< densities of this body only; -1: of all
-  double step = 0.0;  ///< [m] grid step; 0: the finest that a part asks for
+  double step = 0.0;  ///< [m] grid step, from a quarter of the finest that a part asks for; 0: the finest
 };
 
 /// The nodes of a plane. Node (i, j) lies at step * (first[0] + i, first[1] + j) along the two other axes, in the order
@@ -32,8 +39,12 @@ struct DensitySlice {
                                ///< of two parts of one body that collide
 };
 
+inline constexpr std::size_t kMostTiles = 30000;
+
 /// Densities as contact sees them, on one plane through everything that can move (docs/viewer.md).
-/// Cost: that of rasterizing the tiles that the plane meets. @throws InputError  for an axis or body that is not there
+/// Cost: that of rasterizing the tiles that the plane meets, at most kMostTiles of all parts together: where they are
+/// more, a step that was not asked for is doubled. @throws InputError  for an axis or body that is not there
+/// @throws TooMuchWork  for a step that is asked for and too fine
 /// Tests: tests/server/density_slice_test.cpp
 DensitySlice cut_densities(const World& world, const SliceRequest& request);
 

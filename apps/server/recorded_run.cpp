@@ -23,6 +23,7 @@ namespace {
 constexpr std::size_t kWarningsShown = 1000;
 constexpr double kSilence = 600.0;  // [s]
 constexpr int kAttempts = 4;
+constexpr int kMostSlices = 3;  // fewer than HttpServer has threads
 constexpr int kFirstAttempts = 25;
 constexpr auto kPause = std::chrono::milliseconds(40);
 
@@ -90,7 +91,7 @@ RecordedRun::RecordedRun(const std::string& path) {
   // A file caught in the middle of a write is tried again; the last message is better than any made here.
   for (int attempt = 0;; ++attempt) {
     try {
-      RunReader{path};
+      [[maybe_unused]] const RunReader readable(path);
       break;
     } catch (const InputError&) {
       if (attempt == kFirstAttempts || !fs::is_regular_file(file_)) throw;
@@ -290,6 +291,15 @@ std::string RecordedRun::frame(std::int64_t frame) {
 }
 
 std::string RecordedRun::slice(std::int64_t frame, const SliceRequest& request) {
+  // One is made at a time; the server has a thread left for all else.
+  struct Counted {
+    explicit Counted(std::atomic<int>& n) : count(n), before(count.fetch_add(1)) {}
+    ~Counted() { count.fetch_sub(1); }
+    std::atomic<int>& count;
+    const int before;
+  } const counted(slices_);
+  if (counted.before >= kMostSlices)
+    throw Busy(fmt::format("{} slices are being made or wait; ask again when they have come", kMostSlices));
   const std::lock_guard world_lock(world_mutex_);
   const World* world = nullptr;
   {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <memory>
 #include <mutex>
@@ -47,6 +48,7 @@ class RecordedRun : public RunSource {
   ProcessMark writer_;                      ///< of the file as it is open: another one may have begun it anew
   bool world_stale_ = false;                ///< world_ is of a run that has been replaced or gone on with since
   std::mutex world_mutex_;                  ///< taken before mutex_ where both are
+  std::atomic<int> slices_ = 0;             ///< that are made or waited for
   std::unique_ptr<RebuiltWorld> world_;     ///< made when the first slice is asked for
 };
 

@@ -16,6 +16,12 @@ struct Progress {
   bool operator==(const Progress&) const = default;
 };
 
+/// So much is asked for at once that this must wait.
+class Busy : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// What the server shows. Functions may be called from several threads at once; they throw InputError for what is not
 /// there or cannot be read. Messages are those of ArrayMessage; docs/viewer.md lists their arrays.
 class RunSource {
@@ -25,7 +31,7 @@ class RunSource {
   virtual nlohmann::json info() = 0;
   virtual std::string topology(int body) = 0;
   virtual std::string frame(std::int64_t frame) = 0;
-  /// Densities on a plane at a frame.
+  /// Densities on a plane at a frame. @throws TooMuchWork, Busy
   virtual std::string slice(std::int64_t frame, const SliceRequest& request) = 0;
   /// Every recorded scalar from a frame on.
   virtual std::string series(std::int64_t from) = 0;

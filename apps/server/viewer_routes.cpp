@@ -80,6 +80,10 @@ HttpResponse ViewerRoutes::answer(const HttpRequest& request) const {
   try {
     if (post) return hand(request);
     return request.path.starts_with("/api/") ? data(request) : file(request.path);
+  } catch (const TooMuchWork& error) {
+    return HttpResponse::error(400, error.what());
+  } catch (const Busy& error) {
+    return HttpResponse::error(429, error.what());
   } catch (const InputError& error) {
     return HttpResponse::error(404, error.what());
   } catch (const std::exception& error) {

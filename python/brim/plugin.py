@@ -15,6 +15,6 @@ def load_plugin(path: str | os.PathLike[str]) -> None:
     # The plugin takes all of brim from this module, whose names Python keeps to itself until they are asked for.
     ctypes.CDLL(_core.__file__, mode=os.RTLD_NOW | os.RTLD_GLOBAL | os.RTLD_NOLOAD)
     try:
-        ctypes.CDLL(os.path.abspath(path), mode=os.RTLD_NOW)
-    except OSError as error:
+        _core.load_plugin(os.path.abspath(path))
+    except _core.InputError as error:
         raise _core.InputError(f"load_plugin: {error}") from None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -35,8 +36,12 @@ class Running:
     """An iterator over the frames of a run; made by World.run. A run that is left early is closed with what it has."""
 
     def __init__(self, world: World, frames: int, record: str | os.PathLike[str] | None, force: bool) -> None:
+        try:
+            frames = operator.index(frames)
+        except TypeError:
+            raise TypeError(f"frames: {frames!r} is not allowed; must be a whole number from 0") from None
         if frames < 0:
-            raise ValueError(f"frames: {frames} is not allowed; must be at least 0")
+            raise ValueError(f"frames: {frames} is not allowed; must be a whole number from 0")
         self._world = world
         self._frames = frames
         self._number = 0

@@ -4,6 +4,7 @@
 
 #include "arrays.h"
 #include "brim/math/ramp.h"
+#include "interpreter_lock.h"
 
 namespace brim::python {
 
@@ -54,7 +55,7 @@ ArrayBody::ArrayBody(OwnModel model, py::object author, std::shared_ptr<CallerTh
 }
 
 ArrayBody::~ArrayBody() {
-  const py::gil_scoped_acquire lock;
+  const Locked lock;
   author_ = py::object();
 }
 

@@ -1,20 +1,20 @@
 #include "caller_thread.h"
 
+#include "interpreter_lock.h"
+
 namespace brim::python {
 
 namespace py = pybind11;
 
 void CallerThread::serve(Request& request) {
+  request.failed = true;
+  if (interpreter_ends()) return;
+  const Locked lock;
   try {
-    const py::gil_scoped_acquire lock;
-    try {
-      (*request.f)();
-    } catch (...) {
-      request.failed = true;
-      if (!failure_) failure_ = std::current_exception();
-    }
+    outlive(*request.f);
+    request.failed = false;
   } catch (...) {
-    request.failed = true;  // the lock could not be had: the interpreter ends
+    if (!failure_) failure_ = std::current_exception();
   }
 }
 
@@ -22,7 +22,7 @@ void CallerThread::run(const std::function<void()>& work) {
   std::exception_ptr thrown;
   failure_ = nullptr;
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     {
       const std::lock_guard hold(mutex_);
       server_ = std::this_thread::get_id();
@@ -63,7 +63,7 @@ void CallerThread::call(const std::function<void()>& f) {
   std::unique_lock hold(mutex_);
   if (server_ == std::thread::id{} || server_ == std::this_thread::get_id()) {
     hold.unlock();
-    const py::gil_scoped_acquire lock;
+    const Locked lock;
     f();
     return;
   }

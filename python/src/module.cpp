@@ -1,7 +1,9 @@
 #include "bindings.h"
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "brim/scene/plugin.h"
 #include "brim/scene/scene.h"
+#include "interpreter_lock.h"
 
 namespace py = pybind11;
 
@@ -26,6 +28,8 @@ PYBIND11_MODULE(_core, m) {
     limit.reset();
     if (threads > 0) limit = std::make_unique<brim::ThreadLimit>(threads);
   });
+  m.def("load_plugin", &brim::load_plugin);
+  brim::python::watch_for_end();
   brim::python::bind_reports(m);
   brim::python::bind_session(m);
   brim::python::bind_runs(m);

@@ -8,6 +8,7 @@
 
 #include "array_body.h"
 #include "arrays.h"
+#include "brim/core/stop.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/links.h"
 #include "brim/scene/node.h"
@@ -19,6 +20,7 @@
 #include "brim/world/attachment.h"
 #include "brim/world/report_fields.h"
 #include "brim/world/sense/sensors.h"
+#include "interpreter_lock.h"
 #include "json_of.h"
 #include "wind_of.h"
 
@@ -108,9 +110,9 @@ std::unique_ptr<Session> Session::load(const std::string& path, const py::dict& 
   s->entries_ = s->head_.at("bodies");
   s->head_.erase("bodies");
   {
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     s->world_ = std::make_unique<World>(scene.world);
-    s->take(build_bodies(scene));
+    build_bodies(scene, [&](std::unique_ptr<Body> body) { s->take(std::move(body)); });
     wire_up(Node(*scene.document, scene.document->root, ""), *s->world_);
     schedule_timeline(scene, *s->world_);
   }
@@ -139,18 +141,20 @@ Scene Session::checked(const Json& entry, const std::string& kind) const {
 
 std::map<std::string, Material> Session::materials() const { return checked(floor_entry()).materials; }
 
-void Session::take(std::vector<std::unique_ptr<Body>> bodies) {
-  for (std::unique_ptr<Body>& body : bodies) {
-    names_.insert(body->name());
-    outer_.push_back(dynamic_cast<OuterForces*>(body.get()));
-    mirrors_.push_back(nullptr);
-    world_->add(std::move(body));
-  }
+void Session::take(std::unique_ptr<Body> body) {
+  const std::string name = body->name();
+  auto* const outer = dynamic_cast<OuterForces*>(body.get());
+  world_->add(std::move(body));  // may refuse it: then nothing is known of it
+  names_.insert(name);
+  outer_.push_back(outer);
+  mirrors_.push_back(nullptr);
 }
 
 void Session::include(std::vector<std::unique_ptr<Body>> bodies, const Json& entry) {
   read_mirrors();
-  unlocked([&] { take(std::move(bodies)); });
+  unlocked([&] {
+    for (std::unique_ptr<Body>& body : bodies) take(std::move(body));
+  });
   names_.insert(entry.at("name").get<std::string>());
   entries_.push_back(entry);
   file.clear(), text.clear();
@@ -165,7 +169,7 @@ std::vector<int> Session::add(const py::dict& given) {
   const std::string made_up = scene.file;
   in_words(made_up, fmt::format("{} \"{}\"", entry.at("kind").get<std::string>(), name), [&] {
     if (names_.contains(name)) throw InputError("name: it is already the name of a body; names must be unique");
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     bodies = build_bodies(scene);
     for (const auto& body : bodies)
       if (names_.contains(body->name()))
@@ -298,7 +302,7 @@ void Session::unlocked(const std::function<void()>& f) {
     caller_->run(f);
     return;
   }
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   f();
 }
 
@@ -397,8 +401,12 @@ void Session::step(bool joined, const std::map<int, py::object>& forces) {
   read_mirrors();
   const State before = world_->state();
   StepReport report;
+  const StopScope::Asked ends = [asker = std::this_thread::get_id()] { return interpreter_ends(asker); };
   try {
-    unlocked([&] { report = world_->step(); });
+    unlocked([&] {
+      const StopScope scope(ends);
+      report = world_->step();
+    });
   } catch (...) {
     const std::exception_ptr thrown = std::current_exception();
     try {

@@ -109,7 +109,7 @@ class Session {
   Mirror& mirror(int body);
   void read_mirrors();
   void fill_mirrors();
-  void take(std::vector<std::unique_ptr<Body>> bodies);
+  void take(std::unique_ptr<Body> body);
   /// Changes the world with what Python wrote taken in, and shows Python the outcome.
   void edit(const std::function<void()>& change);
   void include(std::vector<std::unique_ptr<Body>> bodies, const Json& entry);

@@ -1,13 +1,14 @@
 #include "wind_of.h"
 
 #include "arrays.h"
+#include "interpreter_lock.h"
 
 namespace brim::python {
 
 WindField wind_of(py::object function, std::shared_ptr<CallerThread> caller) {
   // Whoever drops it last need not hold the interpreter's lock.
   const std::shared_ptr<py::object> held(new py::object(std::move(function)), [](py::object* f) {
-    const py::gil_scoped_acquire lock;
+    const Locked lock;
     delete f;
   });
   return [held, caller = std::move(caller)](double time, std::span<const Vec3> x, std::span<Vec3> velocity) {

@@ -62,6 +62,23 @@ class Misuse(unittest.TestCase):
         with self.assertRaisesRegex(brim.InputError, "must be the name of a kind"):
             world.add(5)
 
+    def test_a_number_of_frames_is_whole(self):
+        world = brim.World(voxel_size=0.1)
+        world.add("rigid", name="ball", shape=brim.sphere(0.2))
+        for frames in (2.5, 2.0, "2"):
+            with self.assertRaisesRegex(TypeError, "frames: .* is not allowed; must be a whole number from 0"):
+                world.run(frames=frames)
+        with self.assertRaisesRegex(ValueError, "frames: -1 is not allowed"):
+            world.run(frames=-1)
+        self.assertEqual(world.run(frames=np.int64(2)).all().number, 2)
+
+    def test_a_library_that_is_no_plugin_is_refused(self):
+        library = brim._core.__file__  # one that is there
+        with self.assertRaisesRegex(brim.InputError, f"load_plugin: {library}: is no plugin of brim"):
+            brim.load_plugin(library)
+        with self.assertRaisesRegex(brim.InputError, "load_plugin: .*none.so.*cannot open"):
+            brim.load_plugin("none.so")
+
     def test_a_filter_from_before_the_first_step_outlives_a_restored_state(self):
         def world() -> brim.World:
             w = brim.World(voxel_size=0.1)

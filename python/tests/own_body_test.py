@@ -69,6 +69,29 @@ class OwnBodies(unittest.TestCase):
             ends.append(blob.q.copy())
         np.testing.assert_allclose(ends[0], ends[1], atol=1e-6)
 
+    def test_a_jacobian_that_is_none_of_deform_is_refused(self):
+        random = np.random.default_rng(7)
+
+        class Zero(ExactBlob):
+            def jacobian(self, q, X):
+                return np.zeros((len(X), 3, 6))
+
+        class Random(ExactBlob):
+            def jacobian(self, q, X):
+                return random.normal(size=(len(X), 3, 6))
+
+        class Transposed(ExactBlob):
+            def jacobian(self, q, X):
+                return super().jacobian(q, X)[:, :, ::-1]
+
+        for kind in (Zero, Random, Transposed):
+            with self.subTest(kind.__name__):
+                world = brim.World(voxel_size=0.05)
+                with self.assertRaisesRegex(brim.InputError, r"'mine': jacobian\(q, X\) is not the derivative"):
+                    world.add(kind(surface=brim.sphere(0.3), name="mine"))
+                self.assertEqual(len(world), 0)
+                world.step()
+
     def test_python_is_entered_on_the_stepping_thread_once_for_a_part(self):
         calls = []
 

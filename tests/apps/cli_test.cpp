@@ -1,6 +1,8 @@
+#include <dlfcn.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "apps/program.h"
@@ -64,6 +66,61 @@ TEST_F(Program, APluginBringsItsKindToEveryCommand) {
   EXPECT_EQ(run("run jelly.json -o made" + plugin).code, 0);
   EXPECT_EQ(run("info made").code, 0);
   EXPECT_EQ(run("validate jelly.json --plugin none.so").code, 2);
+  EXPECT_EQ(run("validate jelly.json" + plugin + plugin).code, 0) << "twice is once";
+}
+
+TEST_F(Program, ALibraryThatIsNoPluginIsRefusedInOneLine) {
+  Dl_info libc{};
+  ASSERT_NE(::dladdr(reinterpret_cast<const void*>(&std::getenv), &libc), 0);
+  const Outcome o = run(std::string("validate good.json --plugin '") + libc.dli_fname + "'");
+  EXPECT_EQ(o.code, 2);
+  EXPECT_EQ(o.err.find(std::string("brim: error: --plugin ") + libc.dli_fname + ": is no plugin of brim"), 0u) << o.err;
+  EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+}
+
+TEST_F(Program, ValidateWarnsOfTimelineEntriesThatTheRunDoesNotGetTo) {
+  std::string text = good(0.0);
+  text.insert(text.find("\"bodies\""), R"("timeline": [{"at": 0.04, "freeze": "ball"}, {"at": 0.05, "thaw": "ball"}],)"
+                                       "\n");
+  write("late.json", text);
+  const Outcome o = run("validate late.json");
+  EXPECT_EQ(o.code, 0);
+  EXPECT_EQ(o.err.find("brim: warning: late.json:1: /timeline/1/at: 0.05 s"), 0u) << o.err;
+  EXPECT_EQ(std::count(o.err.begin(), o.err.end(), '\n'), 1) << o.err;
+}
+
+TEST_F(Program, ResumeTakesTheRunsFileForItsFolder) {
+  ASSERT_EQ(run("run good.json -o made").code, 0);
+  const Outcome o = run("run --resume made/run.h5 --frames 8");
+  EXPECT_EQ(o.code, 0) << o.err;
+  EXPECT_EQ(RunReader((folder_ / "made").string()).frames(), 9);
+  const std::string there = "cd '" + (folder_ / "made").string() + "' && '" + std::string(BRIM_BINARY_DIR) + "/brim'";
+  EXPECT_EQ(std::system((there + " run --resume run.h5 --frames 9 > /dev/null 2>&1").c_str()), 0);
+  EXPECT_EQ(RunReader((folder_ / "made").string()).frames(), 10);
+}
+
+TEST_F(Program, RenderSaysAtOnceWhatTheRunDoesNotHave) {
+  ASSERT_EQ(run("run good.json -o made").code, 0);
+  for (const auto& [option, words] :
+       {std::pair{"--surface bal",
+                  "--surface bal: \"bal\" is not a body of the run, which has floor, ball; did you mean \"ball\"?"},
+        {"--slice y=0,bal",
+         "--slice y=0,bal: \"bal\" is not a body of the run, which has floor, ball; did you mean \"ball\"?"},
+        {"--colour bal=#ffffff",
+         "--colour bal=#ffffff: \"bal\" is not a body of the run, which has floor, ball; did you mean \"ball\"?"},
+        {"--surface ball", "--surface ball: \"ball\" is not made of particles"}}) {
+    const Outcome o = run(std::string("render made -o a.png ") + option);
+    EXPECT_EQ(o.code, 2) << option;
+    EXPECT_EQ(o.err.find(std::string("brim: error: ") + words), 0u) << o.err;
+  }
+  fs::remove(folder_ / "made/scene.json");
+  EXPECT_NE(run("render made -o a.png --slice y").err.find("keeps no scene.json"), std::string::npos);
+  // Names that are there pass: what is missing then are the programs that draw.
+  ::setenv("BRIM_CHROMIUM", "/none", 1);
+  const Outcome good = run("render made -o a.png --colour ball=#ffffff");
+  ::unsetenv("BRIM_CHROMIUM");
+  EXPECT_EQ(good.err.find("is not a body"), std::string::npos) << good.err;
+  EXPECT_EQ(good.err.find("brim: error: brim render"), 0u) << good.err;
 }
 
 TEST_F(Program, GoodSceneIsRecordedAndChecked) {
@@ -165,6 +222,22 @@ TEST_F(Program, InterruptKeepsAllFramesAndEndsWith130) {
   const RunReader reader((folder_ / "made").string());
   EXPECT_GE(reader.frames(), 4);
   EXPECT_EQ(summary["frames"], reader.frames());
+}
+
+TEST_F(Program, InterruptEndsTheRunWithinAFrameThatTakesLong) {
+  std::string text = good(0.0);
+  text.insert(text.find("\"frames\""), "\"steps_per_frame\": 100000, ");
+  write("good.json", text);
+  start_long_run();
+  ASSERT_TRUE(comes_true([&] { return fs::exists(folder_ / "made/run.h5"); }));
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  const int status = end(SIGTERM);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  const auto summary = nlohmann::json::parse(read(folder_ / "made/summary.json"));
+  EXPECT_EQ(summary["end"], "interrupted");
+  EXPECT_EQ(summary["frames"], 1) << "the frame that was not ended is none";
+  EXPECT_EQ(RunReader((folder_ / "made").string()).frames(), 1);
 }
 
 TEST_F(Program, ARunThatIsBeingWrittenIsLeftAlone) {

@@ -80,6 +80,55 @@ TEST(OwnBody, AFreeBallInPolarCoordinatesFliesStraight) {
   EXPECT_LT((p - by_hand).norm(), 1e-8 * m);
 }
 
+/// x = c + |s| X / 1 m: at s = 0 its derivative has two sides. Its author's formula is of any kind.
+class FormulaBall final : public OwnBody {
+ public:
+  enum class Formula { Right, LeftSide, Zero, Random, WrongUnit };
+  FormulaBall(Formula formula, double s) : OwnBody(ball_model({0.3, -0.2, 0.5, s})), formula_(formula) {}
+  std::string_view kind() const override { return "formula"; }
+  Vec3 deform(Coordinates q, const Vec3& X) const override {
+    return Eigen::Map<const Vec3>(q.data()) + (1.0 + std::abs(q[3])) * X;
+  }
+  Vec3 inverse_deform(Coordinates q, const Vec3& x) const override {
+    return (x - Eigen::Map<const Vec3>(q.data())) / (1.0 + std::abs(q[3]));
+  }
+  double distance(Coordinates q, const Vec3& x) const override { return inverse_deform(q, x).norm() - kRadius; }
+  void jacobian(Coordinates q, const Vec3& X, Eigen::Ref<Jacobian> J) const override {
+    J.leftCols(3) = Mat3::Identity();
+    J.col(3) = (q[3] < 0.0 || formula_ == Formula::LeftSide ? -1.0 : 1.0) * X;
+    if (formula_ == Formula::Zero) J.setZero();
+    if (formula_ == Formula::Random) J.col(3) = Vec3(0.3, -0.8, 0.4);
+    if (formula_ == Formula::WrongUnit) J.col(3) *= 180.0 / std::numbers::pi;
+  }
+
+ private:
+  Formula formula_;
+};
+
+TEST(OwnBody, AJacobianThatIsNoDerivativeOfDeformIsRefusedAtTheStart) {
+  using Formula = FormulaBall::Formula;
+  const auto message = [](Formula formula, double s) -> std::string {
+    World world;
+    auto body = std::make_unique<FormulaBall>(formula, s);
+    body->set_name("mine");
+    try {
+      world.add(std::move(body));
+    } catch (const InputError& e) {
+      EXPECT_EQ(world.body_count(), 0);
+      return e.what();
+    }
+    return "";
+  };
+  for (const double s : {-0.2, 0.0, 0.3}) EXPECT_EQ(message(Formula::Right, s), "") << s;
+  EXPECT_EQ(message(Formula::LeftSide, 0.0), "") << "the derivative of one side of an edge";
+  for (const Formula wrong : {Formula::Zero, Formula::Random, Formula::WrongUnit}) {
+    const std::string text = message(wrong, 0.3);
+    EXPECT_EQ(text.find("body 'mine': jacobian(q, X) is not the derivative of deform(q, X): at X = ("), 0u) << text;
+  }
+  EXPECT_NE(message(Formula::LeftSide, 0.3), "");
+  EXPECT_NE(message(Formula::WrongUnit, 0.3).find("its column 3 is"), std::string::npos);
+}
+
 TEST(OwnBody, ForceIsMinusTheSlopeOfEnergyAndStiffnessItsDerivative) {
   const unsigned seed = 5;
   SCOPED_TRACE(seed);

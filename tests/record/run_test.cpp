@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "brim/body/changing_surface.h"
+#include "brim/core/error.h"
 #include "brim/world/report_fields.h"
 #include "support/recorded_fall.h"
 
@@ -12,6 +13,7 @@
 namespace brim::run_test {
 namespace {
 
+namespace fs = testing::fs;
 using testing::kScene;
 using testing::Run;
 using testing::same_bits;
@@ -153,11 +155,64 @@ TEST_F(Run, AStepThatMemoryHasNoRoomForEndsTheRunWithTheFramesBeforeIt) {
   World world = build_world(scene);
   const RunResult result = record_run(world, plan(scene, at("full")), {});
   EXPECT_EQ(result.end, RunEnd::Failed);
+  EXPECT_EQ(result.refused.find("scene.json: world: "), 0u) << result.refused;
   EXPECT_NE(result.refused.find("memory_limit"), std::string::npos) << result.refused;
   EXPECT_GT(RunReader(at("full")).frames(), 1);
   const auto s = nlohmann::json::parse(text_of(folder_ / "full/summary.json"));
   EXPECT_EQ(s["end"], "failed");
   EXPECT_EQ(s["warnings"]["codes"]["refused"], 1);
+}
+
+TEST_F(Run, WhatAStepRefusesNamesTheSceneFromItsFirstStepOn) {
+  std::string text = kScene;
+  text.replace(text.find("\"world\": {"), 10, "\"world\": {\"memory_limit\": 4e4, ");
+  text.replace(text.find("0.51"), 4, "0.4");  // they overlap
+  const Scene scene = parse_scene(text, "tight.json");
+  World world = build_world(scene);
+  try {
+    record_run(world, plan(scene, at("none")), {});
+    FAIL() << "there is no room for the first step";
+  } catch (const InputError& e) {
+    EXPECT_EQ(std::string(e.what()).find("tight.json: world: "), 0u) << e.what();
+  }
+  EXPECT_FALSE(fs::exists(at("none")));
+}
+
+TEST_F(Run, ARunThatIsStoppedWithinAStepKeepsTheFramesBeforeItAndGoesOnToTheSameBits) {
+  const Scene scene = parse_scene(kScene);
+  World straight = build_world(scene);
+  int asked = 0, frames = 0;
+  RunPlan whole = plan(scene, at("straight"));
+  whole.stop = [&] { return ++asked < 0; };
+  record_run(straight, whole, [&](const RunProgress&) { return ++frames > 0; });
+  EXPECT_GT(asked, 3 * frames) << "it must be asked within steps, or the test is blind";
+  World never = build_world(scene);
+  record_run(never, plan(scene, at("never")), {});
+  EXPECT_EQ(straight.hash(), never.hash()) << "asking changes nothing";
+  const RunReader all(at("straight"));
+  for (const int last : {1, 2, asked / 2, asked - 1}) {
+    SCOPED_TRACE(last);
+    World world = build_world(scene);
+    RunPlan p = plan(scene, at("run"));
+    p.force = true;
+    int left = last;
+    p.stop = [&] { return --left <= 0; };
+    const RunResult result = record_run(world, p, {});
+    EXPECT_EQ(result.end, RunEnd::Interrupted);
+    const std::int64_t end = RunReader(at("run")).frames() - 1;
+    EXPECT_LT(end, 12);
+    EXPECT_EQ(result.totals.frames, end + 1);
+    EXPECT_TRUE(same_bits(world.state().q, all.state(end).q) && same_bits(world.state().v, all.state(end).v) &&
+                same_bits(world.state().warm_start, all.state(end).warm_start))
+        << "the world is that of the last frame";
+    const auto s = nlohmann::json::parse(text_of(folder_ / "run/summary.json"));
+    EXPECT_EQ(s["end"], "interrupted");
+    EXPECT_EQ(s["frames"], end + 1);
+    World again = build_world(scene);
+    p.force = false, p.resume = true, p.stop = {};
+    EXPECT_EQ(record_run(again, p, {}).end, RunEnd::Completed);
+    EXPECT_EQ(again.hash(), straight.hash());
+  }
 }
 
 TEST_F(Run, XdmfIsWellFormedAndNamesWhatTheFileHolds) {

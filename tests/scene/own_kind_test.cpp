@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "../../examples/user_body/jelly.cpp"
+#include "brim/mesh/primitives.h"
 #include "brim/scene/pairs/pair_report.h"
 #include "brim/scene/pairs/pair_trial.h"
 #include "brim/scene/scene.h"
@@ -72,6 +73,31 @@ TEST(OwnKind, ItsKeysAreCheckedLikeAnyKinds) {
       message_of(R"({"kind": "jelly", "name": "j", "radius": 1, "stifness": 2})").find("did you mean \"stiffness\""),
       std::string::npos);
   EXPECT_NE(message_of(R"({"kind": "jellie", "name": "j"})").find("did you mean \"jelly\""), std::string::npos);
+}
+
+TEST(OwnKind, WhatTheWorldRefusesHasThePlaceOfTheEntry) {
+  class Unset final : public OwnBody {  // says not where its matter is
+   public:
+    explicit Unset(OwnModel m) : OwnBody(std::move(m)) {}
+    std::string_view kind() const override { return "unset"; }
+    double distance(Coordinates, const Vec3& x) const override { return x.norm() - 0.1; }
+  };
+  add_body_kind("unset", "{}", [](const OwnEntry&) {
+    OwnModel model;
+    model.q = {0.0};
+    model.surface = shapes::icosphere(0.1, 2);
+    return std::make_unique<Unset>(std::move(model));
+  });
+  const Scene scene = parse_scene(R"({"brim": 1, "name": "s", "frames": 1, "bodies": [
+    {"kind": "jelly", "name": "j", "radius": 0.1},
+    {"kind": "unset", "name": "u"}]})",
+                                  "mine.json");
+  try {
+    build_world(scene);
+    FAIL() << "it has no deform";
+  } catch (const InputError& e) {
+    EXPECT_EQ(std::string(e.what()).find("mine.json:3: /bodies/1: body of kind 'unset': deform"), 0u) << e.what();
+  }
 }
 
 TEST(OwnKind, NamesAndKeysThatAreTakenAreRefused) {

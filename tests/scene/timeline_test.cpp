@@ -57,6 +57,28 @@ TEST(Timeline, SaysWhatIsWrongBeforeTheRunBegins) {
   EXPECT_NE(message(R"({"at": -1, "remove": "ball"})").find("must be a number from 0"), std::string::npos);
 }
 
+TEST(Timeline, EntriesThatTheRunDoesNotGetToAreTold) {
+  // A second of 60 steps: the last one begins at 59/60 s.
+  const auto late = [](const std::string& at) {
+    return late_entries(
+        parse_scene(scene_with(R"({"at": 0, "freeze": "floor"}, {"at": )" + at + R"(, "thaw": "floor"})"), "s.json"));
+  };
+  for (const char* at : {"0", "0.5", "0.98", "0.98333333"}) {
+    EXPECT_TRUE(late(at).empty()) << at;
+    // Held against what happens.
+    World world = build_world(parse_scene(scene_with(fmt::format(R"({{"at": {}, "remove": "ball.1"}})", at))));
+    for (int s = 0; s < 60; ++s) world.step();
+    EXPECT_TRUE(world.removed(3)) << at;
+  }
+  for (const char* at : {"0.984", "1", "7"}) {
+    ASSERT_EQ(late(at).size(), 1u) << at;
+    EXPECT_EQ(late(at)[0].find("s.json:9: /timeline/1/at: "), 0u) << late(at)[0];
+    World world = build_world(parse_scene(scene_with(fmt::format(R"({{"at": {}, "remove": "ball.1"}})", at))));
+    for (int s = 0; s < 60; ++s) world.step();
+    EXPECT_FALSE(world.removed(3)) << at;
+  }
+}
+
 TEST(Timeline, EditsAllThatANameMeansAtItsTime) {
   World w = build_world(parse_scene(scene_with(R"(
     {"at": 0.2, "remove": "ball.1"}, {"at": 0.4, "freeze": "ball.1"}, {"at": 0.1, "set_velocity": "ball", "velocity": [0, 0, 3]},

@@ -95,12 +95,28 @@ TEST(DensitySlices, WhatIsNotThereIsRefusedAndAnEmptyWorldHasAnEmptySlice) {
   EXPECT_THROW(cut_densities(world, {.body = 3}), InputError);
   EXPECT_THROW(cut_densities(world, {.at = std::nan("")}), InputError);
   EXPECT_THROW(cut_densities(world, {.step = -1.0}), InputError);
+  EXPECT_THROW(cut_densities(world, {.step = std::nan("")}), InputError);
   const World nothing(options_at(0.1));
   const DensitySlice s = cut_densities(nothing, {});
   EXPECT_EQ(s.density.size(), static_cast<std::size_t>(s.count[0] * s.count[1]));
   EXPECT_EQ(*std::max_element(s.density.begin(), s.density.end()), 0.0f);
-  // A plane of too many nodes is looked at more coarsely.
-  EXPECT_GT(cut_densities(world, {.step = 1e-4}).step, 5e-4);
+}
+
+TEST(DensitySlices, TakeBoundedWork) {
+  const World world = two_balls();
+  for (const double step : {1e-300, 1e-9, 0.024, 1e3, 1e300})
+    EXPECT_THROW(cut_densities(world, {.step = step}), TooMuchWork);
+  for (const double step : {0.025, 0.05, 1.0}) EXPECT_EQ(cut_densities(world, {.step = step}).step, step);
+  World fine(options_at(1e-4));
+  fine.add(ball("a", {}));
+  // 1.16 m along both axes, at most 3e6 nodes: 8e-4 m, whoever asked for less.
+  EXPECT_DOUBLE_EQ(cut_densities(fine, {}).step, 8e-4);
+  EXPECT_DOUBLE_EQ(cut_densities(fine, {.step = 5e-5}).step, 8e-4);
+  // Two balls at one place have 2 x 19,200 tiles of 8 x 8 nodes there.
+  fine.add(ball("b", {}));
+  EXPECT_DOUBLE_EQ(cut_densities(fine, {}).step, 1.6e-3);
+  EXPECT_DOUBLE_EQ(cut_densities(fine, {.body = 1}).step, 8e-4);
+  EXPECT_THROW(cut_densities(fine, {.step = 8e-4}), TooMuchWork);
 }
 
 TEST(RebuiltWorlds, HaveTheRecordedStateOfEveryFrame) {

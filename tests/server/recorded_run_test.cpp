@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -228,6 +229,37 @@ TEST_F(RecordedRunTest, SlicesAreThoseOfTheRunThatIsThereNow) {
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   record(0.25, "second");
   EXPECT_NE(decode(run.slice(0, request)).at("nodes").values, wide);
+}
+
+TEST_F(RecordedRunTest, SlicesThatManyAskForAtOnceAreRefusedBeyondThree) {
+  const Scene scene = parse_scene(R"({"brim": 1, "name": "a", "frames": 1, "world": {"voxel_size": 1e-3},
+    "bodies": [{"kind": "rigid", "name": "ball", "shape": {"kind": "sphere", "radius": 0.5}}]})");
+  World world = build_world(scene);
+  RunPlan plan;
+  plan.folder = folder_.string();
+  plan.info = {scene.name, scene.text, scene.frame_time(), scene.steps_per_frame};
+  plan.frames = plan.scene_frames = scene.frames;
+  record_run(world, plan, {});
+  RecordedRun run(folder_.string());
+  std::atomic<int> made = 0, refused = 0;
+  const auto ask = [&] {
+    try {
+      run.slice(0, SliceRequest{});
+      ++made;
+    } catch (const Busy&) {
+      ++refused;
+    }
+  };
+  {
+    std::vector<std::jthread> askers;
+    for (int i = 0; i < 12; ++i) askers.emplace_back(ask);
+  }
+  EXPECT_EQ(made + refused, 12);
+  EXPECT_GE(made, 3);
+  EXPECT_GE(refused, 1);
+  ask();
+  EXPECT_EQ(made + refused, 13);
+  EXPECT_GE(made, 4) << "who was refused leaves no trace";
 }
 
 TEST_F(RecordedRunTest, AGrowingRunIsNoticedAndItsSummaryEndsIt) {

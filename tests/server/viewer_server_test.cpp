@@ -39,6 +39,8 @@ class MadeUpRun : public RunSource {
     return std::string("frame\0", 6) + std::to_string(f);
   }
   std::string slice(std::int64_t f, const SliceRequest& r) override {
+    if (r.step == 1e-9) throw TooMuchWork("too fine");
+    if (r.step == 2.0) throw Busy("not now");
     return fmt::format("slice {} {} {} {} {}", f, r.axis, r.at, r.body, r.step);
   }
   std::string series(std::int64_t from) override { return "series from " + std::to_string(from); }
@@ -115,6 +117,8 @@ TEST_F(ViewerServerTest, ErrorsSayWhatIsWrongAndTheServerGoesOn) {
   EXPECT_EQ(status("/api/slice"), 404);
   EXPECT_EQ(status("/api/slice/1?at=high"), 404);
   EXPECT_EQ(status("/api/slice/1?axis=1.5"), 404);
+  EXPECT_EQ(status("/api/slice/1?step=1e-9"), 400);
+  EXPECT_EQ(status("/api/slice/1?step=2"), 429);
   EXPECT_EQ(status("/api/nothing"), 404);
   EXPECT_EQ(status("/api/frame/1"), 200);
 }

@@ -9,6 +9,7 @@
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "brim/core/stop.h"
 #include "brim/record/folder_lock.h"
 #include "brim/record/h5.h"
 #include "brim/record/run_folder.h"
@@ -210,12 +211,21 @@ RunResult record_run(World& world, const RunPlan& plan, const std::function<bool
     int taken = 0;
     if (leader) take_levels(*leader, frame + 1, world);
     StepReport report;
+    const State before = plan.stop ? world.state() : State{};
     try {
+      const StopScope scope(plan.stop);
+      check_stop();
       report = step_frame(world, plan.info.steps_per_frame, taken, plan.before_step);
+    } catch (const Stopped&) {
+      world.set_state(before);
+      if (fresh) fresh->keep();
+      result.end = RunEnd::Interrupted;
+      break;
     } catch (const InputError& e) {
-      if (frame == first_frame) throw;
+      const std::string why = (plan.scene_file.empty() ? "" : plan.scene_file + ": ") + e.what();
+      if (frame == first_frame) throw InputError(why);
       result.end = RunEnd::Failed;
-      result.refused = e.what();
+      result.refused = why;
       result.totals.warn({world.state().time, "refused", result.refused});
       break;
     }

@@ -26,6 +26,8 @@ struct RunPlan {
   std::function<void()> started{};  ///< called once a first frame is on disk
   /// Called before each step, and may edit the world (docs/editing.md).
   std::function<void(World&)> before_step{};
+  /// Asked between frames and often within a step, on its thread: true ends the run with the frames before it.
+  std::function<bool()> stop{};
 };
 
 /// Where a run stands, after each frame.
@@ -48,8 +50,11 @@ struct RunResult {
 
 /// Steps a world and records it. A run that is refused leaves nothing behind: what can be refused before its first step
 /// is, before a folder is made, and what the first frame refuses takes a new folder with it. What is refused later ends
-/// the run as one that failed, with the frames before it.
-/// @param world     as built; with plan.resume it is set to the last recorded state
+/// the run as one that failed, with the frames before it; a run that is stopped ends as one that was interrupted,
+/// likewise.
+/// @param world     as built; with plan.resume it is set to the last recorded state. A run that was stopped leaves it
+/// in
+///                  the state of the last frame
 /// @param progress  called after each frame; false ends the run with all frames kept
 /// @throws InputError  for folders that cannot be used and runs that do not fit
 /// Tests: tests/record/run_test.cpp, tests/record/resume_test.cpp, tests/record/run_folder_test.cpp

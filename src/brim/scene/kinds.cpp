@@ -45,6 +45,8 @@ std::list<BodyKind>& all_kinds() {
 
 void add_body_kind(BodyKind kind) { all_kinds().push_back(std::move(kind)); }
 
+std::size_t body_kind_count() { return all_kinds().size(); }
+
 bool has_body_kind(const std::string& name) {
   for (const BodyKind& kind : all_kinds())
     if (kind.name == name) return true;

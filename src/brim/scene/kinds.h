@@ -43,6 +43,9 @@ const BodyKind& find_body_kind(const std::string& name);
 /// True for brim's kinds and those that were added.
 bool has_body_kind(const std::string& name);
 
+/// How many are known.
+std::size_t body_kind_count();
+
 /// Adds a kind at run time, next to its branch in the schema (add_body_branch); own_kind.h does both.
 void add_body_kind(BodyKind kind);
 

@@ -198,8 +198,7 @@ Scene parse_scene(std::string_view text, const std::string& file, const SceneSet
   return check_scene(parse_document(text, file), settings);
 }
 
-std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene) {
-  std::vector<std::unique_ptr<Body>> bodies;
+void build_bodies(const Scene& scene, const std::function<void(std::unique_ptr<Body>)>& take) {
   const Node list(*scene.document, scene.document->root.at("bodies"), "/bodies");
   const double duration = static_cast<double>(scene.frames) * scene.frame_time();
   ErrorList errors;
@@ -217,22 +216,30 @@ std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene) {
         node.placed([&] {
           std::unique_ptr<Body> body = maker->body(p);
           body->set_name(p.name);
-          bodies.push_back(std::move(body));
+          take(std::move(body));
         });
       }
     });
   }
   errors.raise();
+}
+
+std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene) {
+  std::vector<std::unique_ptr<Body>> bodies;
+  build_bodies(scene, [&](std::unique_ptr<Body> body) { bodies.push_back(std::move(body)); });
   return bodies;
 }
 
 World build_world(const Scene& scene) {
-  World world(scene.world);
-  for (std::unique_ptr<Body>& body : build_bodies(scene)) world.add(std::move(body));
-  wire_up(Node(*scene.document, scene.document->root, ""), world);
-  schedule_timeline(scene, world);
-  const Node n(*scene.document, scene.document->root.at("world"), "/world");
-  if (n.has("levels")) set_levels(world, read_levels(n.at("levels"), scene.steps_per_frame));
+  const Node root(*scene.document, scene.document->root, ""), n = root.at("world");
+  World world = n.placed([&] { return World(scene.world); });
+  build_bodies(scene, [&](std::unique_ptr<Body> body) { world.add(std::move(body)); });
+  root.placed([&] {
+    wire_up(root, world);
+    schedule_timeline(scene, world);
+  });
+  if (n.has("levels"))
+    n.at("levels").placed([&] { set_levels(world, read_levels(n.at("levels"), scene.steps_per_frame)); });
   return world;
 }
 

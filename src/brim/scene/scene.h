@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -52,6 +53,8 @@ World build_world(const Scene& scene);
 
 /// The bodies alone, named, in the order of the scene. @throws InputError  likewise
 std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene);
+/// The same, handed over one by one; what `take` refuses gets the place of the entry that the body comes from.
+void build_bodies(const Scene& scene, const std::function<void(std::unique_ptr<Body>)>& take);
 
 /// Checks a document that was read or made: all that load_scene does after reading.
 /// @throws InputError

@@ -158,6 +158,24 @@ void check_timeline(const Node& root, const Scene& scene) {
   }
 }
 
+std::vector<std::string> late_entries(const Scene& scene) {
+  constexpr double kSlack = 1e-6;  // of a step: times of steps are sums
+  const double dt = scene.world.time_step, end = static_cast<double>(scene.frames) * scene.frame_time();
+  const Node list = Node(*scene.document, scene.document->root, "").at("timeline");
+  std::vector<std::string> late;
+  for (std::size_t i = 0; i < list.size(); ++i)
+    if (const double at = list.at(i).number("at"); at > end - dt + kSlack * dt)
+      late.emplace_back(
+          list.at(i)
+              .at("at")
+              .error(fmt::format(
+                  "{:.6g} s is after the last step, which begins at {:.6g} s and ends the run at {:.6g} s: nothing "
+                  "comes of this entry",
+                  at, end - dt, end))
+              .what());
+  return late;
+}
+
 void schedule_timeline(const Scene& scene, World& world) {
   const Node list = Node(*scene.document, scene.document->root, "").at("timeline");
   for (std::size_t i = 0; i < list.size(); ++i)

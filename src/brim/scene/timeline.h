@@ -2,6 +2,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "brim/scene/node.h"
 
@@ -16,6 +17,8 @@ class World;
 
 /// Checks what can be known without the bodies. @throws InputError
 void check_timeline(const Node& root, const Scene& scene);
+/// Entries that the run does not get to, since its last step begins before them: a line for each, with its place.
+std::vector<std::string> late_entries(const Scene& scene);
 /// Schedules all of it. @throws InputError  for names that mean nothing and bodies that cannot be edited so
 void schedule_timeline(const Scene& scene, World& world);
 

@@ -5,6 +5,7 @@
 
 #include "brim/core/parallel.h"
 #include "brim/core/simd.h"
+#include "brim/core/stop.h"
 
 namespace brim {
 
@@ -148,6 +149,7 @@ SolveReport ConjugateGradient::solve(const LinearSystem& system, std::span<const
     return report.finite;
   };
   while (close(system) && report.iterations < max_iterations) {
+    check_stop();
     system.apply(p_, y_);
     system.filter(y_);
     dot(p_, y_);

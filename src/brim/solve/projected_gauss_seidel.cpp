@@ -5,6 +5,7 @@
 
 #include "brim/core/parallel.h"
 #include "brim/core/simd.h"
+#include "brim/core/stop.h"
 #include "brim/solve/contact_admm.h"
 #include "brim/solve/contact_cone.h"
 
@@ -212,6 +213,7 @@ ProjectedGaussSeidel::Report ProjectedGaussSeidel::sweeps(std::span<const Vec3> 
   v_way_.assign(v.size(), 0.0);
   double last = 0.0;
   while (report.sweeps < max_sweeps) {
+    check_stop();
     before_.assign(impulse.begin(), impulse.end());
     v_before_.assign(v.begin(), v.end());
     double worst = sweep(false, friction, offset, target, impulse, v);

@@ -6,6 +6,7 @@
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 #include "brim/core/simd.h"
+#include "brim/core/stop.h"
 
 namespace brim {
 
@@ -193,6 +194,7 @@ int GridPoisson::solve(std::span<const double> b, double tolerance, int max_iter
   int iterations = 0;
   double rz = 0.0;
   while (most > tolerance && iterations < max_iterations) {
+    check_stop();
     const double next = precondition(most);
     if (!(next > 0.0) || !std::isfinite(next)) break;
     turn(iterations > 0 ? next / rz : 0.0, most);

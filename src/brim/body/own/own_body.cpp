@@ -25,6 +25,11 @@ constexpr double kPlaceStep = 1e-4, kMotionStep = 1e-3, kForceStep = 1e-5, kStif
 /// [-] of the extent by which matter may bulge beyond the corners of its surface.
 constexpr double kBulge = 0.02;
 
+/// Pieces of matter at which the jacobian is held against differences of deform, and by how much it may miss them, as a
+/// share of what the coordinate moves at most. Formulas that are right miss by rounding.
+constexpr std::size_t kTried = 16;
+constexpr double kMiss = 0.1;
+
 /// [rad] by which a body is turned to see whether its energy minds, and of what stretching it so far would take the
 /// share that is rounding and differences.
 constexpr double kTurn = 1e-2, kMinds = 1e-3;
@@ -127,6 +132,7 @@ void OwnBody::update(double, std::span<const double> q, std::span<const double> 
   v_.assign(v.begin(), v.end());
   vertex_.resize(model_.surface.vertices.size());
   if (scale_.empty()) measure_scales();
+  if (!started_) check_jacobian();
   deform_all(q_, model_.surface.vertices, vertex_);
   bounds_ = Aabb();
   for (const Vec3& x : vertex_) bounds_.extend(x);
@@ -177,6 +183,42 @@ void OwnBody::measure_scales() {
     }
   }
   scale_ = std::move(scale);
+}
+
+void OwnBody::check_jacobian() const {
+  std::vector<Vec3> X;
+  const std::size_t tried = std::min(kTried, piece_.size());
+  for (std::size_t k = 0; k < tried; ++k)
+    X.push_back(piece_[k * (piece_.size() - 1) / std::max<std::size_t>(tried - 1, 1)]);
+  Aabb box;
+  for (const Vec3& at : model_.surface.vertices) box.extend(at);
+  const double allowed = kMiss * box.extent().maxCoeff();
+  DenseMap J;
+  J.reset(X.size(), q_.size());
+  jacobian_all(q_, X, J);
+  std::vector<Vec3> x(X.size()), up(X.size()), down(X.size());
+  deform_all(q_, X, x);
+  std::vector<double> moved = q_;
+  for (std::size_t i = 0; i < q_.size(); ++i) {
+    const double d = place_step(i);
+    moved[i] = q_[i] + d;
+    deform_all(moved, X, up);
+    moved[i] = q_[i] - d;
+    deform_all(moved, X, down);
+    moved[i] = q_[i];
+    for (std::size_t p = 0; p < X.size(); ++p) {
+      const Vec3 given = J.row(p).col(static_cast<Eigen::Index>(i)), found = (up[p] - down[p]) / (2.0 * d);
+      // Where deform has an edge, the derivative of either side is right.
+      const double miss = std::min(
+          {(given - found).norm(), (given - (up[p] - x[p]) / d).norm(), (given - (x[p] - down[p]) / d).norm()});
+      if (miss * scale_[i] <= allowed) continue;
+      const auto text = [](const Vec3& v) { return fmt::format("({:.4g}, {:.4g}, {:.4g})", v.x(), v.y(), v.z()); };
+      throw InputError(fmt::format(
+          "body '{}': jacobian(q, X) is not the derivative of deform(q, X): at X = {} its column {} is {}, and "
+          "differences of deform give {}; mend it, or leave it out for differences",
+          name(), text(X[p]), i, text(given), text(found)));
+    }
+  }
 }
 
 bool OwnBody::measure_turns() const {

@@ -50,7 +50,8 @@ class OwnBody : public Body, public OuterForces, public MaterialPoints {
   virtual double distance(Coordinates q, const Vec3& x) const = 0;
   /// Energy of the body's own forces, [J].
   virtual double energy(Coordinates q) const { return static_cast<void>(q), 0.0; }
-  /// ∂deform/∂q, shape (3, n). The default takes central differences.
+  /// ∂deform/∂q, shape (3, n). The default takes central differences. At the start it is held against differences at a
+  /// few points.
   virtual void jacobian(Coordinates q, const Vec3& X, Eigen::Ref<Jacobian> J) const;
   /// −∂E/∂q, shape (n). The default takes central differences.
   virtual Eigen::VectorXd energy_force(Coordinates q) const;
@@ -107,6 +108,8 @@ class OwnBody : public Body, public OuterForces, public MaterialPoints {
 
  private:
   void measure_scales();
+  /// @throws InputError  where the jacobian at hand is no derivative of deform
+  void check_jacobian() const;
   void measure_matter();
   bool measure_turns() const;
   /// [units of q] by which coordinate i changes for a central difference.
