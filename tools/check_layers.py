@@ -19,7 +19,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>)')
 ARROW = re.compile(r"^([\w./+-]+)\s*->\s*(.*)$")
 # Headers of the C++ and C library: no directory, no extension, or one of C's own and the system's.
 STANDARD = re.compile(r"^(?:[a-z_0-9]+|(?:sys|arpa|netinet)/\w+\.h|(?:assert|errno|fcntl|math|signal|stddef|stdint|"
-                      r"stdio|stdlib|string|time|spawn|unistd|poll|netdb|dlfcn|immintrin|emmintrin)\.h)$")
+                      r"stdio|stdlib|string|time|spawn|unistd|poll|netdb|dlfcn|cxxabi|immintrin|emmintrin)\.h)$")
 
 
 class RuleError(Exception):

@@ -100,5 +100,16 @@ TEST(Friction, OfABlockThatSpreadsUnderItsWeightIsThatOfItsLoad) {
   EXPECT_LE(beyond, kSteps / 10);
 }
 
+TEST(Friction, SheetsThatLieInEachOtherWithoutWeightPart) {
+  // Nothing moves and nothing weighs: friction has no speed to go by but the one that it is told.
+  WorldOptions o = testing::options_at(0.05);
+  o.environment.gravity = Vec3::Zero();
+  World w(o);
+  w.add(testing::sheet("one", 0.8, Vec3::Zero()));
+  w.add(testing::sheet("two", 0.8, Vec3(0.0, 0.0, 0.08)));
+  for (int s = 0; s < 20; ++s) ASSERT_TRUE(w.step().ok) << s;
+  EXPECT_GT(w.q(1)[2] - w.q(0)[2], 0.09);
+}
+
 }  // namespace
 }  // namespace brim::friction_test

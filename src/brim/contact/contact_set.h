@@ -22,7 +22,7 @@ struct PairTile {
 
 /// Two parts that may touch, and where their contacts are in a ContactSet.
 struct ContactPair {
-  std::int32_t part_a = 0, part_b = 0;  ///< global part numbers, part_a < part_b
+  std::int32_t part_a = 0, part_b = 0;  ///< global part numbers, part_a < part_b; the same where one meets itself
   double h = 0.0;                       ///< [m] step at which they meet
   double w = 0.0;                       ///< [m] ramp width at that step
   double margin = 0.0;             ///< [-] nodes with ρ_a + ρ_b > 1 − margin are found: they may touch in this step

@@ -37,6 +37,11 @@ constexpr double kThrowing = 30.0;
 /// voxel at 3,000, and by 1.6 at 1,000.
 constexpr double kBearable = 3000.0;
 
+/// How much stiffer a body meets itself than one layer of it asks for: its folds lie on each other, and what falls on
+/// its edge has the mass of all that stands on it. A strip of 1.2 m that falls on its edge ends with folds that overlap
+/// by 1.2 voxels at 1 and 3 times, and by 0.4 at 10 and 30.
+constexpr double kFolds = 10.0;
+
 /// [Pa] where nothing has weight: any contact may be this stiff.
 constexpr double kWeightless = 1e6;
 
@@ -177,7 +182,8 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
     const bool filled = fills(a, b);
     // What takes the shape of another has no few points to hold it by: rows are for what keeps its own.
     const bool conforming = a.info.conforming || b.info.conforming;
-    const bool constrained = !conforming && m.response == Response::Constraint;
+    const bool itself = pairs[i].part_a == pairs[i].part_b;
+    const bool constrained = !conforming && !itself && m.response == Response::Constraint;
     const bool stiff = is_rigid(a) && is_rigid(b);
     constraints_[i] = {constrained, m.friction, m.restitution, stiff,
                        stiff         ? FixedPart::None
@@ -190,6 +196,7 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
     if (!constrained && !filled && !(is_fixed(a) && is_fixed(b))) {
       stiffness = m.stiffness > 0.0 ? m.stiffness : chosen_stiffness(a, b, options.time_step);
       if (hard && fixed && !(m.stiffness > 0.0)) stiffness *= faces_of(pairs[i]);
+      if (itself && !(m.stiffness > 0.0)) stiffness *= kFolds;
     }
     penalties_[i] = {stiffness,
                      m.friction,

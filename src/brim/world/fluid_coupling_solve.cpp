@@ -3,6 +3,7 @@
 
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
+#include "brim/core/stop.h"
 #include "brim/world/fluid_coupling.h"
 
 /// How the velocities of fluids and of solids in them keep the volume of cells.
@@ -88,6 +89,7 @@ int FluidCoupling::solve(const Invert& invert, double tolerance) {
   }
   int iterations = 0;
   while (most > tolerance && iterations < kMostIterations) {
+    check_stop();
     double next = 0.0;
     for (Fluid& f : fluids_) {
       f.flow->invert_poisson(f.r, f.z);

@@ -60,30 +60,36 @@ void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, 
                   std::vector<ContactSample>& samples) {
   samples.resize(contacts.first_link());
   report.pairs.clear();
-  for (const ContactPair& pair : std::span(contacts.pairs).first(contacts.first_link_pair())) {
-    if (pair.begin == pair.end) continue;
+  const auto pairs = std::span(contacts.pairs).first(contacts.first_link_pair());
+  for (std::size_t first = 0, next = 0; first < pairs.size(); first = next) {
+    // What meets itself does so in several places.
+    const std::int32_t a = pairs[first].part_a, b = pairs[first].part_b;
+    while (next < pairs.size() && pairs[next].part_a == a && pairs[next].part_b == b) ++next;
     PairReport r;
-    r.part_a = pair.part_a;
-    r.part_b = pair.part_b;
-    r.contacts = static_cast<std::int32_t>(pair.end - pair.begin);
+    r.part_a = a, r.part_b = b;
     double load = 0.0;
-    for (std::size_t c = pair.begin; c < pair.end; ++c) {
-      const double depth = contacts.depth[c] / pair.h;
-      r.worst_overlap = std::max(r.worst_overlap, depth);
-      r.worst_pressure = std::max(r.worst_pressure, double{contacts.overlap[c]});
-      r.force_on_a += normal[c] + friction[c];
-      r.friction_on_a += friction[c];
-      const double weight = normal[c].norm();
-      r.center += weight * contacts.point[c];
-      load += weight;
-      samples[c] = {contacts.point[c].cast<float>(),
-                    normal[c].cast<float>(),
-                    friction[c].cast<float>(),
-                    static_cast<float>(depth),
-                    pair.part_a,
-                    pair.part_b};
+    Vec3 weighted = Vec3::Zero();
+    for (const ContactPair& pair : pairs.subspan(first, next - first)) {
+      if (r.contacts == 0 && pair.begin < pair.end) r.center = contacts.point[pair.begin];
+      r.contacts += static_cast<std::int32_t>(pair.end - pair.begin);
+      for (std::size_t c = pair.begin; c < pair.end; ++c) {
+        const double depth = contacts.depth[c] / pair.h;
+        r.worst_overlap = std::max(r.worst_overlap, depth);
+        r.worst_pressure = std::max(r.worst_pressure, double{contacts.overlap[c]});
+        if (a != b) r.force_on_a += normal[c] + friction[c], r.friction_on_a += friction[c];
+        const double weight = normal[c].norm();
+        weighted += weight * contacts.point[c];
+        load += weight;
+        samples[c] = {contacts.point[c].cast<float>(),
+                      normal[c].cast<float>(),
+                      friction[c].cast<float>(),
+                      static_cast<float>(depth),
+                      a,
+                      b};
+      }
     }
-    r.center = load > 0.0 ? Vec3(r.center / load) : contacts.point[pair.begin];
+    if (r.contacts == 0) continue;
+    if (load > 0.0) r.center = weighted / load;
     report.worst_overlap = std::max(report.worst_overlap, r.worst_overlap);
     warn_of_saturation(parts, r, time, report);
     report.pairs.push_back(r);

@@ -209,10 +209,7 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
   return std::max(found, most_of.empty() ? 1.0 : *std::max_element(most_of.begin(), most_of.end()));
 }
 
-double choose_substep(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
-                      const WorldOptions& options, double left, BoxSweep& sweep, StepReport& report) {
-  const double pieces =
-      motion_pieces(parts, v, first_v, options, left, options.environment.gravity.norm() * left, sweep);
+double choose_substep(double pieces, const WorldOptions& options, double left, StepReport& report) {
   const double remaining = std::max(1, options.max_substeps - report.substeps);
   double n = std::ceil(pieces - 1e-9);
   if (report.substeps == 0) n = std::max(n, static_cast<double>(options.min_substeps));

@@ -23,8 +23,7 @@ double motion_limit(const WorldPart& a, const WorldPart& b, const WorldOptions& 
 double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
                      const WorldOptions& options, double time, double change, BoxSweep& sweep);
 
-/// Length of the next sub-step, [s]: `left` cut into equal pieces by motion_pieces.
-double choose_substep(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
-                      const WorldOptions& options, double left, BoxSweep& sweep, StepReport& report);
+/// Length of the next sub-step, [s]: `left` cut into equal pieces. @param pieces  that motion asks for
+double choose_substep(double pieces, const WorldOptions& options, double left, StepReport& report);
 
 }  // namespace brim

@@ -42,8 +42,9 @@ struct WorldOptions {
   int min_substeps = 1;
   double cg_tolerance = 1e-4;  ///< relative residual
   int cg_max_iterations = 2000;
-  int max_passes = 4;                     ///< solves of a sub-step while contacts let go or friction changes
-  double friction_speed = 0.0;            ///< [m/s] ε of the regularised friction; 0: 0.001 g dt
+  int max_passes = 4;  ///< solves of a sub-step while contacts let go or friction changes
+  double friction_speed =
+      0.0;  ///< [m/s] ε of the regularised friction; 0: 0.001 g dt, g of the earth where there is none
   Response response = Response::Penalty;  ///< of pairs whose materials and bodies say nothing
   double constraint_tolerance = 1e-4;     ///< change of velocity by the last sweep, over that of a free fall in a step
   int constraint_sweeps = 200;            ///< most sweeps of projected Gauss-Seidel in a sub-step

@@ -22,6 +22,7 @@
 #include "brim/world/links.h"
 #include "brim/world/outer_actions.h"
 #include "brim/world/part_filter.h"
+#include "brim/world/self_contact.h"
 #include "brim/world/sleep.h"
 #include "brim/world/touch_rules.h"
 #include "brim/world/watcher.h"
@@ -70,6 +71,7 @@ struct World::Impl {
   const World* self = nullptr;  ///< whom watchers look at
 
   ContactStage stage;
+  SelfContact self_contact;
   FillStage fill;
   FluidCoupling coupling;
   BoxSweep motion_sweep;  ///< of what chooses sub-steps
@@ -141,6 +143,8 @@ struct World::Impl {
   /// Tells bodies with walls of their own what acted on them in a sub-step. @param mapped  [N] (n_v) contact forces on
   /// the coordinates of all bodies; empty: found here, where somebody asks
   void tell_walled(double dt, std::span<const double> mapped);
+  /// Sub-steps that motion at these velocities asks for in a time, [s]. @param change  [m/s] of any of them, at most
+  double motion_pieces(std::span<const double> velocities, double time, double change);
   double substep(double left, StepReport& report);
   bool solve_substep(double dt, StepReport& report);
   void measure(StepReport& report);

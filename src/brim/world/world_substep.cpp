@@ -8,6 +8,7 @@
 #include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
+#include "brim/core/stop.h"
 #include "brim/core/stopwatch.h"
 #include "brim/world/ball_points.h"
 #include "brim/world/momentum_check.h"
@@ -22,6 +23,9 @@ namespace {
 
 /// Motion of a sub-step, over what is allowed, above which it is solved again in pieces.
 constexpr double kOutrun = 1.25;
+
+/// [m/s²] gravity of the earth.
+constexpr double kEarth = 9.81;
 
 }  // namespace
 
@@ -61,9 +65,13 @@ void World::Impl::wake_in_fluids() {
 void World::Impl::find_contacts(double dt, StepReport& report) {
   do {
     stage.find(parts, state.v, first_v, dt, options, report);
+    {
+      const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Detect)]);
+      if (filter.size() > 0) filter.moved(), filter.apply(parts, stage.contacts());
+      levels.shift().apply(stage.contacts());
+    }
+    self_contact.find(parts, state.v, first_v, dt, options, report, stage.contacts());
     const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Detect)]);
-    if (filter.size() > 0) filter.moved(), filter.apply(parts, stage.contacts());
-    levels.shift().apply(stage.contacts());
     fill.find(bodies, parts, options, filter, stage.contacts());
   } while (sleep.on() && wake_touched());
 }
@@ -88,6 +96,7 @@ void World::Impl::tell_touched() {
 }
 
 bool World::Impl::solve_substep(double dt, StepReport& report) {
+  check_stop();
   const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
   prescribe(dt);
   {
@@ -100,6 +109,7 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
   if (sleep.on()) wake_in_fluids();
   find_contacts(dt, report);
   tell_touched();
+  check_stop();
   if (!links.empty())
     links.append(parts, state.q, first_q, static_cast<int>(parts.size()) - 1, state.time, dt, stage.contacts());
   ContactSet& contacts = stage.contacts();
@@ -117,8 +127,9 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
     PenaltyOptions p;
     p.dt = dt;
     p.damping = options.damping_steps * options.time_step;
-    p.friction_speed =
-        options.friction_speed > 0.0 ? options.friction_speed : std::max(1e-3 * g * options.time_step, 1e-9);
+    // Where nothing weighs, that of the earth: friction over a speed near zero is more than single precision holds.
+    p.friction_speed = options.friction_speed > 0.0 ? options.friction_speed
+                                                    : std::max(1e-3 * (g > 0.0 ? g : kEarth) * options.time_step, 1e-9);
     p.release_speed = 0.2 * g * dt;
     p.slack = g * dt * dt;
     response.begin(contacts, laws.penalties(), p, velocity_a, velocity_b);
@@ -192,10 +203,16 @@ void World::Impl::tell_walled(double dt, std::span<const double> mapped) {
   }
 }
 
+double World::Impl::motion_pieces(std::span<const double> velocities, double time, double change) {
+  return std::max(brim::motion_pieces(parts, velocities, first_v, options, time, change, motion_sweep),
+                  self_contact.motion_pieces(parts, velocities, first_v, options, time, change, motion_sweep));
+}
+
 double World::Impl::substep(double left, StepReport& report) {
   const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
   auto presence = std::make_optional<ScopedSeconds>(seconds(Phase::Presence));
-  double dt = choose_substep(parts, state.v, first_v, options, left, motion_sweep, report);
+  double dt =
+      choose_substep(motion_pieces(state.v, left, options.environment.gravity.norm() * left), options, left, report);
   presence.reset();
   before_q = state.q;
   before_v = state.v;
@@ -206,7 +223,7 @@ double World::Impl::substep(double left, StepReport& report) {
     advance_v = state.v;
     for (std::size_t i = 0; i < advance_v.size(); ++i) advance_v[i] += delta[i];
     presence.emplace(seconds(Phase::Presence));
-    const double pieces = motion_pieces(parts, advance_v, first_v, options, dt, 0.0, motion_sweep);
+    const double pieces = motion_pieces(advance_v, dt, 0.0);
     presence.reset();
     if (pieces > kOutrun) {
       state.q = before_q;

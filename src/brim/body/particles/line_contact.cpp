@@ -6,6 +6,12 @@
 
 namespace brim {
 
+std::unique_ptr<const ParticleContact> LineContact::piece(std::span<const std::int32_t> elements) const {
+  std::vector<Segment> own;
+  for (const std::int32_t e : elements) own.push_back(segments_[e]);
+  return std::make_unique<LineContact>(std::move(own), radius_);
+}
+
 void LineContact::presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
                            std::vector<TileKey>& out) const {
   auto workspace = workspace_.borrow();

@@ -19,6 +19,7 @@ class LineContact final : public ParticleContact {
   double reach() const override { return radius_; }
   Elements elements() const override { return of(segments_); }
   bool thin() const override { return true; }
+  std::unique_ptr<const ParticleContact> piece(std::span<const std::int32_t> elements) const override;
   void presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
                 std::vector<TileKey>& out) const override;
   void octant_presence(std::span<const Vec3> x, double h, double w, const Aabb& region,

@@ -95,6 +95,7 @@ void ParticleBody::update(double, std::span<const double> q, std::span<const dou
   stiffness_.set_zero();
   add_inner();
   stiffness_.close();
+  if (pieces_) pieces_->set_name(name()), pieces_->follow(x_);
 }
 
 void ParticleBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
@@ -192,6 +193,10 @@ void ParticleBody::set_contact(std::unique_ptr<const ParticleContact> contact, P
   part_.material = options_.material;
   display_.vertices = rest_.size();
   if (contact_) clusters_.build(rest_, contact_->elements());
+  if (!options_.self_contact) return;
+  if (!contact_ || contact_->piece({}) == nullptr)
+    throw InputError("body: self-contact is for sheets, nets and lines; this one is neither");
+  pieces_ = std::make_unique<BodyPieces>(rest_, *contact_, part_);
 }
 
 Aabb ParticleBody::bounds(int) const { return contact_ ? box_.inflated(contact_->reach()) : box_; }

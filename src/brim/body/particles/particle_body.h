@@ -7,9 +7,11 @@
 
 #include "brim/body/body.h"
 #include "brim/body/guided_particles.h"
+#include "brim/body/meets_itself.h"
 #include "brim/body/movable.h"
 #include "brim/body/octant_presence.h"
 #include "brim/body/outer_forces.h"
+#include "brim/body/particles/body_pieces.h"
 #include "brim/body/particles/element_clusters.h"
 #include "brim/body/particles/particle_contact.h"
 #include "brim/math/block_matrix.h"
@@ -35,6 +37,7 @@ struct ParticleOptions {
   Vec3 initial_velocity = Vec3::Zero();  ///< [m/s]
   Vec3 initial_spin = Vec3::Zero();      ///< [rad/s] about the centre of mass
   double voxel_size = 0.0;               ///< [m] grid step for contact; 0 lets the body choose
+  bool self_contact = false;             ///< sheets and lines: the body touches itself (BodyPieces)
   Material material;
 };
 
@@ -49,7 +52,8 @@ class ParticleBody : public Body,
                      public OctantPresence,
                      public OuterForces,
                      public Movable,
-                     public GuidedParticles {
+                     public GuidedParticles,
+                     public MeetsItself {
  public:
   std::size_t q_size() const override { return 3 * rest_.size(); }
   std::size_t v_size() const override { return 3 * rest_.size(); }
@@ -83,6 +87,9 @@ class ParticleBody : public Body,
   void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
   void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
                 std::unique_ptr<Map>& map) const override;
+  const Body* pieces() const override { return pieces_.get(); }
+  std::int32_t source_of(int piece, std::int32_t source) const override { return pieces_->source_of(piece, source); }
+  bool may_meet(std::int32_t source, std::int32_t other) const override { return pieces_->may_meet(source, other); }
   Vec3 mean_velocity(int p, std::span<const double> v) const override;
   double relative_speed_bound(int p, std::span<const double> v) const override;
   void motion_clusters(int p, std::span<const double> v, std::vector<MotionCluster>& out) const override;
@@ -125,6 +132,7 @@ class ParticleBody : public Body,
   }
   /// Takes what the body is in contact, and what contact needs to know of it; the options' voxel size and material, and
   /// an areal mass of 0 for a body without free particles, replace those given.
+  /// @throws InputError  where the body is to touch itself, and is neither a sheet nor a line
   void set_contact(std::unique_ptr<const ParticleContact> contact, PartInfo part);
 
   std::vector<Vec3> rest_;
@@ -142,6 +150,7 @@ class ParticleBody : public Body,
   std::vector<std::uint8_t> guided_;  // in this step, or empty
   std::unique_ptr<const ParticleContact> contact_;
   ElementClusters clusters_;
+  std::unique_ptr<BodyPieces> pieces_;  // of a body that touches itself
   PartInfo part_;
 };
 

@@ -30,6 +30,11 @@ class ParticleContact {
   virtual Elements elements() const { return {}; }
   /// True where the particles lie along a surface or a line: matrices of such bodies are cheap to factor.
   virtual bool thin() const { return false; }
+  /// The same of some elements alone, which it numbers from 0 in that order; null where contact knows no pieces.
+  virtual std::unique_ptr<const ParticleContact> piece(std::span<const std::int32_t> elements) const {
+    (void)elements;
+    return nullptr;
+  }
   virtual void presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
                         std::vector<TileKey>& out) const = 0;
   /// Octants that may hold density at their own nodes (OctantPresence).

@@ -5,6 +5,12 @@
 
 namespace brim {
 
+std::unique_ptr<const ParticleContact> SheetContact::piece(std::span<const std::int32_t> elements) const {
+  std::vector<Triangle> own;
+  for (const std::int32_t e : elements) own.push_back(triangles_[e]);
+  return std::make_unique<SheetContact>(std::move(own), thickness_);
+}
+
 void SheetContact::presence(std::span<const Vec3> x, double h, double w, const Aabb& region,
                             std::vector<TileKey>& out) const {
   auto workspace = workspace_.borrow();

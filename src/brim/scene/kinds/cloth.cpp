@@ -72,6 +72,7 @@ class ClothMaker final : public BodyMaker {
     options.initial_spin = place.angular_velocity;
     options.voxel_size = node_.number("voxel_size");
     options.material = material_;
+    options.self_contact = node_.boolean("self_contact");
     read_constraints(node_.at("constraints"), mesh.vertices, corners_, options);
     return std::make_unique<ClothBody>(std::move(mesh), std::move(options));
   }

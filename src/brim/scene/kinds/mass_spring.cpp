@@ -39,6 +39,8 @@ void check_mass_spring(const Node& n) {
     throw n.at("form").error("only \"grid\" and \"mesh\" have a form; a shape and a tet_mesh are solids");
   if (n.has("thickness") && !flat)
     throw n.at("thickness").error("only a sheet or net has a thickness; a solid is where its tetrahedra are");
+  if (n.boolean("self_contact") && !flat)
+    throw n.at("self_contact").error("only a sheet or net touches itself; give \"grid\" or \"mesh\"");
   check_fill(n);
   check_constraints(n.at("constraints"), n.has("grid"));
 }
@@ -93,6 +95,7 @@ class MassSpringMaker final : public BodyMaker {
     options.initial_spin = place.angular_velocity;
     options.voxel_size = node_.number("voxel_size");
     options.material = material_;
+    options.self_contact = node_.boolean("self_contact");
     options.display = display_;
     for (Vec3& x : options.display.vertices) x = place.position + place.rotation * x;
     read_constraints(node_.at("constraints"), vertices(mesh), corners_, options);

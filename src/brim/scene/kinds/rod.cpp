@@ -102,6 +102,7 @@ class RodMaker final : public BodyMaker {
     options.initial_spin = place.angular_velocity;
     options.voxel_size = node_.number("voxel_size");
     options.material = material_;
+    options.self_contact = node_.boolean("self_contact");
     read_constraints(node_.at("constraints"), nodes, {}, options);
     return node_.placed([&] { return std::make_unique<RodBody>(std::move(nodes), std::move(options)); });
   }

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "brim/body/body.h"
+#include "brim/body/octant_presence.h"
+#include "brim/body/particles/element_pieces.h"
+
+namespace brim {
+
+/// A sheet or a line of particles as its pieces see each other (MeetsItself): part p is piece p, with a density of its
+/// own. Matter of a body of thickness t that lies 2.5 t apart along it, or farther, may touch. Pieces beside each other
+/// are looked at only where they turn by more than 60° from the direction that they have in common: until then what is
+/// 2.5 t apart along the body is apart by t in space (Volino and Magnenat-Thalmann 1994, whose cone is one of 90°).
+/// Within a piece, 3 t wide at most, nothing touches. The density of a piece has that of a border around it, so that
+/// its slope is that of the whole at its rim; what the border is nearest to is left to the piece that it belongs to.
+/// Tests: tests/body/body_pieces_test.cpp
+class BodyPieces final : public Body, public OctantPresence {
+ public:
+  /// @param rest   [m] of the particles
+  /// @param whole  the body's contact, of elements that are triangles or segments
+  /// @param part   what contact needs to know of the body; its thickness is finite
+  BodyPieces(std::span<const Vec3> rest, const ParticleContact& whole, PartInfo part);
+
+  /// Takes the body's place in. @param x  [m] of its particles; kept by reference
+  void follow(std::span<const Vec3> x);
+  /// MeetsItself has the meaning of both.
+  std::int32_t source_of(int piece, std::int32_t source) const;
+  bool may_meet(std::int32_t source, std::int32_t other) const { return !cut_.elements_beside(source, other); }
+
+  std::string_view kind() const override { return "piece"; }
+  int part_count() const override { return static_cast<int>(piece_.size()); }
+  PartInfo part(int) const override { return part_; }
+  bool parts_collide(int p, int q) const override;
+  Aabb bounds(int p) const override { return piece_[p].box; }
+  Vec3 mean_velocity(int p, std::span<const double> v) const override;
+  double relative_speed_bound(int p, std::span<const double> v) const override;
+  void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
+  void octant_presence(int p, double h, double w, const Aabb& region, std::vector<OctantTile>& out) const override;
+  void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
+
+  // ---- what belongs to the whole body is not asked of its pieces
+  std::size_t q_size() const override { return 0; }
+  std::size_t v_size() const override { return 0; }
+  void initial_state(std::span<double>, std::span<double>) const override {}
+  void update(double, std::span<const double>, std::span<const double>) override {}
+  void advance(double, std::span<double>, std::span<const double>) const override {}
+  void add_forces(const Environment&, std::span<double>) const override {}
+  void apply_mass(std::span<const double>, std::span<double>) const override {}
+  std::vector<int> block_sizes() const override { return {}; }
+  void add_system_diagonal(std::size_t, BlockDiagonal&) const override {}
+  void make_map(int, std::span<const Vec3>, std::span<const std::int32_t>, std::unique_ptr<Map>& map) const override;
+  double mass() const override { return 0.0; }
+  double potential_energy(const Environment&) const override { return 0.0; }
+  Vec3 linear_momentum(std::span<const double>) const override { return Vec3::Zero(); }
+  Vec3 angular_momentum(std::span<const double>) const override { return Vec3::Zero(); }
+  const Display& display() const override { return display_; }
+  void display_positions(std::span<Vec3f>) const override {}
+
+ private:
+  struct Piece {
+    std::unique_ptr<const ParticleContact> own, bordered;
+    std::vector<std::int32_t> source;  ///< of each element of bordered: its number in the body, or −1
+    std::vector<std::int32_t> nodes;   ///< of its own elements
+    Aabb box;                          ///< [m] of its own matter
+    Vec3 axis = Vec3::Zero();          ///< mean direction of its elements
+    double turn = 0.0;                 ///< [rad] by which one of them turns from it at most
+  };
+  /// Normal of a triangle, or direction of a segment; zero where it has none.
+  Vec3 direction(const ParticleContact::Elements& elements, std::size_t e) const;
+
+  ElementPieces cut_;
+  std::vector<Piece> piece_;
+  PartInfo part_;
+  std::span<const Vec3> x_;
+  Display display_;
+};
+
+}  // namespace brim
