@@ -4,6 +4,7 @@
 
 #include "brim/core/parallel.h"
 #include "brim/core/simd.h"
+#include "brim/math/block_matrix.h"
 
 namespace brim {
 
@@ -43,6 +44,48 @@ BRIM_INLINE void solve_columns(const Columns& L, double* x) {
 
 BRIM_WIDE void solve_together_wide(const Columns& L, double* x) { solve_columns<BodyInverses::kTogether>(L, x); }
 
+using Entries = std::vector<Eigen::Triplet<double>>;
+
+/// S A S + (1 − S) of a body that shows its matrix, S: without what is prescribed.
+Entries entries_of(const BlockSystem& system) {
+  const BlockMatrix& K = *system.stiffness;
+  std::vector<std::uint8_t> prescribed(K.rows(), 0);
+  for (const std::int32_t r : system.prescribed) prescribed[r] = 1;
+  Entries entries;
+  entries.reserve(9 * K.block_count());
+  for (std::size_t r = 0; r < K.rows(); ++r) {
+    const int row = 3 * static_cast<int>(r);
+    for (std::int32_t k = K.row_first()[r]; k < K.row_first()[r + 1]; ++k) {
+      const auto column = static_cast<std::size_t>(K.columns()[k]);
+      if (prescribed[r] || prescribed[column]) continue;
+      Mat3 block = system.stiffness_share * K.block(k).cast<double>();
+      if (column == r) block.diagonal().array() += system.mass_share * system.mass[r];
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) entries.emplace_back(row + i, 3 * static_cast<int>(column) + j, block(i, j));
+    }
+    for (int i = 0; i < 3 && prescribed[r]; ++i) entries.emplace_back(row + i, row + i, 1.0);
+  }
+  return entries;
+}
+
+/// The same of one that shows what its matrix does to a vector.
+Entries entries_of(const Body& body, std::size_t n) {
+  Entries entries;
+  std::vector<double> x(n), y(n);
+  for (std::size_t j = 0; j < n; ++j) {
+    std::fill(x.begin(), x.end(), 0.0), std::fill(y.begin(), y.end(), 0.0);
+    x[j] = 1.0;
+    body.filter(x);
+    body.apply_system(x, y);
+    body.filter(y);
+    y[j] += 1.0;  // S A S + (1 − S)
+    for (std::size_t i = 0; i < n; ++i)
+      if (const double value = y[i] - x[i]; value != 0.0)
+        entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
+  }
+  return entries;
+}
+
 std::span<double> view(Eigen::VectorXd& x) { return {x.data(), static_cast<std::size_t>(x.size())}; }
 
 }  // namespace
@@ -57,7 +100,7 @@ void BodyInverses::begin(std::span<const std::unique_ptr<Body>> bodies, std::spa
   parallel_for(bodies.size(), [&](std::size_t b) {
     const std::size_t n = first_v_[b + 1] - first_v_[b];
     sparse_[b].reset();
-    if (wanted[b] == 2 && n > kDense && n <= kMostFactored) factor_sparse(b);
+    if (wanted[b] >= 2 && n > kDense && n <= kMostFactored) factor_sparse(b, wanted[b] == 3);
   });
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (wanted[b] && !factored(b) && first_v[b + 1] - first_v[b] > kDense) {
@@ -96,21 +139,10 @@ void BodyInverses::factor(std::size_t body) {
   factor_[body].compute(0.5 * (A + A.transpose()));
 }
 
-void BodyInverses::factor_sparse(std::size_t body) {
+void BodyInverses::factor_sparse(std::size_t body, bool shown) {
   const std::size_t n = first_v_[body + 1] - first_v_[body];
-  std::vector<Eigen::Triplet<double>> entries;
-  std::vector<double> x(n), y(n);
-  for (std::size_t j = 0; j < n; ++j) {
-    std::fill(x.begin(), x.end(), 0.0), std::fill(y.begin(), y.end(), 0.0);
-    x[j] = 1.0;
-    bodies_[body]->filter(x);
-    bodies_[body]->apply_system(x, y);
-    bodies_[body]->filter(y);
-    y[j] += 1.0;  // S A S + (1 − S)
-    for (std::size_t i = 0; i < n; ++i)
-      if (const double value = y[i] - x[i]; value != 0.0)
-        entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
-  }
+  const auto system = shown ? bodies_[body]->block_system() : std::nullopt;
+  const Entries entries = system ? entries_of(*system) : entries_of(*bodies_[body], n);
   const auto size = static_cast<Eigen::Index>(n);
   Eigen::SparseMatrix<double> A(size, size);
   A.setFromTriplets(entries.begin(), entries.end());

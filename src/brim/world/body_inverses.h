@@ -12,14 +12,16 @@ namespace brim {
 
 /// Inverses P of the bodies' own systems A = M − dt ∂Q/∂v − dt² ∂Q/∂q, without contact, as constraint rows need them.
 /// Bodies of few velocities are inverted exactly, and larger ones on demand, up to a size (kMostFactored): their matrix
-/// is found column by column from their operator, and factored. Of others P = D⁻¹ + Z (Zᵀ A Z)⁻¹ Zᵀ: the inverse of the
-/// diagonal blocks, which answers only where a force acts, and the six rigid motions Z, which answer as a whole.
+/// is found column by column from their operator, and factored, or taken as they show it (Body::block_system), in
+/// single precision. Of others P = D⁻¹ + Z (Zᵀ A Z)⁻¹ Zᵀ: the inverse of the diagonal blocks, which answers only where
+/// a force acts, and the six rigid motions Z, which answer as a whole.
 class BodyInverses {
  public:
   static constexpr std::size_t kMostFactored = 3000;  ///< [velocities] beyond this a factor costs more than it saves
 
   /// Every body must have begun its solve.
-  /// @param wanted  1 for bodies whose inverse will be asked for, 2 where it must be exact if it can be
+  /// @param wanted  1 for bodies whose inverse will be asked for, 2 where it must be exact if it can be, 3 where single
+  ///                precision of the matrix does
   void begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
              std::span<const std::uint8_t> wanted);
 
@@ -42,7 +44,7 @@ class BodyInverses {
 
  private:
   void factor(std::size_t body);
-  void factor_sparse(std::size_t body);
+  void factor_sparse(std::size_t body, bool shown);
   void find_modes(std::size_t body);
 
   std::span<const std::unique_ptr<Body>> bodies_;

@@ -7,6 +7,7 @@
 
 #include "brim/body/body.h"
 #include "brim/solve/conjugate_gradient.h"
+#include "brim/world/body_inverses.h"
 #include "brim/world/coarse_space.h"
 #include "brim/world/contact_maps.h"
 #include "brim/world/contact_preconditioner.h"
@@ -71,6 +72,8 @@ class ImplicitStep {
   /// What the solver asks of the system: products, preconditioner, filter.
   void begin_system();
   void begin_preconditioner();
+  /// Factors what yields to a fluid alone: its pressure is found through the inverse of all bodies, time and again.
+  void invert_coupled(std::span<const std::uint8_t> untouched);
   void multiply(std::span<const double> x, std::span<double> y);
   void precondition(std::span<const double> r, std::span<double> z);
   /// But for what a pressure among solids does. @param left_out  of a body: true where z is left as it is
@@ -127,6 +130,8 @@ class ImplicitStep {
   std::vector<std::int32_t> island_;       ///< per body
   std::vector<double> negligible_, sharpness_;  ///< per island, as LinearSystem has them
   ContactPreconditioner preconditioner_;
+  BodyInverses inverses_;               ///< of what fluids flow around and no contact acts on
+  std::vector<std::uint8_t> inverted_;  ///< per body: 3 for those
   ConjugateGradient cg_;
 };
 

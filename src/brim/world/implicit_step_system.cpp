@@ -203,6 +203,7 @@ void ImplicitStep::begin_preconditioner() {
     for (const ContactPair& pair : c.contacts.pairs)
       for (const int part : {pair.part_a, pair.part_b}) untouched[c.parts[part].body_index] = 0;
   c.coupling.set_untouched(untouched);
+  invert_coupled(untouched);
   if (contacts_ > 0) {
     const ScopedSeconds contact_timer(contact_seconds());
     sparse_.resize(bodies);
@@ -232,6 +233,19 @@ void ImplicitStep::begin_preconditioner() {
     preconditioner_.reserve(acting_);
     room_ = contacts_;
   }
+}
+
+void ImplicitStep::invert_coupled(std::span<const std::uint8_t> untouched) {
+  const StepContext& c = *context_;
+  inverted_.assign(c.coupling.empty() ? 0 : c.bodies.size(), 0);
+  if (inverted_.empty()) return;
+  c.coupling.for_pairs([&](int, int solid) {
+    const Body& body = *c.bodies[solid];
+    const bool alone = untouched[solid] != 0 && !body.immobile() && !asleep(static_cast<std::size_t>(solid));
+    if (alone && body.block_system()) inverted_[solid] = 3;
+  });
+  const ProfileScope scope("coupled bodies, factored");
+  inverses_.begin(c.bodies, c.first_v, inverted_);
 }
 
 void ImplicitStep::prepare(bool first) {
@@ -274,6 +288,8 @@ void ImplicitStep::precondition_bodies(std::span<const double> r, std::span<doub
     const auto zb = c.slice(z, b);
     if (asleep(b) || (coarse_ && modes_.complete(b)))
       std::fill(zb.begin(), zb.end(), 0.0);
+    else if (!inverted_.empty() && inverted_[b] != 0 && inverses_.exact(b))
+      inverses_.local(b, c.slice(r, b), zb);
     else
       c.bodies[b]->precondition(first_block_[b], diagonal_, c.slice(r, b), zb);
   });
