@@ -1,26 +1,17 @@
 #pragma once
 
-#include "brim/body/body.h"
+#include "brim/body/stand_in.h"
 
 namespace brim {
 
 /// A body without coordinates, matter or a surface, which never moves. It is what links to space hold to: a world that
 /// has such links keeps one behind all its bodies, where nobody sees it. It also takes the place of a body that was
 /// removed, with as many parts, so that the others keep their numbers.
-class Space : public Body {
+class Space : public StandIn {
  public:
   explicit Space(int parts = 1) : parts_(parts) { set_name("(space)"); }
   std::string_view kind() const override { return "space"; }
-  std::size_t q_size() const override { return 0; }
-  std::size_t v_size() const override { return 0; }
-  void initial_state(std::span<double>, std::span<double>) const override {}
-  void update(double, std::span<const double>, std::span<const double>) override {}
-  void advance(double, std::span<double>, std::span<const double>) const override {}
-  void add_forces(const Environment&, std::span<double>) const override {}
-  void apply_mass(std::span<const double>, std::span<double>) const override {}
   void apply_system(std::span<const double>, std::span<double>) const override {}
-  std::vector<int> block_sizes() const override { return {}; }
-  void add_system_diagonal(std::size_t, BlockDiagonal&) const override {}
   int part_count() const override { return parts_; }
   PartInfo part(int) const override { return {}; }
   bool immobile() const override { return true; }
@@ -34,15 +25,9 @@ class Space : public Body {
   void precondition(std::size_t, const BlockDiagonal&, std::span<const double>, std::span<double>) const override {}
   double mass() const override { return std::numeric_limits<double>::infinity(); }
   double kinetic_energy(std::span<const double>) const override { return 0.0; }
-  double potential_energy(const Environment&) const override { return 0.0; }
-  Vec3 linear_momentum(std::span<const double>) const override { return Vec3::Zero(); }
-  Vec3 angular_momentum(std::span<const double>) const override { return Vec3::Zero(); }
-  const Display& display() const override { return display_; }
-  void display_positions(std::span<Vec3f>) const override {}
 
  private:
   int parts_;
-  Display display_;
 };
 
 }  // namespace brim

@@ -2,12 +2,11 @@
 
 #include <memory>
 #include <span>
-#include <string>
 #include <vector>
 
-#include "brim/body/body.h"
 #include "brim/body/octant_presence.h"
 #include "brim/body/particles/element_pieces.h"
+#include "brim/body/stand_in.h"
 
 namespace brim {
 
@@ -18,7 +17,7 @@ namespace brim {
 /// Within a piece, 3 t wide at most, nothing touches. The density of a piece has that of a border around it, so that
 /// its slope is that of the whole at its rim; what the border is nearest to is left to the piece that it belongs to.
 /// Tests: tests/body/body_pieces_test.cpp
-class BodyPieces final : public Body, public OctantPresence {
+class BodyPieces final : public StandIn, public OctantPresence {
  public:
   /// @param rest   [m] of the particles
   /// @param whole  the body's contact, of elements that are triangles or segments
@@ -43,22 +42,8 @@ class BodyPieces final : public Body, public OctantPresence {
   void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
 
   // ---- what belongs to the whole body is not asked of its pieces
-  std::size_t q_size() const override { return 0; }
-  std::size_t v_size() const override { return 0; }
-  void initial_state(std::span<double>, std::span<double>) const override {}
-  void update(double, std::span<const double>, std::span<const double>) override {}
-  void advance(double, std::span<double>, std::span<const double>) const override {}
-  void add_forces(const Environment&, std::span<double>) const override {}
-  void apply_mass(std::span<const double>, std::span<double>) const override {}
-  std::vector<int> block_sizes() const override { return {}; }
-  void add_system_diagonal(std::size_t, BlockDiagonal&) const override {}
   void make_map(int, std::span<const Vec3>, std::span<const std::int32_t>, std::unique_ptr<Map>& map) const override;
   double mass() const override { return 0.0; }
-  double potential_energy(const Environment&) const override { return 0.0; }
-  Vec3 linear_momentum(std::span<const double>) const override { return Vec3::Zero(); }
-  Vec3 angular_momentum(std::span<const double>) const override { return Vec3::Zero(); }
-  const Display& display() const override { return display_; }
-  void display_positions(std::span<Vec3f>) const override {}
 
  private:
   struct Piece {
@@ -76,7 +61,6 @@ class BodyPieces final : public Body, public OctantPresence {
   std::vector<Piece> piece_;
   PartInfo part_;
   std::span<const Vec3> x_;
-  Display display_;
 };
 
 }  // namespace brim

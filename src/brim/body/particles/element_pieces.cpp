@@ -35,7 +35,7 @@ class Paths {
   std::size_t size() const { return middle_.size(); }
   /// [m] that an element reaches from its middle.
   double radius(std::size_t e) const { return radius_[e]; }
-  double largest_radius() const { return *std::max_element(radius_.begin(), radius_.end()); }
+  double largest_radius() const { return radius_.empty() ? 0.0 : *std::max_element(radius_.begin(), radius_.end()); }
 
   struct Scratch {
     std::vector<double> way;
