@@ -259,9 +259,10 @@ bool Constraint::at_edge_of_face(const ContactSet& contacts, const PatchModel& m
 void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair, const ConstraintPair& law,
                              const PatchModel& model, std::size_t first, std::size_t center) {
   const double h = pair.h;
-  // Nodes off the model lie beyond an edge, or on another surface that has its own patch.
+  // Nodes off the model lie beyond an edge, or on another surface that has its own patch. Those that it tells though it
+  // was made of others nearby belong to it as far as they lie.
   flat_.clear();
-  for (const std::size_t c : around_)
+  for (const std::size_t c : rest_)
     if (model.rise_at(contacts.point[c]) <= kFlat * h &&
         std::abs(model.gap_at(contacts.point[c]) + contacts.depth[c]) <= kFlat * h)
       flat_.push_back(c);

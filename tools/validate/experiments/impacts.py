@@ -85,6 +85,22 @@ def plank(case):
     return s
 
 
+FLAT = {"gear": ({"kind": "gear", "teeth": 8, "outer": 0.2, "root": 0.14, "thickness": 0.12, "bore": 0.05}, 0.06),
+        "star": ({"kind": "star", "points": 5, "outer": 0.21, "inner": 0.11, "thickness": 0.12}, 0.06),
+        "cup": ({"kind": "cup", "radius": 0.15, "height": 0.3, "thickness": 0.05}, 0.0),
+        "torus": ({"kind": "torus", "radius": 0.14, "tube": 0.055}, 0.055)}
+
+
+@experiment(law="what lands flat stays flat", source="symmetry", unit="degrees", tolerance=1.0, scale=1.0,
+            cases=cases(response=BOTH, shape=tuple(FLAT)), theory=0.0, measure=lambda c, r: r.tilt("body").max(),
+            misses={"response penalty, shape torus": "a ring's line of contact is a node or two wide: what they say varies around it, and so does the blow"})
+def lands_flat(case):
+    """A sampled solid falls by half a metre, flat, on a floor: how far it is tilted at most, then or later."""
+    shape, half = FLAT[case.shape]
+    return scene([floor(0.02), rigid("body", shape, {"position": [0.003, 0.007, 0.5 + half], "rotation": about((0, 0, 1), 17)}, 0.02)], 1.0,
+                 friction=0.4, response=case.response)
+
+
 TALL, THICK, ROW, SPIN = 1.0, 0.15, 14, 2.0
 
 
