@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "brim/math/rotation.h"
+#include "brim/mesh/distance_grid.h"
+#include "brim/raster/grid_shape.h"
 #include "brim/raster/shape.h"
 #include "contact/solid_side.h"
 
@@ -19,7 +21,7 @@ constexpr double h = 0.1;
 using testing::solid_side;
 
 Vec3 carried_to_edge(const CubeSide& a, const CubeSide& b, Vec3 x, const Vec3& n, double step) {
-  carry_to_edges(a, b, step, {&x, 1}, {&n, 1});
+  carry_to_edges(a, b, step, step, {&x, 1}, {&n, 1});
   return x;
 }
 
@@ -45,6 +47,32 @@ TEST(FaceEdges, APointWithinAVoxelOfAnEdgeGoesThereToAFewHundredthsOfAVoxel) {
   }
 }
 
+TEST(FaceEdges, OfASampledBoxPointsGoToItsEdgesAndCornersToATenthOfAVoxel) {
+  const Vec3 half(0.5, 0.43, 0.37);
+  const auto exact = [&](const Vec3& p) {
+    const Vec3 q = p.cwiseAbs() - half;
+    return q.cwiseMax(0.0).norm() + std::min(0.0, q.maxCoeff());
+  };
+  std::mt19937 rng(8);
+  std::uniform_real_distribution<double> u(0.05, 0.95);
+  const auto plane = make_half_space();
+  for (int trial = 0; trial < 50; ++trial) {
+    // The samples lie anywhere to the edges, a spacing of half a voxel apart.
+    const Vec3 start = -half - 0.5 * h * Vec3(4 + u(rng), 4 + u(rng), 4 + u(rng));
+    const auto box = make_grid_shape(
+        std::make_shared<DistanceGrid>(sample_distance({start, half + Vec3::Constant(0.3)}, 0.5 * h, exact)), 0.7);
+    const CubeSide a = solid_side(box, {Mat3::Identity(), Vec3(0, 0, half.z())}), b = solid_side(plane, {});
+    // Nearer to the edge than half a voxel its samples have begun to rise: a point may stay there.
+    const double s = (0.5 + 0.4 * u(rng)) * h, t = (0.5 + 0.4 * u(rng)) * h;
+    const Vec3 edge = carried_to_edge(a, b, Vec3(half.x() - s, 0.1, 0), Vec3::UnitZ(), h),
+               corner = carried_to_edge(a, b, Vec3(half.x() - s, half.y() - t, 0), Vec3::UnitZ(), h);
+    EXPECT_NEAR(edge.x(), half.x(), 0.1 * h) << s / h;
+    EXPECT_EQ(edge.y(), 0.1);
+    EXPECT_NEAR(corner.x(), half.x(), 0.1 * h) << s / h;
+    EXPECT_NEAR(corner.y(), half.y(), 0.1 * h) << t / h;
+  }
+}
+
 TEST(FaceEdges, PointsOfABallAndOfARidgeStay) {
   const auto ball = make_sphere(0.4), box = make_box(Vec3(1, 1, 1)), plane = make_half_space();
   const CubeSide ground = solid_side(plane, {});
@@ -65,7 +93,7 @@ TEST(FaceEdges, ManyPointsGoWhereEachGoesAlone) {
   std::vector<Vec3> points, normals(300, Vec3(0.01, 0.02, 1.0).normalized());
   for (std::size_t i = 0; i < normals.size(); ++i) points.emplace_back(u(rng), u(rng), 0.01 * u(rng));
   std::vector<Vec3> together = points;
-  carry_to_edges(a, b, h, together, normals);
+  carry_to_edges(a, b, h, h, together, normals);
   int moved = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
     EXPECT_EQ(together[i], carried_to_edge(a, b, points[i], normals[i], h));

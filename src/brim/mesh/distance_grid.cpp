@@ -2,59 +2,31 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <utility>
 
 #include "brim/core/error.h"
 #include "brim/core/simd.h"
 #include "brim/mesh/distance_bounds.h"
 #include "brim/mesh/isosurface.h"
+#include "brim/mesh/kinked_cubic.h"
 
 namespace brim {
 
 namespace {
 
-// Weights of four nodes around the cell [1, 2] for the fraction t in [0, 1], and their derivatives.
-struct CubicWeights {
-  std::array<double, 4> w, d;
-};
-
-// Catmull-Rom; in the first and last cell the missing node continues the line through its two neighbours.
-CubicWeights cubic_weights(double t, bool first, bool last) {
-  const double t2 = t * t, t3 = t2 * t;
-  CubicWeights c{
-      {0.5 * (-t3 + 2 * t2 - t), 0.5 * (3 * t3 - 5 * t2 + 2), 0.5 * (-3 * t3 + 4 * t2 + t), 0.5 * (t3 - t2)},
-      {0.5 * (-3 * t2 + 4 * t - 1), 0.5 * (9 * t2 - 10 * t), 0.5 * (-9 * t2 + 8 * t + 1), 0.5 * (3 * t2 - 2 * t)}};
-  for (auto* w : {&c.w, &c.d}) {
-    if (first) {
-      (*w)[1] += 2.0 * (*w)[0];
-      (*w)[2] -= (*w)[0];
-      (*w)[0] = 0.0;
-    }
-    if (last) {
-      (*w)[2] += 2.0 * (*w)[3];
-      (*w)[1] -= (*w)[3];
-      (*w)[3] = 0.0;
-    }
+/// @param first  the first of the 64 nodes around a cell  @param nx, nxy  nodes from line to line and from plane to
+/// plane
+/// @param t  place in the cell, 0 to 1  @param inverse  [1/m] of the spacing
+BRIM_WIDE double tricubic(const float* first, std::ptrdiff_t nx, std::ptrdiff_t nxy, const double* t, double inverse) {
+  const Lanes all = {inverse, inverse, inverse, inverse}, y = {t[1], t[1], t[1], t[1]}, z = {t[2], t[2], t[2], t[2]};
+  Lanes line[4];
+  for (int l = 0; l < 4; ++l) {
+    Lanes row[4];
+    for (int m = 0; m < 4; ++m) row[m] = __builtin_convertvector(load_lanes(first + l * nx + m * nxy), Lanes);
+    line[l] = kinked_cubic(row[0], row[1], row[2], row[3], z, all);
   }
-  return c;
-}
-
-/// Catmull-Rom in a cell all of whose 64 nodes exist, four of a line at once.
-/// @param first  the first of the 64 nodes  @param nx, nxy  nodes from line to line and from plane to plane
-/// @param tx, ty, tz  place in the cell, 0 to 1
-BRIM_WIDE double tricubic(const float* first, std::ptrdiff_t nx, std::ptrdiff_t nxy, double tx, double ty, double tz) {
-  const Lanes t = {tx, ty, tz, 0.0}, t2 = t * t, t3 = t2 * t;  // weights of x, y and z together
-  const Lanes w[4] = {0.5 * (2.0 * t2 - t3 - t), 0.5 * (3.0 * t3 - 5.0 * t2 + 2.0), 0.5 * (4.0 * t2 - 3.0 * t3 + t),
-                      0.5 * (t3 - t2)};
-  Lanes sum = {};
-  for (int m = 0; m < 4; ++m)
-    for (int l = 0; l < 4; ++l) {
-      FloatLanes row;
-      std::memcpy(&row, first + l * nx + m * nxy, sizeof(row));
-      sum += (w[m][2] * w[l][1]) * __builtin_convertvector(row, Lanes);
-    }
-  return (sum[0] * w[0][0] + sum[1] * w[1][0]) + (sum[2] * w[2][0] + sum[3] * w[3][0]);
+  const Lanes r = kinked_cubic(line[0], line[1], line[2], line[3], y, all);
+  return kinked_cubic(double{r[0]}, double{r[1]}, double{r[2]}, double{r[3]}, t[0], inverse);
 }
 
 }  // namespace
@@ -89,69 +61,33 @@ double DistanceGrid::trilinear(const Vec3& p) const {
   return near + t[2] * (far - near);
 }
 
-double DistanceGrid::inside_value(const Vec3& p, Interpolation interpolation, Vec3* gradient) const {
+double DistanceGrid::tricubic(const Vec3& p) const {
   const Vec3 x = (p - origin_) * inverse_spacing_;
   std::array<int, 3> cell{};
   Vec3 t;
+  bool inner = true;
   for (int k = 0; k < 3; ++k) {
     cell[k] = std::clamp(static_cast<int>(std::floor(x[k])), 0, nodes_[k] - 2);
     t[k] = std::clamp(x[k] - cell[k], 0.0, 1.0);
+    inner = inner && cell[k] > 0 && cell[k] < nodes_[k] - 2;
   }
-  const std::size_t nx = static_cast<std::size_t>(nodes_.x()), nxy = nx * static_cast<std::size_t>(nodes_.y());
-  const float* base = values_.data() + static_cast<std::size_t>(cell[0]) + nx * static_cast<std::size_t>(cell[1]) +
-                      nxy * static_cast<std::size_t>(cell[2]);
-  const auto inner = [&](int k) { return cell[k] > 0 && cell[k] < nodes_[k] - 2; };
-  if (gradient == nullptr && interpolation == Interpolation::Tricubic && inner(0) && inner(1) && inner(2))
-    return tricubic(base - 1 - nx - nxy, static_cast<std::ptrdiff_t>(nx), static_cast<std::ptrdiff_t>(nxy), t[0], t[1],
-                    t[2]);
-  std::array<CubicWeights, 3> c;
-  std::array<std::array<int, 2>, 3> range;  // first and last of the four nodes that exist
-  for (int k = 0; k < 3; ++k) {
-    if (interpolation == Interpolation::Trilinear) {
-      c[k] = {{0.0, 1.0 - t[k], t[k], 0.0}, {0.0, -1.0, 1.0, 0.0}};
-      range[k] = {1, 2};
-    } else {
-      const bool first = cell[k] == 0, last = cell[k] == nodes_[k] - 2;
-      c[k] = cubic_weights(t[k], first, last);
-      range[k] = {first ? 1 : 0, last ? 2 : 3};
-    }
-  }
-  double value = 0.0;
-  if (gradient == nullptr) {
-    for (int m = range[2][0]; m <= range[2][1]; ++m)
-      for (int l = range[1][0]; l <= range[1][1]; ++l) {
-        const float* row =
-            base + (l - 1) * static_cast<std::ptrdiff_t>(nx) + (m - 1) * static_cast<std::ptrdiff_t>(nxy);
-        double line = 0.0;
-        for (int k = range[0][0]; k <= range[0][1]; ++k) line += c[0].w[k] * row[k - 1];
-        value += c[2].w[m] * c[1].w[l] * line;
-      }
-    return value;
-  }
-  Vec3 slope = Vec3::Zero();
-  for (int m = range[2][0]; m <= range[2][1]; ++m) {
-    double plane = 0.0, plane_x = 0.0, plane_y = 0.0;
-    for (int l = range[1][0]; l <= range[1][1]; ++l) {
-      const float* row = base + (l - 1) * static_cast<std::ptrdiff_t>(nx) + (m - 1) * static_cast<std::ptrdiff_t>(nxy);
-      double line = 0.0, line_x = 0.0;
-      for (int k = range[0][0]; k <= range[0][1]; ++k) {
-        line += c[0].w[k] * row[k - 1];
-        line_x += c[0].d[k] * row[k - 1];
-      }
-      plane += c[1].w[l] * line;
-      plane_x += c[1].w[l] * line_x;
-      plane_y += c[1].d[l] * line;
-    }
-    value += c[2].w[m] * plane;
-    slope += Vec3(c[2].w[m] * plane_x, c[2].w[m] * plane_y, c[2].d[m] * plane);
-  }
-  if (gradient) *gradient = slope / spacing_;
-  return value;
+  const std::ptrdiff_t nx = nodes_.x(), nxy = nx * nodes_.y();
+  const float* base = values_.data() + cell[0] + nx * cell[1] + nxy * cell[2];
+  if (inner) return brim::tricubic(base - 1 - nx - nxy, nx, nxy, t.data(), inverse_spacing_);
+  // In the first and last cell the missing node continues the line through its two neighbours.
+  const auto line = [&](int axis, const auto& at) {
+    const double b = at(0), c = at(1);
+    return kinked_cubic(cell[axis] > 0 ? at(-1) : b + b - c, b, c, cell[axis] < nodes_[axis] - 2 ? at(2) : c + c - b,
+                        t[axis], inverse_spacing_);
+  };
+  return line(0, [&](int i) {
+    return line(1, [&](int j) { return line(2, [&](int k) { return double{base[i + j * nx + k * nxy]}; }); });
+  });
 }
 
 double DistanceGrid::value(const Vec3& p, Interpolation interpolation) const {
   const Vec3 q = p.cwiseMax(box_.lo).cwiseMin(box_.hi);
-  const double d = interpolation == Interpolation::Trilinear ? trilinear(q) : inside_value(q, interpolation, nullptr);
+  const double d = interpolation == Interpolation::Trilinear ? trilinear(q) : tricubic(q);
   const double outside2 = (p - q).squaredNorm();
   if (outside2 == 0.0) return d;
   const double positive = std::max(0.0, d);
@@ -174,20 +110,6 @@ double DistanceGrid::least_value(const Vec3& p) const {
   if (outside2 == 0.0) return least;
   const double positive = std::max(0.0, least);
   return std::sqrt(outside2 + positive * positive);
-}
-
-Vec3 DistanceGrid::gradient(const Vec3& p) const {
-  const Vec3 q = p.cwiseMax(box_.lo).cwiseMin(box_.hi);
-  Vec3 g;
-  const double d = inside_value(q, interpolation_, &g);
-  const Vec3 away = p - q;
-  if (away.squaredNorm() == 0.0) return g;
-  // Along the axes that leave the box the distance to it grows; along the others q moves with p.
-  const double positive = std::max(0.0, d);
-  Vec3 r = away;
-  for (int k = 0; k < 3; ++k)
-    if (away[k] == 0.0) r[k] = positive * g[k];
-  return r / std::sqrt(away.squaredNorm() + positive * positive);
 }
 
 Aabb DistanceGrid::solid_box(double level) const {

@@ -42,8 +42,6 @@ class DistanceGrid {
   /// A lower bound of value() and of the true distance at p from the nearest node alone (distance_bounds.h); some two
   /// spacings below them at most, less than one on average, and 2.5 % of what is beyond 4 spacings.
   double least_value(const Vec3& p) const;
-  /// Derivative of value() at p, the interpolant's own inside the grid [-].
-  Vec3 gradient(const Vec3& p) const;
 
   const Vec3& origin() const { return origin_; }
   double spacing() const { return spacing_; }
@@ -57,8 +55,8 @@ class DistanceGrid {
   Aabb solid_box(double level = 0.0) const;
 
  private:
-  double inside_value(const Vec3& p, Interpolation interpolation, Vec3* gradient) const;
-  /// The same by trilinear interpolation, without a gradient.
+  /// value() in the grid's box.
+  double tricubic(const Vec3& p) const;
   double trilinear(const Vec3& p) const;
 
   Vec3 origin_;

@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "brim/contact/face_edges.h"
+
 namespace brim {
 
 namespace {
@@ -26,8 +28,9 @@ constexpr double kEdgeBend = 0.1, kFace = 0.02, kForetold = 0.02;
 /// [voxels] gap beyond those of a face up to which a node tells of its rim; least cosine there between the two normals,
 /// of which the stencil turns one to the side face.
 constexpr double kRim = 0.1, kTurned = 0.5;
-/// [voxels] corners nearer to another point than this say nothing new.
-constexpr double kApart = 1.0;
+/// [voxels] corners nearer to another point than this say nothing new; farthest from a face's outermost node to its
+/// edge, as those at its corners tell no distances.
+constexpr double kApart = 1.0, kToEdge = 2.0;
 
 /// At an edge the point goes with the matter of the sharper surface, as on a curvature of one voxel; the other is flat.
 Constraint::Bend sharp_bend(const ContactSet& s, std::size_t c, double h) {
@@ -100,7 +103,7 @@ void Constraint::gather_pair(const ContactSet& contacts, std::span<const Vec3> n
     for (const std::size_t c : order_)
       add_point(contacts, c, contacts.point[c], normals[c], -contacts.depth[c], law, {});
   else if (law.rigid)
-    gather_stiff(contacts, normals, pair, law);
+    gather_stiff(contacts, normals, pair, law, options);
   else
     gather_soft(contacts, normals, pair, law);
   for (const EdgePoint& e : edges) {
@@ -166,7 +169,7 @@ void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> n
       patch_.clear();
       for (const std::size_t c : nodes)
         if (normals[c].dot(n) >= kAlikeInPatch) patch_.push_back(c);
-      add_patch(contacts, normals, pair, law, patch_);
+      add_patch(contacts, normals, pair, law, {}, patch_);
       std::erase_if(nodes, [&](std::size_t c) { return normals[c].dot(n) >= kAlikeInPatch; });
     }
   }
@@ -175,7 +178,7 @@ void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> n
 }
 
 void Constraint::gather_stiff(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
-                              const ConstraintPair& law) {
+                              const ConstraintPair& law, const ConstraintOptions& options) {
   // Where each node lies, so that patches grow from neighbour to neighbour.
   place_.reset(pair.h);
   for (std::size_t i = 0; i < order_.size(); ++i) place_.set(contacts.node_at(order_[i], pair.h), i);
@@ -198,12 +201,13 @@ void Constraint::gather_stiff(const ContactSet& contacts, std::span<const Vec3> 
         taken_[j] = 1;
         patch_.push_back(order_[j]);
       });
-    add_patch(contacts, normals, pair, law, patch_);
+    add_patch(contacts, normals, pair, law, options, patch_);
   }
 }
 
 void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
-                           const ConstraintPair& law, std::span<const std::size_t> nodes) {
+                           const ConstraintPair& law, const ConstraintOptions& options,
+                           std::span<const std::size_t> nodes) {
   const double far = kAround * pair.h, miss = kMisfit * pair.h;
   const std::size_t first = points_.size();
   rest_.assign(nodes.begin(), nodes.end());
@@ -229,7 +233,7 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
     add_point(contacts, around_.front(), model.least_point, model.n, model.least_gap, law,
               {model.bend_a, model.bend_b});
     if (!law.rigid) return;
-    add_corners(contacts, pair, law, model, first, center);
+    add_corners(contacts, pair, law, options, model, first, center);
     // What lies nearer than the model says has points of its own.
     std::erase_if(rest_, [&](std::size_t c) {
       return around(c) || -contacts.depth[c] >= model.gap_at(contacts.point[c]) - miss;
@@ -257,7 +261,8 @@ bool Constraint::at_edge_of_face(const ContactSet& contacts, const PatchModel& m
 }
 
 void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair, const ConstraintPair& law,
-                             const PatchModel& model, std::size_t first, std::size_t center) {
+                             const ConstraintOptions& options, const PatchModel& model, std::size_t first,
+                             std::size_t center) {
   const double h = pair.h;
   // Nodes off the model lie beyond an edge, or on another surface that has its own patch. Those that it tells though it
   // was made of others nearby belong to it as far as they lie.
@@ -284,7 +289,10 @@ void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair
   double least = std::numeric_limits<double>::infinity();
   const std::size_t corners = points_.size();
   for (const std::size_t c : {one, two, left, right}) {
-    const Vec3& y = contacts.point[c];
+    Vec3 y = contacts.point[c];
+    // A face ends at its edge, and not at its outermost node.
+    if (options.side_a != nullptr && model.bend_a.isZero(0.0) && model.bend_b.isZero(0.0))
+      carry_to_edges(*options.side_a, *options.side_b, h, kToEdge * h, std::span(&y, 1), std::span(&model.n, 1));
     bool fresh = true;
     for (std::size_t i = first; i < points_.size(); ++i) fresh = fresh && (points_.point[i] - y).norm() > kApart * h;
     if (!fresh) continue;

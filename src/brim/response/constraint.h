@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "brim/contact/contact_set.h"
+#include "brim/contact/cube_contacts.h"
 #include "brim/math/types.h"
 #include "brim/response/edge_points.h"
 #include "brim/response/moved_rows.h"
@@ -17,6 +18,8 @@ struct ConstraintOptions {
   double dt = 0.0;            ///< [s]
   double bounce_speed = 0.0;  ///< [m/s] slower approaches do not bounce
   bool every_node = false;    ///< one point per contact node: the full set that patches are measured against
+  /// Two solids, where a single pair of them is gathered: corners of flat faces stand at their edges.
+  const CubeSide *side_a = nullptr, *side_b = nullptr;
 };
 
 /// What the constraint response needs of a pair besides its contacts.
@@ -88,10 +91,10 @@ class Constraint {
   void gather_soft(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                    const ConstraintPair& law);
   void gather_stiff(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
-                    const ConstraintPair& law);
+                    const ConstraintPair& law, const ConstraintOptions& options);
   /// @param nodes  deepest first
   void add_patch(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
-                 const ConstraintPair& law, std::span<const std::size_t> nodes);
+                 const ConstraintPair& law, const ConstraintOptions& options, std::span<const std::size_t> nodes);
   /// True where a node lies over the rim of a face, within the side face's ramp, and tells hardly more than the gap of
   /// the face: next to a row's nodes with a normal like its own.
   bool at_rim_of_face(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
@@ -100,9 +103,9 @@ class Constraint {
   /// middle: where it bends, and a flat node within two voxels of its point of least gap has a smaller gap than it
   /// foretells.
   bool at_edge_of_face(const ContactSet& contacts, const PatchModel& model, double h) const;
-  /// Corners of the flat part of the nodes in around_. @param first  of the patch's points  @param center  the model's
+  /// Corners of the flat part of the nodes in rest_. @param first  of the patch's points  @param center  the model's
   void add_corners(const ContactSet& contacts, const ContactPair& pair, const ConstraintPair& law,
-                   const PatchModel& model, std::size_t first, std::size_t center);
+                   const ConstraintOptions& options, const PatchModel& model, std::size_t first, std::size_t center);
   /// Lets friction at corners act where its torque is that of an even pressure (friction_radius.h).
   /// @param first  of the corners
   void place_friction(const ContactSet& contacts, const PatchModel& model, std::size_t first);

@@ -207,7 +207,8 @@ void RigidContacts::sample(Pair& pair, Workspace& ws, bool every_node) const {
   const Vec3i lo = (region.lo / t.h).array().ceil().cast<int>(), hi = (region.hi / t.h).array().floor().cast<int>();
   if (!(lo.array() <= hi.array()).all()) return;
   ws.finds.clear();
-  find_between_solids(side_of(t.part_a, t), side_of(t.part_b, t), contact_pair, {lo, hi}, ws.finds);
+  const CubeSide a = side_of(t.part_a, t), b = side_of(t.part_b, t);
+  find_between_solids(a, b, contact_pair, {lo, hi}, ws.finds);
   pair.off_nodes = true;
   pair.boxes.assign(ws.finds.boxes.begin(), ws.finds.boxes.end());
   pair.engulfed = ws.finds.engulfed, pair.nodes = ws.finds.nodes;
@@ -228,6 +229,7 @@ void RigidContacts::sample(Pair& pair, Workspace& ws, bool every_node) const {
   pair.deepest = {set.point[deepest], ws.normal[deepest], -set.depth[deepest], Vec3::Zero(), {}, {}};
   ConstraintOptions options;
   options.every_node = every_node;
+  options.side_a = &a, options.side_b = &b;
   ws.rows.gather(set, ws.normal, std::span(&law(t.part_a, t.part_b), 1), options);
   const ContactSet& points = ws.rows.points();
   for (std::size_t c = 0; c < points.size(); ++c) {

@@ -1,0 +1,41 @@
+#pragma once
+
+#include "brim/core/simd.h"
+
+namespace brim {
+
+/// Value of a signed distance between two of four samples in a line, a share t of the way from b to c. Where it is
+/// smooth, Catmull and Rom's cubic, exact for parabolas:
+///   b + t (c − b) − t (1 − t)/2 D,   D = (1 − t) L + t R,   L = a − 2 b + c,   R = b − 2 c + d
+/// Distances have kinks: inside a solid between two of its faces, outside where faces meet in a hollow.
+/// - Beside a kink the samples beyond it tell nothing, and the cubic swings over by up to 7 % of the kink: bodies would
+///   stand on such bumps. So of L and R the smaller counts for more: their weights are divided by level² + bend², as in
+///   the schemes of Liu, Osher and Chan (1994).
+/// - Between b and c both L and R are large: the value is that of the larger of the two lines (the smaller, in a
+///   hollow) that go on from either side, which meet in the kink. Around an edge, outside of it, the distance is round,
+///   and lies about half-way between both rules.
+/// @param inverse  [1/m] of the spacing
+/// Tests: tests/mesh/distance_grid_test.cpp
+template <class T>
+BRIM_INLINE T kinked_cubic(const T& a, const T& b, const T& c, const T& d, const T& t, const T& inverse) {
+  // Bends over the spacing: one that is none; squares of sums from where on two are a kink, and inverse of what lies
+  // between there and where they certainly are; the same of their product. In spacings, inverse of the way outside on
+  // which a kink becomes round, and depth from where on it does not matter and samples are rough.
+  constexpr float kLevel2 = 0.03f * 0.03f, kKink2 = 0.25f, kSure = 4.0f, kBoth = 100.0f, kRound = 4.0f, kDeep = 4.0f;
+  const T nothing{}, one = nothing + 1.0f, s = one - t;
+  const auto clamped = [&](const T& x) BRIM_LAMBDA_INLINE {
+    const T least = x > nothing ? x : nothing;
+    return least < one ? least : one;
+  };
+  const T left = (a - b) + (c - b), right = (b - c) + (d - c), l = left * inverse, r = right * inverse;
+  const T of_left = s * (kLevel2 + r * r), of_right = t * (kLevel2 + l * l);
+  const T smooth = b + t * (c - b) - 0.5f * t * s * ((of_left * left + of_right * right) / (of_left + of_right));
+  const T sum = l + r, from_left = b + t * (b - a), from_right = c - s * (d - c);
+  const T higher = from_left > from_right ? from_left : from_right,
+          lower = from_left > from_right ? from_right : from_left;
+  const T kinked = sum > nothing ? higher : lower, outside = (sum > nothing ? kinked : -kinked) * inverse;
+  const T share = clamped(kSure * (sum * sum - kKink2)) * clamped(kBoth * (l * r)) * clamped(kDeep + outside);
+  return smooth + share * (one - 0.5f * clamped(kRound * outside)) * (kinked - smooth);
+}
+
+}  // namespace brim
