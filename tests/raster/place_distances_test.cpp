@@ -21,7 +21,7 @@ TEST(PlaceDistances, AreThoseOfTheShapesAtEachPlaceBitForBit) {
   for (const auto& shape : {make_sphere(0.7), make_box(Vec3(1, 1.4, 0.8)), make_capsule(0.3, 1.2),
                             make_cylinder(0.5, 1.1), make_half_space()}) {
     const auto& known = dynamic_cast<const KnownDistance&>(*shape);
-    known.rough_distances({x.data(), y.data(), z.data(), n}, d.data());
+    known.distances({x.data(), y.data(), z.data(), n}, d.data());
     for (int i = 0; i < n; ++i) EXPECT_EQ(d[i], shape->distance({x[i], y[i], z[i]}));
   }
 }

@@ -134,7 +134,7 @@ class EdgeFinder {
  private:
   void distances(const CubeSide& side, const Search& s, const Numbers& t, Numbers& d) {
     places_along(side.pose, s.x, s.e, t, s.n, local_);
-    side.solid->rough_distances({local_[0].data(), local_[1].data(), local_[2].data(), s.n}, d.data());
+    side.solid->distances({local_[0].data(), local_[1].data(), local_[2].data(), s.n}, d.data());
   }
 
   const CubeSide &a_, &b_;

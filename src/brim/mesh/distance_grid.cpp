@@ -14,10 +14,23 @@ namespace brim {
 
 namespace {
 
-/// @param first  the first of the 64 nodes around a cell  @param nx, nxy  nodes from line to line and from plane to
-/// plane
-/// @param t  place in the cell, 0 to 1  @param inverse  [1/m] of the spacing
-BRIM_WIDE double tricubic(const float* first, std::ptrdiff_t nx, std::ptrdiff_t nxy, const double* t, double inverse) {
+/// Value in a cell all of whose 64 nodes exist.
+/// @param first  the first of them  @param nx, nxy  nodes from line to line and from plane to plane
+/// @param t  place in the cell, 0 to 1
+BRIM_WIDE double smooth_value(const float* first, std::ptrdiff_t nx, std::ptrdiff_t nxy, const double* at) {
+  const Lanes t = {at[0], at[1], at[2], 0.0}, t2 = t * t, t3 = t2 * t;  // weights of x, y and z together
+  const Lanes w[4] = {0.5 * (2.0 * t2 - t3 - t), 0.5 * (3.0 * t3 - 5.0 * t2 + 2.0), 0.5 * (4.0 * t2 - 3.0 * t3 + t),
+                      0.5 * (t3 - t2)};
+  Lanes sum = {};
+  for (int m = 0; m < 4; ++m)
+    for (int l = 0; l < 4; ++l)
+      sum += (w[m][2] * w[l][1]) * __builtin_convertvector(load_lanes(first + l * nx + m * nxy), Lanes);
+  return (sum[0] * w[0][0] + sum[1] * w[1][0]) + (sum[2] * w[2][0] + sum[3] * w[3][0]);
+}
+
+/// The same where a kink may be felt. @param inverse  [1/m] of the spacing
+BRIM_WIDE double kinked_value(const float* first, std::ptrdiff_t nx, std::ptrdiff_t nxy, const double* t,
+                              double inverse) {
   const Lanes all = {inverse, inverse, inverse, inverse}, y = {t[1], t[1], t[1], t[1]}, z = {t[2], t[2], t[2], t[2]};
   Lanes line[4];
   for (int l = 0; l < 4; ++l) {
@@ -38,7 +51,8 @@ DistanceGrid::DistanceGrid(const Vec3& origin, double spacing, const Vec3i& node
       inverse_spacing_(1.0 / spacing),
       nodes_(nodes),
       values_(std::move(values)),
-      interpolation_(interpolation) {
+      interpolation_(interpolation),
+      kinks_(values_, nodes, spacing) {
   BRIM_CHECK(spacing, >, 0.0);
   BRIM_CHECK(nodes.minCoeff(), >=, 2);
   BRIM_CHECK(values_.size(), ==, static_cast<std::size_t>(nodes.x()) * nodes.y() * nodes.z());
@@ -72,8 +86,12 @@ double DistanceGrid::tricubic(const Vec3& p) const {
     inner = inner && cell[k] > 0 && cell[k] < nodes_[k] - 2;
   }
   const std::ptrdiff_t nx = nodes_.x(), nxy = nx * nodes_.y();
-  const float* base = values_.data() + cell[0] + nx * cell[1] + nxy * cell[2];
-  if (inner) return brim::tricubic(base - 1 - nx - nxy, nx, nxy, t.data(), inverse_spacing_);
+  const std::ptrdiff_t node = cell[0] + nx * cell[1] + nxy * cell[2];
+  const float* base = values_.data() + node;
+  if (inner)
+    return KinkedCells::holds(kinks_.bits(), static_cast<std::size_t>(node))
+               ? kinked_value(base - 1 - nx - nxy, nx, nxy, t.data(), inverse_spacing_)
+               : smooth_value(base - 1 - nx - nxy, nx, nxy, t.data());
   // In the first and last cell the missing node continues the line through its two neighbours.
   const auto line = [&](int axis, const auto& at) {
     const double b = at(0), c = at(1);

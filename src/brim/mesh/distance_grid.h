@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "brim/math/types.h"
+#include "brim/mesh/kinked_cells.h"
 #include "brim/mesh/mass_properties.h"
 #include "brim/mesh/tri_mesh.h"
 
@@ -49,6 +50,7 @@ class DistanceGrid {
   const Vec3i& nodes() const { return nodes_; }
   const std::vector<float>& values() const { return values_; }
   Interpolation interpolation() const { return interpolation_; }
+  const KinkedCells& kinks() const { return kinks_; }
   /// Box of all nodes, [m].
   Aabb box() const { return box_; }
   /// Box of the nodes at or below `level` [m], grown by one spacing: where the solid lies.
@@ -64,6 +66,7 @@ class DistanceGrid {
   Vec3i nodes_;
   std::vector<float> values_;
   Interpolation interpolation_;
+  KinkedCells kinks_;
   Aabb box_;
 };
 

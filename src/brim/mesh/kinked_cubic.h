@@ -33,7 +33,10 @@ BRIM_INLINE T kinked_cubic(const T& a, const T& b, const T& c, const T& d, const
   const T sum = l + r, from_left = b + t * (b - a), from_right = c - s * (d - c);
   const T higher = from_left > from_right ? from_left : from_right,
           lower = from_left > from_right ? from_right : from_left;
-  const T kinked = sum > nothing ? higher : lower, outside = (sum > nothing ? kinked : -kinked) * inverse;
+  // Lines that fall on beyond both samples may meet in a ridge or be cut off by a third face.
+  const T low = b < c ? b : c, high = b < c ? c : b, ridge = sum > nothing ? higher : lower,
+          cut = sum > nothing ? (ridge > low ? ridge : low) : (ridge < high ? ridge : high);
+  const T kinked = 0.5f * (ridge + cut), outside = (sum > nothing ? kinked : -kinked) * inverse;
   const T share = clamped(kSure * (sum * sum - kKink2)) * clamped(kBoth * (l * r)) * clamped(kDeep + outside);
   return smooth + share * (one - 0.5f * clamped(kRound * outside)) * (kinked - smooth);
 }

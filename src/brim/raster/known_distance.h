@@ -17,8 +17,8 @@ class KnownDistance {
   virtual double slack() const = 0;  ///< [m]
   /// The distance, or what differs from it by less than slack and costs less, [m]. @param p  [m] shape's frame
   virtual double rough_distance(const Vec3& p) const = 0;
-  /// The same at many places.
-  virtual void rough_distances(const PlaceArrays& at, double* d) const {
+  /// The distance at many places, [m], as well as it is known.
+  virtual void distances(const PlaceArrays& at, double* d) const {
     for (int i = 0; i < at.count; ++i) d[i] = rough_distance({at.x[i], at.y[i], at.z[i]});
   }
   /// A lower bound of the distance, [m]: no more than it or what it is an error of slack from.

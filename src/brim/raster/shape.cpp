@@ -29,7 +29,7 @@ class ShapeOf : public Shape, public KnownDistance, public ConvexDistance {
   double distance(const Vec3& p) const final { return self()(p); }
   double slack() const final { return 0.0; }
   double rough_distance(const Vec3& p) const final { return self()(p); }
-  void rough_distances(const PlaceArrays& at, double* d) const override {
+  void distances(const PlaceArrays& at, double* d) const override {
     for (int i = 0; i < at.count; ++i) d[i] = self()(Vec3(at.x[i], at.y[i], at.z[i]));
   }
   bool by_rows() const final { return true; }
@@ -66,7 +66,7 @@ class Sphere final : public RoundedShapeOf<Sphere> {
   void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
     sphere_distances({pose, cube}, r_, wanted, d);
   }
-  void rough_distances(const PlaceArrays& at, double* d) const override { sphere_distances(at, r_, d); }
+  void distances(const PlaceArrays& at, double* d) const override { sphere_distances(at, r_, d); }
   Aabb bounds() const override { return {Vec3::Constant(-r_), Vec3::Constant(r_)}; }
   Aabb placed_bounds(const Pose& pose) const override {
     return {pose.translation - Vec3::Constant(r_), pose.translation + Vec3::Constant(r_)};
@@ -102,7 +102,7 @@ class Box final : public RoundedShapeOf<Box> {
   void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
     box_distances({pose, cube}, half_, wanted, d);
   }
-  void rough_distances(const PlaceArrays& at, double* d) const override { box_distances(at, half_, d); }
+  void distances(const PlaceArrays& at, double* d) const override { box_distances(at, half_, d); }
   Aabb bounds() const override { return {-half_, half_}; }
   double thickness() const override { return 2 * half_.minCoeff(); }
 
@@ -127,7 +127,7 @@ class CapsuleShape final : public RoundedShapeOf<CapsuleShape> {
   void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
     capsule_distances({pose, cube}, r_, half_, wanted, d);
   }
-  void rough_distances(const PlaceArrays& at, double* d) const override { capsule_distances(at, r_, half_, d); }
+  void distances(const PlaceArrays& at, double* d) const override { capsule_distances(at, r_, half_, d); }
   Aabb bounds() const override { return {Vec3(-r_, -r_, -half_ - r_), Vec3(r_, r_, half_ + r_)}; }
   double thickness() const override { return 2 * r_; }
 

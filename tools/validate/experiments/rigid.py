@@ -67,12 +67,22 @@ def tower(case):
         shift = np.array([0.37, 0.0, 0.21]) * h * case.place
         bodies.append({"kind": "obstacle", "name": f"plate{i}", "voxel_size": h, "shape": box(*size),
                        "transform": {"position": list(np.array([-0.1 * s, y, -0.1 * c]) + shift), "rotation": turn}})
-        bodies.append(rigid(f"box{i}", box(width, width, 2 * width),
-                            {"position": list(np.array([width * s, y, width * c]) + shift), "rotation": turn}, h))
+        place = {"position": list(np.array([width * s, y, width * c]) + shift), "rotation": turn}
+        bodies.append(rigid(f"box{i}", *SOLIDS[case.solid](width, place), h))
     return scene(bodies, 2.5, friction=2.0, response=case.response)
 
 
 ANGLES = [a for a in np.arange(20.0, 29.1, 0.5)]
+
+
+def sampled_block(width, place):
+    """The same block as triangles: a star of four points whose notches lie on the edges of a square, turned by 45 degrees."""
+    half, eighth = math.radians(0.5 * place["rotation"]["degrees"]), math.radians(22.5)
+    turn = [math.cos(half) * math.cos(eighth), math.sin(half) * math.sin(eighth), math.sin(half) * math.cos(eighth), math.cos(half) * math.sin(eighth)]
+    return {"kind": "star", "points": 4, "outer": width / math.sqrt(2), "inner": 0.5 * width, "thickness": 2 * width}, {**place, "rotation": {"quaternion": turn}}
+
+
+SOLIDS = {"box": lambda width, place: (box(width, width, 2 * width), place), "mesh": sampled_block}
 
 
 def first_to_fall(case, run):
@@ -81,10 +91,10 @@ def first_to_fall(case, run):
 
 
 @experiment(law="tan θ = width / height", source="statics", unit="degrees", tolerance=0.028, study="voxels",
-            cases=cases(response=BOTH, voxels=(4, 8, 16), place=(0.0, 0.4)), theory=math.degrees(math.atan(0.5)),
+            cases=cases(response=BOTH, solid=tuple(SOLIDS), voxels=(4, 8, 16), place=(0.0, 0.4)), theory=math.degrees(math.atan(0.5)),
             measure=first_to_fall)
 def topple(case):
-    """A block half as wide as high, so many voxels wide, on slopes from 20 to 29 degrees in steps of a half: the first that
+    """A block half as wide as high, a box or triangles that are sampled, so many voxels wide, on slopes from 20 to 29 degrees in steps of a half: the first that
     falls over. Within half a degree, and a quarter for the steps."""
     return tower(case)
 
