@@ -92,6 +92,10 @@ def first_to_fall(case, run):
 
 @experiment(law="tan θ = width / height", source="statics", unit="degrees", tolerance=0.028, study="voxels",
             cases=cases(response=BOTH, solid=tuple(SOLIDS), voxels=(4, 8, 16), place=(0.0, 0.4)), theory=math.degrees(math.atan(0.5)),
+            misses={"response constraint, solid mesh, voxels 4": "a sampled face of four voxels has too few nodes that see no edge to be told for a plane: it stands on its nodes, up "
+                    "to a voxel inside of its edges",
+                    **{f"response penalty, solid mesh, voxels {n}": "its corners, where three faces are sampled half a voxel apart, reach out by up to 0.08 voxel, and it leans on one"
+                       for n in ("4, place 0.4", 8)}},
             measure=first_to_fall)
 def topple(case):
     """A block half as wide as high, a box or triangles that are sampled, so many voxels wide, on slopes from 20 to 29 degrees in steps of a half: the first that
