@@ -4,6 +4,7 @@
 #include "support/carried.h"
 #include "support/implicit.h"
 #include "support/particle_laws.h"
+#include "support/tiles.h"
 
 /// Laws of meshless solids alone: shape functions, strain, bending.
 namespace brim::meshless_body_test {
@@ -122,6 +123,42 @@ TEST(MeshlessBody, CantileverIsTheBeams) {
   RecordProperty("ratios", fmt::format("{:.4f} {:.4f}", r2, r4));
   EXPECT_LT(std::abs(r4 - 1.0), std::abs(r2 - 1.0));
   EXPECT_LT(std::abs(r4 - 1.0), 0.05);
+}
+
+/// [voxels] most that the density of a box tells wrong of the distance to one of its faces, up to a voxel from it and
+/// away from its edges.
+double face_error(double height, double voxel) {
+  const Vec3 half(6.0 * voxel, 6.0 * voxel, 0.5 * height);
+  const auto distance = [&](const Vec3& p) {
+    const Vec3 q = p.cwiseAbs() - half;
+    return q.cwiseMax(0.0).norm() + std::min(0.0, q.maxCoeff());
+  };
+  const MeshlessModel m = fill_with_frames(distance, {-half, half}, 4.0 * voxel, voxel);
+  double worst = 0.0;
+  for (const double shift : {0.0, 0.25, 0.5, 0.75}) {
+    std::vector<Vec3> x = m.particles;
+    for (Vec3& p : x) p += Vec3(0.15, 0.35, shift) * voxel;
+    VolumeLayer layer;
+    const std::vector<double> mass(x.size(), 1.0), radius{0.0};
+    layer.set(x, m.particle_volume, mass, radius);
+    const double face = -half.z() + shift * voxel, w = 3.0 * voxel;
+    std::vector<TileKey> tiles;
+    const Vec3 reach(1.5 * voxel, 1.5 * voxel, 2.0 * voxel), middle(0, 0, face);
+    layer.presence(voxel, w, {middle - reach, middle + reach}, tiles);
+    std::vector<DensityBlock> blocks(tiles.size());
+    layer.rasterize(voxel, w, tiles, blocks);
+    testing::for_each_node(tiles, voxel, [&](std::size_t t, int n, const Vec3& r) {
+      const double d = face - r.z();
+      if (std::abs(r.x()) > 2.0 * voxel || std::abs(r.y()) > 2.0 * voxel || std::abs(d) > 1.05 * voxel) return;
+      worst = std::max(worst, std::abs(ramp_inverse(blocks[t].rho[n], w) - d) / voxel);
+    });
+  }
+  return worst;
+}
+
+TEST(MeshlessBody, ItsFacesAreWhereTheyAreWhereverTheyCutTheCellsOfItsParticles) {
+  // It was up to 0.28 voxel: bodies stood as much too high.
+  for (const double cells : {8.0, 8.2, 8.5, 8.8, 9.0}) EXPECT_LT(face_error(0.02 * cells, 0.02), 0.1) << cells;
 }
 
 }  // namespace

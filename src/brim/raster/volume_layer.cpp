@@ -22,7 +22,7 @@ constexpr double kMaxWeight = 8.0;
 /// corners farther still.
 constexpr double kAffineReach = 1.3, kCornerReach = 2.0;
 
-/// The distance from the surface of a half space at which the sum of kernels of radius 1 is s, negative inside: of
+/// The distance from the surface of a half space at which the integral of kernels of radius 1 is s, negative inside: of
 ///   s(u) = 1/2 − 35/32 (u − u³ + 3/5 u⁵ − u⁷/7),   −1 <= u <= 1
 class PlaneDistance {
  public:
@@ -34,6 +34,14 @@ class PlaneDistance {
       for (int halving = 0; halving < 60; ++halving) (sum(0.5 * (lo + hi)) > wanted ? lo : hi) = 0.5 * (lo + hi);
       distance_[static_cast<std::size_t>(i)] = u = 0.5 * (lo + hi);
     }
+  }
+  /// Of a half space of cubes of edge a, each at its middle: their sum is s(u) − a²/24 s''(u), s'' = 105/16 u (1 −
+  /// u²)².
+  /// @param a2  a², in squares of the radius
+  double of_cubes(double s, double a2) const {
+    double u = (*this)(s);
+    for (int i = 0; i < 2; ++i) u = (*this)(s + a2 / 24.0 * 6.5625 * u * (1.0 - u * u) * (1.0 - u * u));
+    return u;
   }
   double operator()(double s) const {
     const double at = std::clamp(s, 0.0, 1.0) * kSteps;
@@ -164,8 +172,9 @@ void VolumeLayer::rasterize(double h, double w, std::span<const TileKey> tiles, 
     for (int node = 0; node < kBlockNodes; ++node) {
       double& rho = block.rho[node];
       if (rho == 0.0) continue;
-      const double R = influence(static_cast<std::size_t>(block.source[node] / kWidths), w);
-      rho = ramp(R * plane(rho * (1.0 + kLift * rho * rho * rho)), w);
+      const auto i = static_cast<std::size_t>(block.source[node] / kWidths);
+      const double R = influence(i, w), edge = std::cbrt(volume_[i]) / R, s4 = rho * rho * rho * rho;
+      rho = ramp(R * plane.of_cubes(rho * (1.0 + kLift * s4 * s4 * s4), edge * edge), w);
     }
   });
 }

@@ -20,10 +20,10 @@ enum class LayerWeights : std::uint8_t {
 };
 
 /// The volume layer (paper, section 5.4): particles on any kinematics, each a share of matter spread over a ball,
-///   s(r) = Σ V_i κ(|r − x_i| / R_i),   κ(q) = 105/(32 π R³) (1 − q²)²,   ρ = min(1, s (1 + ε s³))
+///   s(r) = Σ V_i κ(|r − x_i| / R_i),   κ(q) = 105/(32 π R³) (1 − q²)²,   ρ = ramp(R u, w)
 /// with R_i the largest of the particle's own radius, 0.73 w (then the slope at a flat surface is that of the ramp) and
-/// twice V_i^(1/3) (then the sum is smooth). ε = 0.04 lifts the ripple of the sum inside above 1 and moves the surface
-/// by less than w/500.
+/// twice V_i^(1/3) (then the sum is smooth), and R u the distance at which a half space of such particles has the sum
+/// s (1 + ε s¹²); ε = 0.04 lifts the ripple of the sum inside above 1.
 ///
 /// For a body of one's own: hold a layer, give it the particles in update(), and pass presence, rasterize and weights
 /// on. With J_i the body's own map of particle i, node weights go through compose() or ComposedMap. Same bits for any

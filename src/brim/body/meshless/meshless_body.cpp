@@ -24,17 +24,35 @@ void for_cells(const Aabb& box, double cell, const F& f) {
       for (int i = 0; i < n.x(); ++i) f(Vec3(lo + cell * Vec3(i, j, k)));
 }
 
-/// Matter of a cell from the distance at 2x2x2 points in it, linear over half a cell: a share in [0, 1].
-double share_of(const std::function<double(const Vec3&)>& distance, const Vec3& center, double cell) {
-  const double d = distance(center);
-  if (d > cell) return 0.0;
-  if (d < -cell) return 1.0;
-  double sum = 0.0;
-  for (int c = 0; c < 8; ++c) {
-    const Vec3 at = center + 0.25 * cell * Vec3((c & 1) != 0 ? 1 : -1, (c & 2) != 0 ? 1 : -1, (c & 4) != 0 ? 1 : -1);
-    sum += std::clamp(0.5 - distance(at) / (0.5 * cell), 0.0, 1.0);
+/// Matter of a cell.
+struct Share {
+  double share = 0.0;  ///< of the cell, 0 to 1
+  Vec3 middle;         ///< [m] of the matter
+};
+
+/// From the distance at 2x2x2 points in the cell, linear over half a cell.
+Share share_of(const std::function<double(const Vec3&)>& distance, const Vec3& center, double cell) {
+  const double d = distance(center), quarter = 0.25 * cell;
+  if (d > cell) return {0.0, center};
+  if (d < -cell) return {1.0, center};
+  std::array<double, 8> eighth{};
+  const auto corner = [](std::size_t c) {
+    return Vec3((c & 1) != 0 ? 1 : -1, (c & 2) != 0 ? 1 : -1, (c & 4) != 0 ? 1 : -1);
+  };
+  Vec3 away = Vec3::Zero();
+  for (std::size_t c = 0; c < 8; ++c) {
+    const double at = distance(center + quarter * corner(c));
+    eighth[c] = std::clamp(0.5 - at / (2.0 * quarter), 0.0, 1.0);
+    away += at / (8.0 * quarter) * corner(c);
   }
-  return sum / 8.0;
+  double sum = 0.0;
+  Vec3 moment = Vec3::Zero();
+  for (std::size_t c = 0; c < 8; ++c) {
+    sum += eighth[c];
+    // What is missing of an eighth lies outside of the surface.
+    moment += eighth[c] * quarter * (corner(c) - (1.0 - eighth[c]) * away);
+  }
+  return {sum / 8.0, sum > 0.0 ? Vec3(center + moment / sum) : center};
 }
 
 }  // namespace
@@ -48,16 +66,19 @@ MeshlessModel fill_with_frames(const std::function<double(const Vec3&)>& distanc
   for_cells(box, spacing, [&](const Vec3& x) {
     if (distance(x) < 0.5 * spacing) m.frames.push_back(x);
   });
-  const auto add = [&](double edge, std::vector<Vec3>& points, std::vector<double>& volumes) {
+  const auto for_matter = [&](double edge, const auto& f) {
     for_cells(box, edge, [&](const Vec3& x) {
-      const double share = share_of(distance, x, edge);
-      if (share < 1.0 / 64.0) return;
-      points.push_back(x);
-      volumes.push_back(share * edge * edge * edge);
+      if (const Share s = share_of(distance, x, edge); s.share >= 1.0 / 64.0) f(x, s, s.share * edge * edge * edge);
     });
   };
-  add(0.5 * spacing, m.samples, m.sample_volume);
-  add(cell, m.particles, m.particle_volume);
+  for_matter(0.5 * spacing, [&](const Vec3& x, const Share&, double volume) {
+    m.samples.push_back(x), m.sample_volume.push_back(volume);
+  });
+  // Where its matter is: at the middle of a cell that a face cuts in two it would lie on the face, and the density of
+  // the layer reach out by a quarter of a voxel.
+  for_matter(cell, [&](const Vec3&, const Share& s, double volume) {
+    m.particles.push_back(s.middle), m.particle_volume.push_back(volume);
+  });
   if (m.frames.size() < 4 || m.particles.empty())
     throw InputError(
         fmt::format("meshless: a spacing of {:.3g} m leaves {} frames in the solid; there must be four or more",

@@ -75,6 +75,18 @@ double volume_of(const TetMesh& mesh, std::size_t e) {
   return tet_volume(corner(0), corner(1), corner(2), corner(3));
 }
 
+/// Where the matter of a cell lies, [m]: what is missing of it is on the side to which the shares around fall.
+Vec3 middle_of_matter(const OccupancyGrid& matter, int i, int j, int k) {
+  const auto share = [&](int a, int b, int c) {
+    const bool in = a >= 0 && b >= 0 && c >= 0 && a < matter.cells.x() && b < matter.cells.y() && c < matter.cells.z();
+    return in ? static_cast<double>(matter.share[matter.index(a, b, c)]) : 0.0;
+  };
+  const Vec3 inwards(share(i + 1, j, k) - share(i - 1, j, k), share(i, j + 1, k) - share(i, j - 1, k),
+                     share(i, j, k + 1) - share(i, j, k - 1));
+  const double missing = 1.0 - share(i, j, k) / 255.0, size = inwards.norm();
+  return matter.center(i, j, k) + (size > 0.0 ? Vec3(0.5 * missing * matter.spacing / size * inwards) : Vec3::Zero());
+}
+
 /// Calls f(place, weight) for the edges of a tetrahedron nearest to a point (EdgeShares); equal ones share it.
 /// @param weight  barycentric, of the point
 template <class F>
@@ -138,7 +150,7 @@ SoftImageBody::Parts SoftImageBody::build(const OccupancyGrid& matter, const Tri
   Parts parts;
   parts.area = surface_area(surface);
   parts.box = matter.matter_box();
-  std::vector<Vec3> x;
+  std::vector<Vec3> x, of_matter;
   std::vector<double> young;  // [Pa] of the matter of each particle
   const double cell = matter.spacing * matter.spacing * matter.spacing;
   for (int k = 0; k < matter.cells.z(); ++k)
@@ -146,7 +158,7 @@ SoftImageBody::Parts SoftImageBody::build(const OccupancyGrid& matter, const Tri
       for (int i = 0; i < matter.cells.x(); ++i) {
         const int share = matter.share[matter.index(i, j, k)];
         if (share < kLeastMatter) continue;
-        x.push_back(matter.center(i, j, k));
+        x.push_back(matter.center(i, j, k)), of_matter.push_back(middle_of_matter(matter, i, j, k));
         parts.carriage.volume.push_back(cell * share / 255.0);
         const std::size_t at = matter.index(i, j, k);
         parts.carriage.mass.push_back(material.density.empty() ? options.density * parts.carriage.volume.back()
@@ -176,12 +188,13 @@ SoftImageBody::Parts SoftImageBody::build(const OccupancyGrid& matter, const Tri
       for (double& sixth : parts.edges[e]) sixth *= mean[e] / options.young;
     }
   }
-  parts.carriage.weights = rows_of(parts.mesh, held.embedding);
+  const Embedding carried = embed(parts.mesh, of_matter);
+  parts.carriage.weights = rows_of(parts.mesh, carried);
   parts.surface.triangles = surface.triangles;
   parts.surface.weights = rows_of(parts.mesh, embed(parts.mesh, surface.vertices));
 
   for (Vec3& p : parts.mesh.vertices) p = position + rotation * p;
-  for (const std::int32_t e : held.embedding.tet) {
+  for (const std::int32_t e : carried.tet) {
     const Tetrahedron& t = parts.mesh.tets[static_cast<std::size_t>(e)];
     Mat3 sides;
     for (int k = 0; k < 3; ++k) sides.col(k) = parts.mesh.vertices[t[k + 1]] - parts.mesh.vertices[t[0]];
