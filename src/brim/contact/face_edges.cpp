@@ -64,7 +64,8 @@ struct Ways {
 /// Looks along a face that two solids share.
 class EdgeFinder {
  public:
-  EdgeFinder(const CubeSide& a, const CubeSide& b, double h, double reach) : a_(a), b_(b), h_(h), reach_(reach) {}
+  EdgeFinder(const CubeSide& a, const CubeSide& b, double h, double reach)
+      : a_(a), b_(b), h_(h), reach_(reach), exact_(a.solid->slack() == 0.0 && b.solid->slack() == 0.0) {}
 
   /// d_a + d_b at x + t e, [m].
   void gaps(const Search& s, const Numbers& t, Numbers& gap) {
@@ -101,6 +102,12 @@ class EdgeFinder {
     for (int i = 0; i < near_.n; ++i) t_[i] = 0.5 * sign * lo_[i];
     gaps(near_, t_, gap_);
     for (int i = 0; i < near_.n; ++i) face_[i] = gap_[i] >= near_.level[i] - kLevel * h_;
+    if (exact_) {
+      for (int i = 0; i < near_.n; ++i)
+        if (face_[i] && far_[i] - near_.level[i] >= kSteep * (reach_ - lo_[i]))
+          ways.begin[rises_[i]] = std::max(0.0, lo_[i] - kLevel * h_);
+      return;
+    }
     // Beyond an edge the gap rises along a line, which meets the level of the face there.
     const auto beyond = [&](int k, Numbers& gap) {
       for (int i = 0; i < near_.n; ++i) t_[i] = sign * (lo_[i] + (kBent + k * kBeyond) * h_);
@@ -139,6 +146,7 @@ class EdgeFinder {
 
   const CubeSide &a_, &b_;
   double h_, reach_;
+  bool exact_;  ///< distances are no samples: they rise at edges
   Search rising_, near_;
   std::array<int, kTogether> rises_;
   std::array<bool, kTogether> face_;

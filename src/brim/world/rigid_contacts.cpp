@@ -229,7 +229,7 @@ void RigidContacts::sample(Pair& pair, Workspace& ws, bool every_node) const {
   pair.deepest = {set.point[deepest], ws.normal[deepest], -set.depth[deepest], Vec3::Zero(), {}, {}};
   ConstraintOptions options;
   options.every_node = every_node;
-  options.side_a = &a, options.side_b = &b;
+  if (t.level == 0) options.side_a = &a, options.side_b = &b;  // what is averaged has no edges
   ws.rows.gather(set, ws.normal, std::span(&law(t.part_a, t.part_b), 1), options);
   const ContactSet& points = ws.rows.points();
   for (std::size_t c = 0; c < points.size(); ++c) {
