@@ -16,7 +16,7 @@ namespace {
 
 /// Value in a cell all of whose 64 nodes exist.
 /// @param first  the first of them  @param nx, nxy  nodes from line to line and from plane to plane
-/// @param t  place in the cell, 0 to 1
+/// @param at  place in the cell, 0 to 1
 BRIM_WIDE double smooth_value(const float* first, std::ptrdiff_t nx, std::ptrdiff_t nxy, const double* at) {
   const Lanes t = {at[0], at[1], at[2], 0.0}, t2 = t * t, t3 = t2 * t;  // weights of x, y and z together
   const Lanes w[4] = {0.5 * (2.0 * t2 - t3 - t), 0.5 * (3.0 * t3 - 5.0 * t2 + 2.0), 0.5 * (4.0 * t2 - 3.0 * t3 + t),
@@ -51,12 +51,12 @@ DistanceGrid::DistanceGrid(const Vec3& origin, double spacing, const Vec3i& node
       inverse_spacing_(1.0 / spacing),
       nodes_(nodes),
       values_(std::move(values)),
-      interpolation_(interpolation),
-      kinks_(values_, nodes, spacing) {
+      interpolation_(interpolation) {
   BRIM_CHECK(spacing, >, 0.0);
   BRIM_CHECK(nodes.minCoeff(), >=, 2);
   BRIM_CHECK(values_.size(), ==, static_cast<std::size_t>(nodes.x()) * nodes.y() * nodes.z());
   box_ = {origin_, origin_ + spacing_ * (nodes_ - Vec3i::Ones()).cast<double>()};
+  kinks_ = KinkedCells(values_, nodes, spacing);
 }
 
 double DistanceGrid::trilinear(const Vec3& p) const {

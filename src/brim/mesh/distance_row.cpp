@@ -103,7 +103,7 @@ BRIM_WIDE std::uint8_t tricubic_row(const float* values, const std::uint32_t* ki
     const auto tx = static_cast<float>(x - static_cast<double>(cx)),
                ty = static_cast<float>(y - static_cast<double>(cy)),
                tz = static_cast<float>(z - static_cast<double>(cz));
-    if ((kinks[node >> 5] >> (node & 31) & 1) == 0) {
+    if (!KinkedCells::holds(kinks, static_cast<std::size_t>(node))) {
       out[i] = smooth_value(first, nx, nxy, tx, ty, tz);
       continue;
     }

@@ -17,6 +17,7 @@ class KinkedCells {
   /// less differs by 0.015 spacings at most.
   static constexpr double kBend = 0.2;
 
+  KinkedCells() = default;
   /// @param values  [m] shape (nz, ny, nx), x fastest
   KinkedCells(const std::vector<float>& values, const Vec3i& nodes, double spacing);
   /// One bit a cell, at the index of its first node.

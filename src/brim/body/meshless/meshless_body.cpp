@@ -1,6 +1,7 @@
 #include "brim/body/meshless/meshless_body.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "brim/core/error.h"
