@@ -168,6 +168,41 @@ TEST(PointsBody, SystemIsMassDampingAndStiffnessComposedAndHasItsDiagonal) {
     }
 }
 
+TEST(PointsBody, CouplingsAndDiagonalMakeUpTheSystem) {
+  SCOPED_TRACE(kSeed);
+  PointsBody body = cloud(30, 0.3);
+  testing::Noise noise(kSeed);
+  std::vector<double> q(body.q_size()), v(body.v_size());
+  body.initial_state(q, v);
+  for (double& x : v) x = 0.1 * noise();
+  body.update(0.0, q, v);
+  body.begin_solve(0.01);
+  const auto n = static_cast<Eigen::Index>(body.v_size());
+  BlockDiagonal diagonal;
+  diagonal.reset(body.block_sizes());
+  body.add_system_diagonal(0, diagonal);
+  const SixCouplings couplings = body.couplings();
+  Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(n, n), A = expected;
+  for (Eigen::Index i = 0; i < n / 6; ++i) {
+    const auto row = static_cast<std::size_t>(i);
+    expected.block<6, 6>(6 * i, 6 * i) = diagonal.block(row);
+    for (std::int32_t k = couplings.first[row]; k < couplings.first[row + 1]; ++k) {
+      const Eigen::Index j = couplings.column[k];
+      ASSERT_GT(j, i);
+      expected.block<6, 6>(6 * i, 6 * j) = couplings.value[k].cast<double>();
+      expected.block<6, 6>(6 * j, 6 * i) = couplings.value[k].transpose().cast<double>();
+    }
+  }
+  ASSERT_GT(couplings.value.size(), 30u);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    std::vector<double> x(body.v_size(), 0.0), y(x.size(), 0.0);
+    x[static_cast<std::size_t>(k)] = 1.0;
+    body.apply_system(x, y);
+    A.col(k) = Eigen::Map<const Eigen::VectorXd>(y.data(), n);
+  }
+  EXPECT_LT((A - expected).cwiseAbs().maxCoeff(), 1e-6 * A.cwiseAbs().maxCoeff());
+}
+
 TEST(PointsBody, HeadOnGrainsStopAtTheTouchAndDoNotStick) {
   PointsOptions o = options();
   o.young = 1e7;  // the step does not resolve this contact: without waiting, the overlap would be up to 0.3 radii

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "brim/body/fem/fem_body.h"
+#include "brim/body/points/points_body.h"
 #include "support/dense_contacts.h"
 #include "support/soft_worlds.h"
 #include "support/solids.h"
@@ -15,7 +16,15 @@ namespace {
 
 constexpr unsigned kSeed = 7;
 
-/// A soft cube, a ball and a box, with contacts made up between them.
+TetMesh cube(int n) { return block(n, n, n, 0.2); }
+
+std::unique_ptr<Body> soft_cube() {
+  FemOptions soft;
+  soft.fixed = {0};
+  return std::make_unique<FemBody>(cube(3), soft);
+}
+
+/// Something of many nodes, a ball and a box, with contacts made up between them.
 struct Problem {
   std::vector<std::unique_ptr<Body>> bodies;
   std::vector<std::size_t> first_v{0}, first_block{0};
@@ -24,10 +33,8 @@ struct Problem {
   ContactRows rows;
   Eigen::MatrixXd A;  ///< the whole system
 
-  explicit Problem(int contacts) {
-    FemOptions soft;
-    soft.fixed = {0};
-    bodies.push_back(std::make_unique<FemBody>(cube(3), soft));
+  explicit Problem(int contacts, std::unique_ptr<Body> many = soft_cube()) {
+    bodies.push_back(std::move(many));
     bodies.push_back(ball("ball", {Vec3(0, 0, 2)}));
     bodies.push_back(box("box", {Vec3(0, 2, 0), Quat(0.9, 0.1, 0.2, 0.3).normalized()}));
     std::vector<int> sizes;
@@ -56,17 +63,16 @@ struct Problem {
     add_contacts(contacts);
   }
 
-  static TetMesh cube(int n) { return block(n, n, n, 0.2); }
-
   void add_contacts(int contacts) {
     std::mt19937 rng(kSeed);
     std::normal_distribution<float> normal;
-    std::uniform_int_distribution<std::int32_t> node(0, static_cast<std::int32_t>(first_v[1]) / 3 - 1);
+    const auto per_node = static_cast<std::int32_t>(velocities_per_node(*bodies[0]));
+    std::uniform_int_distribution<std::int32_t> node(0, static_cast<std::int32_t>(first_v[1]) / per_node - 1);
     rows.first = {0};
     const auto add = [&](std::int32_t offset, const auto& J) { rows.offset.push_back(offset), rows.blocks.add(J); };
     for (int c = 0; c < contacts; ++c) {
       const int rigid = c % 2 + 1;
-      for (int k = 0; k < 4; ++k) add(3 * node(rng), 0.25f);
+      for (int k = 0; k < 4; ++k) add(per_node * node(rng), 0.25f);
       const Vec3 arm(normal(rng), normal(rng), normal(rng));
       add(static_cast<std::int32_t>(first_v[rigid]), -1.0f);
       add(static_cast<std::int32_t>(first_v[rigid]) + 3, Eigen::Matrix3f(skew(arm).cast<float>()));
@@ -203,6 +209,49 @@ TEST(ContactFactor, KeepsItsClustersForOtherStiffness) {
   p.rows.stiffness = stiffness;
   factor.refactor(p.rows);
   EXPECT_EQ(answer(factor, p), first);
+}
+
+/// Grains of which many overlap, two are held, and some are far from all others.
+std::unique_ptr<Body> grains(bool turn) {
+  std::mt19937 rng(kSeed);
+  std::uniform_real_distribution<double> place(-0.3, 0.3);
+  std::vector<Vec3> x;
+  for (int i = 0; i < 40; ++i) x.emplace_back(place(rng), place(rng), i < 30 ? place(rng) : 2.0 * i);
+  PointsOptions o;
+  o.radius = {0.1};
+  o.density = 1000.0;
+  o.young = 1e4;
+  o.turn = turn;
+  o.fixed = {0, 7};
+  return std::make_unique<PointsBody>(x, o);
+}
+
+TEST(ContactFactor, GrainsThatTouchEachOtherTakePart) {
+  SCOPED_TRACE(kSeed);
+  for (const bool turn : {true, false}) {
+    const Problem p(6, grains(turn));
+    ContactFactor factor;
+    factor.begin(p.bodies, p.first_v, p.diagonal, p.first_block, p.sparse);
+    factor.factor(p.rows, {});
+    // Blocks of six that something ties to others, without what is held.
+    std::vector<Eigen::Index> t;
+    for (Eigen::Index v = 0; v < p.A.rows(); ++v) {
+      const Eigen::Index first = v / 6 * 6;
+      const bool tied = (p.A.middleRows<6>(first).squaredNorm() - p.A.block<6, 6>(first, first).squaredNorm()) > 1e-9;
+      const bool held = first == 0 || first == 42 || (!turn && v < 240 && v % 6 >= 3);
+      if (tied && !held) t.push_back(v);
+    }
+    ASSERT_GT(t.size(), 100u);
+    ASSERT_LT(t.size(), static_cast<std::size_t>(p.A.rows()));
+    ASSERT_EQ(3 * factor.touched(), t.size());
+    const Eigen::VectorXd r = Eigen::VectorXd::Random(p.A.rows());
+    std::vector<double> z(p.first_v.back(), 0.0);
+    factor.apply(std::span(r.data(), z.size()), z);
+    const Eigen::VectorXd exact = Eigen::MatrixXd(p.A(t, t)).llt().solve(Eigen::VectorXd(r(t)));
+    for (std::size_t i = 0; i < t.size(); ++i)
+      EXPECT_NEAR(z[static_cast<std::size_t>(t[i])], exact[static_cast<Eigen::Index>(i)],
+                  1e-3 * exact.cwiseAbs().maxCoeff());  // single precision times the condition
+  }
 }
 
 TEST(ContactFactor, BodiesWithoutRowsAreLeftOut) {

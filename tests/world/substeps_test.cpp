@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "brim/body/particle_fluid/particle_fluid_body.h"
+#include "brim/body/points/points_body.h"
 #include "support/soft_worlds.h"
 
 namespace brim::substeps_test {
@@ -104,6 +106,52 @@ TEST(Substeps, MotionThatNeighboursShareDoesNotCount) {
   EXPECT_GT(asked, 1.0);
   EXPECT_LE(asked, 10.0 * (2.0 * 0.3 + 0.1) * 0.1 / 0.1 + 1e-9);
   EXPECT_EQ(pieces_of_bars(10.0, 0.5), 1.0);
+}
+
+/// Pieces that a still ball at the origin and loose particles ask for within a tenth of a second, at 0.1 m a voxel.
+/// @param make  the body of particles at places
+template <class Make>
+double pieces_beside_a_ball(const Make& make, const std::vector<Vec3>& x, const std::vector<Vec3>& velocity) {
+  const WorldOptions o = options_at(0.1);
+  const auto one = ball("ball", {});
+  const auto loose = make(x);
+  std::vector<double> q(loose->q_size()), v(6 + loose->v_size());
+  const std::span<double> own = std::span(v).subspan(6);
+  loose->initial_state(q, own);
+  for (std::size_t i = 0; i < x.size(); ++i)
+    for (std::size_t k = 0; k < 3; ++k) own[own.size() / x.size() * i + k] = velocity[i][static_cast<Eigen::Index>(k)];
+  loose->update(0.0, q, own);
+  const std::vector<WorldPart> parts = {{one.get(), 0, 0, 0.1, one->part(0)}, {loose.get(), 1, 0, 0.1, loose->part(0)}};
+  const std::vector<std::size_t> first_v = {0, 6, v.size()};
+  BoxSweep sweep;
+  return motion_pieces(parts, v, first_v, o, 0.1, 0.0, sweep);
+}
+
+std::unique_ptr<Body> liquid(const std::vector<Vec3>& x) {
+  ParticleFluidOptions o;
+  o.spacing = 0.2;
+  return testing::named<ParticleFluidBody>("liquid", x, o);
+}
+std::unique_ptr<Body> grains(const std::vector<Vec3>& x) {
+  PointsOptions o;
+  o.radius = {0.15};
+  return testing::named<PointsBody>("grains", x, o);
+}
+
+TEST(Substeps, WhatWasSpilledAndFallsByItselfAsksForNothing) {
+  // Some lie on the ball; others, which the ball's side of the body's box holds too, fall far beside it at 30 m/s.
+  const std::vector<Vec3> x = {Vec3(0, 0, 0.7), Vec3(0.3, 0, 0.6), Vec3(3, 0, 4), Vec3(3, 0.2, 4), Vec3(-3, -3, -4)};
+  const Vec3 rest = Vec3::Zero(), fast(0, 0, -30);
+  for (const auto& make : {liquid, grains}) {
+    EXPECT_EQ(pieces_beside_a_ball(make, x, {rest, rest, fast, fast, fast}), 1.0);
+    EXPECT_GT(pieces_beside_a_ball(make, x, {fast, rest, rest, rest, rest}), 5.0);
+  }
+}
+
+TEST(Substeps, ALiquidThatMeetsItselfCounts) {
+  const std::vector<Vec3> x = {Vec3(5, 0, 0), Vec3(5, 0, 1)};
+  EXPECT_EQ(pieces_beside_a_ball(liquid, x, {Vec3(0, 0, -9), Vec3(0, 0, -9)}), 1.0);
+  EXPECT_GT(pieces_beside_a_ball(liquid, x, {Vec3(0, 0, 9), Vec3(0, 0, -9)}), 10.0);
 }
 
 TEST(Substeps, ThickSoftPartsMayMoveFartherThanThinOnes) {

@@ -42,6 +42,7 @@ export class Picture {
   private positions: (Float32Array | undefined)[] = [];
   private cells: Int32Array[] = [];
   private fixedBoxes: THREE.Box3[] = [];
+  private start = new THREE.Box3(); // of what moves, in the first frame
 
   constructor(canvas: HTMLCanvasElement) {
     this.stage = new Stage(canvas);
@@ -64,6 +65,7 @@ export class Picture {
     this.contacts = new ContactView((part) => run.bodies[run.parts[part]?.body ?? -1]?.fixed ?? false);
     this.stage.scene.add(this.contacts.object);
     this.fixedBoxes = topologies.flatMap((t) => (t.positions ? [boxOf(t.positions)] : []));
+    this.start.makeEmpty();
     this.frameScene(samples);
     this.views = run.bodies.map((body, i) => {
       const view = makeBodyView(body, topologies[i]!, this.colours[i]!, 0.003 * this.stage.radius, () =>
@@ -86,13 +88,14 @@ export class Picture {
     this.stage.invalidate();
   }
 
-  /** Fits light and ground to what some frames show. */
+  /** Fits light and ground to what some frames show; the first time the first of them begins the run. */
   frameScene(samples: Frame[]): void {
+    if (this.start.isEmpty() && samples[0]) this.start = this.movingBox(samples[0]);
     const boxes = samples.map((s) => {
       const box = this.movingBox(s);
       return this.links.object.visible ? box.union(linkBox(s.links, this.linkInfos, box)) : box;
     });
-    const box = framing(boxes, this.fixedBoxes);
+    const box = framing(boxes, this.fixedBoxes, this.start);
     if (box.isEmpty()) return;
     this.stage.setBounds(box);
     this.findFloors();

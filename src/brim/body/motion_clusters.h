@@ -43,6 +43,8 @@ class MotionClusters {
   /// @param cluster  its place among those of the part
   virtual void finer_clusters(int part, std::size_t cluster, std::span<const double> v,
                               std::vector<MotionCluster>& out) const = 0;
+  /// True where matter of a part may meet other matter of it, as in a liquid: then that counts too.
+  virtual bool meets_itself() const { return false; }
 };
 
 }  // namespace brim

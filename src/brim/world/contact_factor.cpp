@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
 
 namespace brim {
@@ -81,12 +82,14 @@ void ContactFactor::begin(std::span<const std::unique_ptr<Body>> bodies, std::sp
     o.system = bodies[b]->immobile() ? std::nullopt : bodies[b]->block_system();
     const bool one_of_six = first_block[b + 1] == first_block[b] + 1 && diagonal.block_size(first_block[b]) == 6;
     rigid_[b] = sparse[b] && one_of_six && !o.system && !bodies[b]->immobile();
-    o.known = (sparse[b] && o.system) || rigid_[b];
+    const auto* sixes = bodies[b]->immobile() ? nullptr : interface_of<BlocksOfSix>(*bodies[b]);
+    o.sixes = sixes != nullptr ? sixes->couplings() : SixCouplings{};
+    o.known = (sparse[b] && (o.system || sixes != nullptr)) || rigid_[b];
     all_rigid_ = all_rigid_ && (rigid_[b] || bodies[b]->immobile());
     if (!bodies[b]->immobile()) free_ += first_v[b + 1] - first_v[b];
-    if (!o.system) continue;
-    free_ -= 3 * o.system->prescribed.size();
-    for (const std::int32_t r : o.system->prescribed)
+    const auto prescribed = o.system ? o.system->prescribed : o.sixes.prescribed;
+    free_ -= 3 * prescribed.size();
+    for (const std::int32_t r : prescribed)
       std::fill_n(prescribed_.begin() + static_cast<std::ptrdiff_t>(o.first_v + 3 * static_cast<std::size_t>(r)), 3, 1);
   }
 }
@@ -95,13 +98,7 @@ template <class Add>
 void ContactFactor::add_own_blocks(std::int32_t t, const Add& add) const {
   const Owner& o = owner_[touched_[t].body];
   const std::size_t at = static_cast<std::size_t>(touched_[t].velocity) - o.first_v;
-  if (!o.system) {
-    const auto six = diagonal_->block(o.first_block);
-    const auto i = static_cast<Eigen::Index>(at);
-    add(t, Block(six.block<3, 3>(i, i).cast<float>()));
-    if (at == 0) add(local_[o.first_v + 3], Block(six.block<3, 3>(0, 3).cast<float>()));
-    return;
-  }
+  if (!o.system) return add_blocks_of_six(t, add);
   const BlockSystem& s = *o.system;
   const BlockMatrix& K = *s.stiffness;
   const std::size_t r = at / 3;
@@ -112,6 +109,24 @@ void ContactFactor::add_own_blocks(std::int32_t t, const Add& add) const {
     if (u == t) block.diagonal().array() += static_cast<float>(s.mass_share * s.mass[r]);
     add(u, block);
   }
+}
+
+template <class Add>
+void ContactFactor::add_blocks_of_six(std::int32_t t, const Add& add) const {
+  const Owner& o = owner_[touched_[t].body];
+  const std::size_t at = static_cast<std::size_t>(touched_[t].velocity) - o.first_v, row = at / 6;
+  const auto half = static_cast<Eigen::Index>(at % 6);
+  const auto add_three = [&](std::size_t column, Eigen::Index other, const auto& six) {
+    const std::int32_t u = local_[o.first_v + 6 * column + static_cast<std::size_t>(other)];
+    if (u >= t) add(u, Block(six.template block<3, 3>(half, other).template cast<float>()));
+  };
+  const auto own = diagonal_->block(o.first_block + row);
+  add_three(row, half, own);
+  if (half == 0) add_three(row, 3, own);
+  if (o.sixes.first.empty()) return;
+  for (std::int32_t k = o.sixes.first[row]; k < o.sixes.first[row + 1]; ++k)
+    for (const Eigen::Index other : {0, 3})
+      add_three(static_cast<std::size_t>(o.sixes.column[k]), other, o.sixes.value[k]);
 }
 
 template <class Counts, class Add>

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "brim/body/blocks_of_six.h"
 #include "brim/body/body.h"
 #include "brim/core/workspace_pool.h"
 #include "brim/math/block_matrix.h"
@@ -21,7 +22,8 @@ namespace brim {
 /// take part with all their velocities where T is then still factored whole. Beyond some thousand blocks T is cut where
 /// A couples it least (strong_clusters) into clusters, and what couples these is left out, so that cost and memory grow
 /// linearly; pieces of some clusters each are factored side by side. Bodies take part whose matrix is known in blocks
-/// (Body::block_system, or one block of six) and whose maps are sparse. Same bits for any number of threads.
+/// (Body::block_system, BlocksOfSix or one block of six) and whose maps are sparse. Of blocks of six, those take part
+/// that touch each other, too. Same bits for any number of threads.
 /// Tests: tests/world/contact_factor_test.cpp
 class ContactFactor {
  public:
@@ -67,7 +69,8 @@ class ContactFactor {
     bool known = false;
     std::size_t first_v = 0, first_block = 0;
     std::int32_t island = 0;
-    std::optional<BlockSystem> system;  ///< none: one block of six in the diagonal
+    std::optional<BlockSystem> system;  ///< none: blocks of six in the diagonal,
+    SixCouplings sixes;                 ///< and what couples them, if there are several
   };
   struct Touched {
     std::int32_t velocity;  ///< first of three
@@ -95,6 +98,7 @@ class ContactFactor {
     return body + 1 < owner_.size() ? owner_[body + 1].first_v : local_.size();
   }
   void find_touched(const ContactRows& rows, const Limits& limits);
+  void take_blocks_of_six();
   void take_thin_whole(std::size_t most);
   /// Finds clusters, and deals them to pieces.
   void cut(const Limits& limits);
@@ -116,6 +120,8 @@ class ContactFactor {
   void assemble_again(const ContactRows& rows);
   template <class Add>
   void add_own_blocks(std::int32_t t, const Add& add) const;
+  template <class Add>
+  void add_blocks_of_six(std::int32_t t, const Add& add) const;
   /// Calls f(piece) for all pieces, and `beside` as factor does.
   template <class F>
   void for_pieces(const std::function<void()>& beside, const F& f);

@@ -47,18 +47,30 @@ void ContactFactor::find_touched(const ContactRows& rows, const Limits& limits) 
       if (strong) local_[v] = 0;
     }
   });
+  take_blocks_of_six();
   take_thin_whole(limits.whole);
   for (std::size_t b = 0; b < owner_.size(); ++b) {
     const Owner& o = owner_[b];
     const std::size_t end = end_of(b);
-    // A block of six counts whole.
-    if (o.known && !o.system && std::max(local_[o.first_v], local_[o.first_v + 3]) == 0)
-      local_[o.first_v] = local_[o.first_v + 3] = 0;
     for (std::size_t v = o.first_v; v < end; ++v) {
       if (local_[v] < 0) continue;
       local_[v] = o.known ? static_cast<std::int32_t>(touched_.size()) : -1;
       if (o.known) touched_.push_back({static_cast<std::int32_t>(v), static_cast<std::int32_t>(b)});
     }
+  }
+}
+
+void ContactFactor::take_blocks_of_six() {
+  for (std::size_t b = 0; b < owner_.size(); ++b) {
+    const Owner& o = owner_[b];
+    if (!o.known || o.system) continue;
+    for (std::size_t r = 0; r + 1 < o.sixes.first.size(); ++r)
+      for (std::int32_t k = o.sixes.first[r]; k < o.sixes.first[r + 1]; ++k)
+        local_[o.first_v + 6 * r] = local_[o.first_v + 6 * static_cast<std::size_t>(o.sixes.column[k])] = 0;
+    // A block counts whole, but for what is prescribed.
+    for (std::size_t v = o.first_v; v < end_of(b); v += 6)
+      if (std::max(local_[v], local_[v + 3]) == 0)
+        for (const std::size_t three : {v, v + 3}) local_[three] = prescribed_[three] ? -1 : 0;
   }
 }
 
@@ -112,7 +124,9 @@ std::vector<std::int32_t> ContactFactor::find_clusters(const Limits& limits) con
           {static_cast<std::int32_t>(t), c.column[k], c.value[k].norm() * share[t] * share[c.column[k]]});
   });
   for (std::size_t t = 0; t + 1 < touched_.size(); ++t)
-    if (!owner_[touched_[t].body].system && touched_[t].body == touched_[t + 1].body)
+    if (const Owner& o = owner_[touched_[t].body];
+        !o.system && (static_cast<std::size_t>(touched_[t].velocity) - o.first_v) % 6 == 0 &&
+        touched_[t + 1].velocity == touched_[t].velocity + 3)
       joined.push_back({static_cast<std::int32_t>(t), static_cast<std::int32_t>(t + 1), 0.0f});
   return strong_clusters(touched_.size(), couplings, limits.cluster, joined);
 }

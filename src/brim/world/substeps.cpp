@@ -115,11 +115,12 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
   for (std::size_t p = 0; p < parts.size(); ++p) first[p + 1] = first[p] + (whole(p) ? 1 : several[number[p]].size());
   std::vector<MotionCluster> clusters(first.back());
   std::vector<Aabb> boxes(first.back());
-  std::vector<std::int32_t> part(first.back());
+  std::vector<std::int32_t> part(first.back()), group(first.back());
   parallel_for(
       parts.size(),
       [&](std::size_t p) {
         const WorldPart& own = parts[p];
+        const bool by_itself = !whole(p) && interface_of<MotionClusters>(*own.body)->meets_itself();
         if (whole(p)) {
           const auto vb = velocities(own);
           const Vec3 mean = own.body->mean_velocity(own.index, vb);
@@ -136,11 +137,13 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
           boxes[k] = now;
           boxes[k].extend(Aabb{now.lo + time * c.velocity.lo, now.hi + time * c.velocity.hi});
           part[k] = static_cast<std::int32_t>(p);
+          // Those of a group are not held against each other; parts have the numbers from 0 on.
+          group[k] = by_itself ? -1 - static_cast<std::int32_t>(k) : part[k];
         }
       },
       kPartsOfWork);
   if (most_pieces_of_clusters(clusters, first, parts, options, time) <= 1.0) return 1.0;
-  sweep.build(boxes, part);
+  sweep.build(boxes, group);
   // Pairs of clusters that ask for more than one piece, by bounds that are far from sharp.
   std::vector<std::vector<FastPair>> fast_of((boxes.size() + kEntriesOfWork - 1) / kEntriesOfWork);
   parallel_blocks(boxes.size(), kEntriesOfWork, [&](std::size_t begin, std::size_t end) {
@@ -156,7 +159,7 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
         if (part[own] != last_a || part[j] != last_b) {
           last_a = part[own], last_b = part[j];
           const WorldPart &a = parts[last_a], &b = parts[last_b];
-          per_speed = may_touch(a, b) ? time / motion_limit(a, b, options) : 0.0;
+          per_speed = last_a == last_b || may_touch(a, b) ? time / motion_limit(a, b, options) : 0.0;
         }
         const double pieces = per_speed > 0.0 ? relative_speed(clusters[own], clusters[j]) * per_speed : 0.0;
         if (pieces > 1.0) fast.push_back({pieces, per_speed, own, j});

@@ -30,14 +30,23 @@ export function boxWithoutStrays(positions: Float32Array): THREE.Box3 {
 
 const diagonal = (box: THREE.Box3) => (box.isEmpty() ? 0 : box.min.distanceTo(box.max));
 
+const kScattered = 4; // times their extent at the start: bodies that wide apart do not all matter
+const kAround = 1.5; // extents at the start by which what scattered is followed
+
 /**
  * Box to frame: the moving bodies over some frames, the first of which sets the scale, so that a body shot far away
  * does not shrink the rest to a dot; and of what is fixed, all if it is of that scale, else the part near by.
+ * @param start  box of the moving bodies in the first frame of the run: what has scattered since is cut to its surroundings
  */
-export function framing(moving: THREE.Box3[], fixed: THREE.Box3[]): THREE.Box3 {
+export function framing(moving: THREE.Box3[], fixed: THREE.Box3[], start = new THREE.Box3()): THREE.Box3 {
   const box = new THREE.Box3();
-  for (const m of moving)
-    if (box.isEmpty() || diagonal(box.clone().union(m)) < 4 * diagonal(box)) box.union(m);
+  const around = start.clone().expandByScalar(kAround * diagonal(start));
+  for (const m of moving) {
+    const scattered =
+      !start.isEmpty() && diagonal(m) > kScattered * diagonal(start) && m.intersectsBox(around);
+    const own = scattered ? m.clone().intersect(around) : m;
+    if (box.isEmpty() || diagonal(box.clone().union(own)) < kScattered * diagonal(box)) box.union(own);
+  }
   const scale = diagonal(box);
   for (const f of fixed) {
     if (f.isEmpty()) continue;

@@ -7,7 +7,7 @@
 
 #include "brim/body/particle_fluid/fluid_kernel.h"
 #include "brim/body/particle_fluid/fluid_map.h"
-#include "brim/body/particle_fluid/particle_cells.h"
+#include "brim/body/particles/particle_cells.h"
 #include "brim/core/workspace_pool.h"
 #include "brim/grid/tile.h"
 #include "brim/raster/tile_bins.h"

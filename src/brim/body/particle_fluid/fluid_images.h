@@ -7,7 +7,7 @@
 #include "brim/body/filling.h"
 #include "brim/body/particle_fluid/fluid_kernel.h"
 #include "brim/body/particle_fluid/fluid_pairs.h"
-#include "brim/body/particle_fluid/particle_cells.h"
+#include "brim/body/particles/particle_cells.h"
 
 namespace brim {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "brim/body/particle_fluid/fluid_kernel.h"
-#include "brim/body/particle_fluid/particle_cells.h"
+#include "brim/body/particles/particle_cells.h"
 
 namespace brim {
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "brim/body/particle_fluid/particle_slices.h"
+#include "brim/body/particles/loose_clusters.h"
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 
@@ -132,6 +133,15 @@ double ParticleFluidBody::relative_speed_bound(int, std::span<const double> v) c
   double largest = 0.0;
   for (std::size_t i = 0; i < start_.size(); ++i) largest = std::max(largest, (particle_at(v, i) - mean).squaredNorm());
   return std::sqrt(largest);
+}
+
+void ParticleFluidBody::motion_clusters(int, std::span<const double> v, std::vector<MotionCluster>& out) const {
+  measure_cells(cells_, x_, v, 0.5 * options_.spacing, out);
+}
+
+void ParticleFluidBody::finer_clusters(int, std::size_t cluster, std::span<const double> v,
+                                       std::vector<MotionCluster>& out) const {
+  measure_cell(cells_, cluster, x_, v, 0.5 * options_.spacing, out);
 }
 
 void ParticleFluidBody::presence(int, double h, double, const Aabb& region, std::vector<TileKey>& out) const {

@@ -6,6 +6,7 @@
 #include "brim/body/body.h"
 #include "brim/body/filling.h"
 #include "brim/body/loose_nodes.h"
+#include "brim/body/motion_clusters.h"
 #include "brim/body/movable.h"
 #include "brim/body/outer_forces.h"
 #include "brim/body/particle_fluid/cohesion.h"
@@ -46,7 +47,8 @@ class ParticleFluidBody final : public Body,
                                 public LooseNodes,
                                 public OuterForces,
                                 public Restless,
-                                public Movable {
+                                public Movable,
+                                public MotionClusters {
  public:
   /// @param x  particles at the start, world frame, [m]
   /// @throws InputError  when a number is out of range or there are no particles
@@ -73,6 +75,10 @@ class ParticleFluidBody final : public Body,
   Aabb bounds(int p) const override;
   Vec3 mean_velocity(int p, std::span<const double> v) const override;
   double relative_speed_bound(int p, std::span<const double> v) const override;
+  void motion_clusters(int p, std::span<const double> v, std::vector<MotionCluster>& out) const override;
+  void finer_clusters(int p, std::size_t cluster, std::span<const double> v,
+                      std::vector<MotionCluster>& out) const override;
+  bool meets_itself() const override { return true; }
   void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const override;
   void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
   void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,

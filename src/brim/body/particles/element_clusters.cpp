@@ -1,12 +1,11 @@
 #include "brim/body/particles/element_clusters.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <utility>
 
+#include "brim/body/particles/motion_bounds.h"
 #include "brim/core/parallel.h"
-#include "brim/core/simd.h"
 
 namespace brim {
 
@@ -14,32 +13,6 @@ namespace {
 
 /// Elements of a cluster, over the elements that there are for a particle, at most: some thirty particles, and four.
 constexpr std::size_t kCoarse = 32, kFine = 4;
-
-/// Least and largest of vectors, four numbers at a time of which the last means nothing.
-struct Range {
-  Lanes lo, hi;
-  BRIM_INLINE void extend(const Lanes& x) {
-    lo = x < lo ? x : lo;
-    hi = x > hi ? x : hi;
-  }
-  BRIM_INLINE Aabb box() const { return {Vec3(lo[0], lo[1], lo[2]), Vec3(hi[0], hi[1], hi[2])}; }
-};
-
-BRIM_WIDE MotionCluster measured(std::span<const Vec3> x, std::span<const double> v,
-                                 std::span<const std::int32_t> nodes, double reach) {
-  const auto last = static_cast<std::int32_t>(x.size()) - 1;
-  // Nothing follows the last vector in memory.
-  const double last_x[4] = {x[last].x(), x[last].y(), x[last].z(), 0.0};
-  const double* const last_of_v = v.data() + 3 * static_cast<std::size_t>(last);
-  const double last_v[4] = {last_of_v[0], last_of_v[1], last_of_v[2], 0.0};
-  constexpr double kMost = std::numeric_limits<double>::infinity();
-  Range place{Lanes{} + kMost, Lanes{} - kMost}, speed = place;
-  for (const std::int32_t i : nodes) {
-    place.extend(load_lanes(i < last ? x[i].data() : last_x));
-    speed.extend(load_lanes(i < last ? v.data() + 3 * static_cast<std::size_t>(i) : last_v));
-  }
-  return {place.box().inflated(reach), speed.box()};
-}
 
 /// Halves elements across the longest side of their middles until they are few enough. @param leaf  called with each
 /// run
@@ -102,14 +75,14 @@ void ElementClusters::measure(std::span<const Vec3> x, std::span<const double> v
   const std::size_t first = out.size();
   out.resize(first + size());
   parallel_blocks(size(), 64, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c) out[first + c] = measured(x, v, coarse_.of(c), reach);
+    for (std::size_t c = begin; c < end; ++c) out[first + c] = motion_bounds(x, v, coarse_.of(c), reach);
   });
 }
 
 void ElementClusters::measure_finer(std::size_t c, std::span<const Vec3> x, std::span<const double> v, double reach,
                                     std::vector<MotionCluster>& out) const {
   for (std::int32_t k = first_fine_[c]; k < first_fine_[c + 1]; ++k)
-    out.push_back(measured(x, v, fine_.of(static_cast<std::size_t>(k)), reach));
+    out.push_back(motion_bounds(x, v, fine_.of(static_cast<std::size_t>(k)), reach));
 }
 
 }  // namespace brim

@@ -134,14 +134,31 @@ GrainPairs::Mat6 GrainPairs::diagonal(std::size_t grain, double a, double b) con
     const Contact& c = contact_[s.pair];
     if (c.k == 0.0) continue;
     const bool is_a = pair_[s.pair].a == static_cast<std::int32_t>(grain);
-    // u = v − X ω, X = [−l n]×: the arm from the centre to the contact.
-    const Mat3 X = skew((is_a ? -c.arm_a : c.arm_b) * c.normal), M = c.matrix(a, b), MX = M * X;
+    const Mat3 X = c.arm(is_a), M = c.matrix(a, b), MX = M * X;
     sum.topLeftCorner<3, 3>() += M;
     sum.topRightCorner<3, 3>() -= MX;
     sum.bottomLeftCorner<3, 3>() -= MX.transpose();
     sum.bottomRightCorner<3, 3>() += X.transpose() * MX + b * c.roll * Mat3::Identity();
   }
   return sum;
+}
+
+void GrainPairs::couple(double a, double b) {
+  coupled_first_.assign(1, 0);
+  coupled_.clear(), coupling_.clear();
+  for (std::size_t i = 0; i + 1 < first_.size(); ++i) {
+    for (const Side& s : sides_of(i)) {
+      const Contact& c = contact_[s.pair];
+      if (c.k == 0.0 || s.other < static_cast<std::int32_t>(i)) continue;
+      // u = (v_i − X ω_i) − (v_j − Y ω_j), and grain i, the smaller of the two numbers, is a.
+      const Mat3 X = c.arm(true), Y = c.arm(false), M = c.matrix(a, b), MY = M * Y;
+      Mat6 block;
+      block << -M, MY, X.transpose() * M, -X.transpose() * MY - b * c.roll * Mat3::Identity();
+      coupled_.push_back(s.other);
+      coupling_.push_back(block.cast<float>());
+    }
+    coupled_first_.push_back(static_cast<std::int32_t>(coupled_.size()));
+  }
 }
 
 double GrainPairs::energy() const {

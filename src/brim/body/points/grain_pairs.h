@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "brim/body/blocks_of_six.h"
 #include "brim/body/points/neighbour_search.h"
 
 namespace brim {
@@ -52,6 +53,10 @@ class GrainPairs {
   void multiply_add(double a, double b, std::span<const double> x, std::span<double> y) const;
   /// The diagonal block of a grain of a K + b D.
   Mat6 diagonal(std::size_t grain, double a, double b) const;
+  /// Keeps the blocks of a K + b D between grains, for couplings().
+  void couple(double a, double b);
+  /// Those blocks, without what is prescribed. Views: good until the next call of couple.
+  SixCouplings couplings() const { return {coupled_first_, coupled_, coupling_, {}}; }
   /// Energy of the springs of touching pairs, [J].
   double energy() const;
   /// Pairs that touch.
@@ -72,6 +77,8 @@ class GrainPairs {
     double energy = 0.0;
     Mat3 matrix(double a, double b) const;
     Vec3 times(double a, double b, const Vec3& d) const;
+    /// X of the grain that is a, or of the other: its velocity at the contact is v − X ω.
+    Mat3 arm(bool of_a) const { return skew((of_a ? -arm_a : arm_b) * normal); }
   };
   struct Side {
     std::int32_t other, pair;
@@ -89,6 +96,8 @@ class GrainPairs {
   std::vector<Contact> contact_;    // per pair
   std::vector<std::size_t> first_;  // per grain
   std::vector<Side> side_;          // by grain: its pairs, in order
+  std::vector<std::int32_t> coupled_first_, coupled_;
+  std::vector<SixCouplings::Block> coupling_;
 };
 
 }  // namespace brim

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "brim/body/particles/ball_contact.h"
+#include "brim/body/particles/loose_clusters.h"
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 
@@ -55,6 +56,7 @@ PointsBody::PointsBody(std::vector<Vec3> centers, PointsOptions options)
 PointsBody::PointsBody(std::vector<Vec3> centers, std::vector<double> radius, const PointsOptions& options)
     : ParticleBody(std::move(centers), masses_of(radius, options.density), options),
       radius_(std::move(radius)),
+      largest_(*std::max_element(radius_.begin(), radius_.end())),
       material_{options.young,   options.friction,  options.rolling_friction, options.stiffness_damping,
                 options.gravity, options.slip_speed} {
   stiffness_.begin(particle_count());
@@ -64,6 +66,13 @@ PointsBody::PointsBody(std::vector<Vec3> centers, std::vector<double> radius, co
   pair_force_ = pair_torque_ = spin_ = force_;
   roll_.assign(particle_count(), 0.0);
   for (std::size_t i = 0; i < mass_.size(); ++i) inertia_.push_back(0.4 * mass_[i] * radius_[i] * radius_[i]);
+
+  std::vector<std::uint8_t> is_given(radius_.size(), 0);
+  for (const std::int32_t i : prescribed_) is_given[static_cast<std::size_t>(i)] = 1;
+  for (std::size_t i = 0; i < radius_.size(); ++i) {
+    if (is_given[i]) given_.push_back(static_cast<std::int32_t>(2 * i));
+    if (is_given[i] || !turn_) given_.push_back(static_cast<std::int32_t>(2 * i + 1));
+  }
 
   double total = 0.0, mean = 0.0;
   for (const double m : mass_) total += m;
@@ -89,8 +98,7 @@ double PointsBody::gap_for(double dt) const {
   for (const Vec3& v : v_) middle += v / static_cast<double>(v_.size());
   double speed = 0.0;
   for (const Vec3& v : v_) speed = std::max(speed, (v - middle).norm());
-  const double largest = *std::max_element(radius_.begin(), radius_.end());
-  return std::min(2.0 * dt * speed, 2.0 * largest);
+  return std::min(2.0 * dt * speed, 2.0 * largest_);
 }
 
 void PointsBody::initial_state(std::span<double> q, std::span<double> v) const {
@@ -119,6 +127,7 @@ void PointsBody::update(double time, std::span<const double> q, std::span<const 
   BRIM_CHECK(v.size(), ==, v_size());
   for (std::size_t i = 0; i < spin_.size(); ++i) spin_[i] = three(v, 2 * i + 1);
   ParticleBody::update(time, q, centers_alone(v));
+  cells_.build(x_, 4.0 * largest_);
 }
 
 void PointsBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
@@ -148,6 +157,7 @@ void PointsBody::begin_solve(double dt) {
   std::fill(pair_torque_.begin(), pair_torque_.end(), Vec3::Zero());
   pairs_.add_forces(pair_force_, pair_torque_);
   roll_.assign(mass_.size(), 0.0);
+  pairs_.couple(dt * dt, dt);
   for (std::size_t i = 0; i < load_.size(); ++i)
     roll_[i] = material_.rolling * radius_[i] * load_[i] / std::max(spin_[i].norm(), material_.slip_speed / radius_[i]);
   load_.clear();
@@ -204,6 +214,12 @@ void PointsBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) const 
   });
 }
 
+SixCouplings PointsBody::couplings() const {
+  SixCouplings c = pairs_.couplings();
+  c.prescribed = given_;
+  return c;
+}
+
 void PointsBody::filter_spin(std::span<double> x) const {
   for (std::size_t i = 0; i < mass_.size(); ++i) three(x, 2 * i + 1).setZero();
 }
@@ -220,13 +236,13 @@ double PointsBody::relative_speed_bound(int p, std::span<const double> v) const 
   return std::sqrt(largest);
 }
 
-void PointsBody::motion_clusters(int p, std::span<const double> v, std::vector<MotionCluster>& out) const {
-  ParticleBody::motion_clusters(p, centers_alone(v), out);
+void PointsBody::motion_clusters(int, std::span<const double> v, std::vector<MotionCluster>& out) const {
+  measure_cells(cells_, x_, v, largest_, out);
 }
 
-void PointsBody::finer_clusters(int p, std::size_t cluster, std::span<const double> v,
+void PointsBody::finer_clusters(int, std::size_t cluster, std::span<const double> v,
                                 std::vector<MotionCluster>& out) const {
-  ParticleBody::finer_clusters(p, cluster, centers_alone(v), out);
+  measure_cell(cells_, cluster, x_, v, largest_, out);
 }
 
 double PointsBody::kinetic_energy(std::span<const double> v) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "brim/body/particles/particle_body.h"
+#include "brim/body/particles/particle_cells.h"
 #include "brim/body/points/grain_pairs.h"
 #include "brim/body/spinning_balls.h"
 
@@ -23,7 +24,7 @@ struct PointsOptions : ParticleOptions {
 /// the inertia 2/5 m r². They push and rub each other as the body's own inner forces (GrainPairs); to everything else
 /// they are one part. Contact (paper, section 5.2): raster_points, BallsMap; momentum and angular momentum are exact.
 /// Tests: tests/body/points_body_test.cpp
-class PointsBody final : public ParticleBody, public SpinningBalls {
+class PointsBody final : public ParticleBody, public SpinningBalls, public BlocksOfSix {
  public:
   /// @param centers  [m], world frame, at least one
   /// @throws InputError  when a number is out of range
@@ -60,7 +61,8 @@ class PointsBody final : public ParticleBody, public SpinningBalls {
   void apply_damping(std::span<const double> x, std::span<double> y) const override;
   void begin_solve(double dt) override;
   void apply_system(std::span<const double> x, std::span<double> y) const override;
-  std::optional<BlockSystem> block_system() const override { return std::nullopt; }  // pairs come and go
+  std::optional<BlockSystem> block_system() const override { return std::nullopt; }  // blocks are of six
+  SixCouplings couplings() const override;
   void add_system_diagonal(std::size_t first, BlockDiagonal& D) const override;
 
   std::span<const double> radii() const { return radius_; }
@@ -80,9 +82,12 @@ class PointsBody final : public ParticleBody, public SpinningBalls {
   double gap_for(double dt) const;
 
   std::vector<double> radius_;  // [m], per grain
+  double largest_;              // [m] of them
+  ParticleCells cells_;         // of the last update
   GrainMaterial material_;
   GrainPairs pairs_;
   bool turn_ = true;
+  std::vector<std::int32_t> given_;             // threes that nothing moves, SixCouplings::prescribed
   std::vector<double> load_, roll_;             // [N] of what is fixed; [N m s] its resistance to spin
   std::vector<double> inertia_;                 // [kg m²], per grain
   std::vector<Vec3> spin_;                      // [rad/s], of the last update

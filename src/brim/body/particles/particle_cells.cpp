@@ -1,4 +1,4 @@
-#include "brim/body/particle_fluid/particle_cells.h"
+#include "brim/body/particles/particle_cells.h"
 
 #include <algorithm>
 #include <cmath>

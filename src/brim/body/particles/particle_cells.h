@@ -24,6 +24,13 @@ class ParticleCells {
   std::span<const std::int32_t> order() const { return order_; }
   /// Positions in cell order, [m].
   std::span<const Vec3> positions() const { return position_; }
+  /// Cells that hold particles.
+  std::size_t cells() const { return key_.size(); }
+  /// Numbers, in the caller's order, of the particles of a cell.
+  std::span<const std::int32_t> of_cell(std::size_t cell) const {
+    const auto begin = static_cast<std::size_t>(first_[cell]), end = static_cast<std::size_t>(first_[cell + 1]);
+    return std::span(order_).subspan(begin, end - begin);
+  }
 
   /// Calls f(begin, end) for the ranges, in cell order, that hold every particle within `reach` of x, and some more.
   template <class F>

@@ -1,0 +1,25 @@
+import { expect, test } from 'vitest';
+import * as THREE from 'three';
+import { framing } from '../src/scene/bounds';
+
+const box = (x0: number, x1: number, z0 = 0, z1 = 1) =>
+  new THREE.Box3(new THREE.Vector3(x0, 0, z0), new THREE.Vector3(x1, 1, z1));
+
+test('a frame is shown whole', () => {
+  expect(framing([box(2, 4)], [], box(0, 2))).toEqual(box(2, 4));
+});
+
+test('what went away as a whole is followed', () => {
+  expect(framing([box(50, 52)], [], box(0, 2))).toEqual(box(50, 52));
+});
+
+test('what was spilled is followed a little way', () => {
+  const framed = framing([box(0, 2, -80, 1)], [], box(0, 2));
+  expect(framed.max.z).toBe(1);
+  expect(framed.min.z).toBeLessThan(-2);
+  expect(framed.min.z).toBeGreaterThan(-5);
+});
+
+test('the first of some frames sets the scale', () => {
+  expect(framing([box(0, 2), box(0, 80), box(1, 3)], [])).toEqual(box(0, 3));
+});
