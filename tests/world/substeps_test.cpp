@@ -148,10 +148,29 @@ TEST(Substeps, WhatWasSpilledAndFallsByItselfAsksForNothing) {
   }
 }
 
-TEST(Substeps, ALiquidThatMeetsItselfCounts) {
+TEST(Substeps, LooseMatterThatMeetsItselfCounts) {
   const std::vector<Vec3> x = {Vec3(5, 0, 0), Vec3(5, 0, 1)};
-  EXPECT_EQ(pieces_beside_a_ball(liquid, x, {Vec3(0, 0, -9), Vec3(0, 0, -9)}), 1.0);
-  EXPECT_GT(pieces_beside_a_ball(liquid, x, {Vec3(0, 0, 9), Vec3(0, 0, -9)}), 10.0);
+  for (const auto& make : {liquid, grains}) {
+    EXPECT_EQ(pieces_beside_a_ball(make, x, {Vec3(0, 0, -9), Vec3(0, 0, -9)}), 1.0);
+    EXPECT_GT(pieces_beside_a_ball(make, x, {Vec3(0, 0, 9), Vec3(0, 0, -9)}), 10.0);
+  }
+}
+
+TEST(Substeps, FastGrainsOfABodyDoNotMissEachOther) {
+  // Head-on they would pass each other by four of their sizes in a step.
+  WorldOptions o = options_at(0.05);
+  o.environment.gravity = Vec3::Zero();
+  World w(o);
+  PointsOptions grain;
+  grain.radius = {0.05};
+  w.add(testing::named<PointsBody>("grains", std::vector<Vec3>{Vec3(-0.3, 0, 0), Vec3(0.3, 0, 0)}, grain));
+  State s = w.state();
+  s.v[0] = 30.0, s.v[6] = -30.0;
+  w.set_state(s);
+  for (int k = 0; k < 3; ++k) EXPECT_TRUE(w.step().ok);
+  EXPECT_LT(w.state().q[0], w.state().q[3]);
+  EXPECT_LT(w.state().v[0], 1.0);
+  EXPECT_GT(w.state().v[6], -1.0);
 }
 
 TEST(Substeps, ThickSoftPartsMayMoveFartherThanThinOnes) {

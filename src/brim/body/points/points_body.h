@@ -51,6 +51,7 @@ class PointsBody final : public ParticleBody, public SpinningBalls, public Block
   void motion_clusters(int p, std::span<const double> v, std::vector<MotionCluster>& out) const override;
   void finer_clusters(int p, std::size_t cluster, std::span<const double> v,
                       std::vector<MotionCluster>& out) const override;
+  bool meets_itself() const override { return true; }
   double kinetic_energy(std::span<const double> v) const override;
   Vec3 linear_momentum(std::span<const double> v) const override;
   Vec3 angular_momentum(std::span<const double> v) const override;
