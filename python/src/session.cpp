@@ -112,7 +112,7 @@ std::unique_ptr<Session> Session::load(const std::string& path, const py::dict& 
   {
     const Unlocked unlocked;
     s->world_ = std::make_unique<World>(scene.world);
-    build_bodies(scene, [&](std::unique_ptr<Body> body) { s->take(std::move(body)); });
+    build_bodies(scene, s->solids_, [&](std::unique_ptr<Body> body) { s->take(std::move(body)); });
     wire_up(Node(*scene.document, scene.document->root, ""), *s->world_);
     schedule_timeline(scene, *s->world_);
   }
@@ -170,7 +170,7 @@ std::vector<int> Session::add(const py::dict& given) {
   in_words(made_up, fmt::format("{} \"{}\"", entry.at("kind").get<std::string>(), name), [&] {
     if (names_.contains(name)) throw InputError("name: it is already the name of a body; names must be unique");
     const Unlocked unlocked;
-    bodies = build_bodies(scene);
+    bodies = build_bodies(scene, solids_);
     for (const auto& body : bodies)
       if (names_.contains(body->name()))
         throw InputError(fmt::format("name: \"{}\" is already the name of a body; names must be unique", body->name()));

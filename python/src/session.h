@@ -15,6 +15,7 @@
 #include "brim/scene/document.h"
 #include "brim/scene/given_arrays.h"
 #include "brim/scene/scene.h"
+#include "brim/scene/solid_store.h"
 #include "brim/world/world.h"
 #include "caller_thread.h"
 
@@ -118,6 +119,7 @@ class Session {
   std::string folder_;
   std::set<std::string> names_;
   std::unique_ptr<World> world_;
+  SolidStore solids_;                             // what bodies have that were added one by one
   std::vector<std::unique_ptr<Mirror>> mirrors_;  // shape (bodies); nothing where Python has not looked
   std::vector<OuterForces*> outer_;               // shape (bodies); nothing where a kind takes none
   std::shared_ptr<CallerThread> caller_ = std::make_shared<CallerThread>();

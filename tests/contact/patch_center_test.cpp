@@ -111,6 +111,37 @@ TEST(PatchCenter, ACylinderIsCarriedOnItsLine) {
   EXPECT_GT(hi, 0.35);
 }
 
+TEST(PatchCenter, WhatLiesCloseInAHollowKeepsThePointsOfItsArc) {
+  // A drum beside one that is hardly smaller, as a shaft within a wheel: the second distance is that of the hole.
+  const auto wheel = make_cylinder(0.8, 2.0);
+  class Hole final : public Shape, public KnownDistance {
+   public:
+    double distance(const Vec3& p) const override { return 0.85 - p.head<2>().norm(); }
+    Aabb bounds() const override { return {Vec3(-2, -2, -1), Vec3(2, 2, 1)}; }
+    double thickness() const override { return 1.0; }
+    void fill(const Pose&, const TileKey&, double, double, DensityBlock&) const override {}
+    double slack() const override { return 0.0; }
+    double rough_distance(const Vec3& p) const override { return distance(p); }
+    bool by_rows() const override { return false; }
+  };
+  const auto hole = std::make_shared<Hole>();
+  for (const double shift : {0.02, 0.031, 0.047}) {
+    const CubeSide a = solid_side(hole, {Mat3::Identity(), Vec3(0.0, shift - 0.055, 0.0)}),
+                   b = solid_side(wheel, {Mat3::Identity(), Vec3(0.0, shift, 0.0)});
+    ContactPair pair{0, 1, h, 3.0 * h, 0.0, 0, 0};
+    CubeFinds finds;
+    find_between_solids(a, b, pair, {Vec3i(-9, 3, -2), Vec3i(9, 10, 2)}, finds);
+    const std::vector<Contact> before = finds.contacts;
+    center_on_least_gap(a, b, a, h, finds.contacts);
+    double widest = 0.0;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      EXPECT_NEAR(finds.contacts[i].point.x(), before[i].point.x(), 0.05 * std::abs(before[i].point.x()) + 1e-3 * h);
+      if (before[i].overlap > 0.0f) widest = std::max(widest, std::abs(before[i].point.x()));
+    }
+    EXPECT_GT(widest, 0.5 * h);
+  }
+}
+
 TEST(PatchCenter, FacesAndEdgesStay) {
   const auto box = make_box(Vec3(0.35, 0.35, 0.35)), plane = make_half_space();
   for (const double shift : {0.0, 0.3 * h}) {

@@ -56,6 +56,11 @@ TEST(Distance, TreeAgreesWithTryingEveryTriangle) {
     EXPECT_EQ(fast.distance, slow.distance);
     EXPECT_EQ(tree.closest(p, fast.distance * 1.0001).triangle, fast.triangle);
     EXPECT_EQ(tree.closest(p, fast.distance * 0.999).triangle, -1);
+    // Whatever triangle is known before.
+    const auto near = static_cast<std::int32_t>(37 * static_cast<std::size_t>(i) % mesh.triangles.size());
+    const ClosestPoint from = tree.closest_from(p, near);
+    EXPECT_EQ(from.triangle, fast.triangle);
+    EXPECT_EQ(from.distance, fast.distance);
   }
 }
 

@@ -10,8 +10,8 @@ namespace brim {
 
 namespace {
 
-/// [voxels] change of the gap along a face that counts as none.
-constexpr double kLevel = 0.02;
+/// [voxels] change of the gap along a face that counts as none, and by which sampled ones may fall beside an edge.
+constexpr double kLevel = 0.02, kDip = 0.04;
 /// Least slope of the gap beyond an edge.
 constexpr double kSteep = 0.5;
 /// Halvings of the way to an edge: 2^-6 of a voxel.
@@ -22,6 +22,11 @@ constexpr double kBent = 0.6, kBeyond = 0.3, kStraight = 0.12;
 /// [voxels] so far to both sides the slope across is asked for; that from which an edge lies aslant; [voxels] way in
 /// the second direction from which, where the first edge does, it is to another.
 constexpr double kToSide = 0.25, kAslant = 0.2, kOwn = 0.1;
+/// [voxels] The way from a face's outermost node to its edge, either way, as those at its corners tell no distances;
+/// and outwards from the middle of the face, where nodes that tell it lie farther inside; from it, least.
+constexpr double kToEdge = 2.0, kToCorner = 4.0, kOutwards = 1.0;
+/// [voxels] from one edge to where the other is looked for that meets it at a corner: sampled distances bend nearer.
+constexpr double kBack = 0.6;
 /// Points that are worked on together: some 20 kB, which a first-level cache holds.
 constexpr int kTogether = 64;
 
@@ -98,10 +103,11 @@ class EdgeFinder {
       for (int i = 0; i < near_.n; ++i)
         (gap_[i] <= near_.level[i] + kLevel * h_ ? lo_ : hi_)[i] = 0.5 * (lo_[i] + hi_[i]);
     }
-    // A ridge between here and there is no face.
+    // A ridge between here and there is no face; sampled distances dip beside an edge.
     for (int i = 0; i < near_.n; ++i) t_[i] = 0.5 * sign * lo_[i];
     gaps(near_, t_, gap_);
-    for (int i = 0; i < near_.n; ++i) face_[i] = gap_[i] >= near_.level[i] - kLevel * h_;
+    const double dip = (exact_ ? kLevel : kDip) * h_;
+    for (int i = 0; i < near_.n; ++i) face_[i] = gap_[i] >= near_.level[i] - dip;
     if (exact_) {
       for (int i = 0; i < near_.n; ++i)
         if (face_[i] && far_[i] - near_.level[i] >= kSteep * (reach_ - lo_[i]))
@@ -183,10 +189,11 @@ BRIM_WIDE void go(const Vectors& e, const Numbers& way, int n, Vectors& x) {
 /// Carries up to kTogether points.
 class Carrier {
  public:
-  Carrier(const CubeSide& a, const CubeSide& b, double h, double reach) : find_(a, b, h, reach), h_(h) {}
-  /// @param n  unit
-  void take(const Vec3& x, const Vec3& n) {
-    for (int r = 0; r < 3; ++r) s_.x[r][s_.n] = x[r], normal_[r][s_.n] = n[r];
+  Carrier(const CubeSide& a, const CubeSide& b, double h, double reach, double far = 0.0)
+      : find_(a, b, h, reach), find_far_(a, b, h, far), h_(h), far_(far) {}
+  /// @param n  unit  @param out  [m] from the middle of the face
+  void take(const Vec3& x, const Vec3& n, const Vec3& out = Vec3::Zero()) {
+    for (int r = 0; r < 3; ++r) s_.x[r][s_.n] = x[r], normal_[r][s_.n] = n[r], out_[r][s_.n] = out[r];
     ++s_.n;
   }
   bool full() const { return s_.n == kTogether; }
@@ -194,10 +201,15 @@ class Carrier {
     frames_across(normal_, s_.n, s_.e, s_.f);
     find_.gaps(s_, 0.0, s_.level);
     find_ways();
-    go(s_.e, way_, s_.n, s_.x);
     // What is left to the edge is gone last: beside it the gap has risen, and tells no other edge.
     first_ = s_.e, rest_ = on_;
-    for (int i = 0; i < s_.n; ++i) aslant_[i] = rest_[i] != 0.0 && slant_[i] > kAslant;
+    for (int i = 0; i < s_.n; ++i) {
+      aslant_[i] = rest_[i] != 0.0 && slant_[i] > kAslant;
+      if (!(far_ > 0.0) || aslant_[i]) continue;
+      const double back = std::clamp(way_[i], -kBack * h_, kBack * h_);
+      way_[i] -= back, rest_[i] += back;
+    }
+    go(s_.e, way_, s_.n, s_.x);
     std::swap(s_.e, s_.f);
     find_ways();
     for (int i = 0; i < s_.n; ++i)
@@ -218,12 +230,33 @@ class Carrier {
       on_[i] = both ? 0.0 : ahead_.on[i] - behind_.on[i];
       slant_[i] = ahead_.slant[i] + behind_.slant[i];
     }
+    if (far_ > 0.0) find_outwards();
+  }
+  /// The same for those that have found no edge: outwards alone, and farther.
+  void find_outwards() {
+    farther_.n = 0;
+    for (int i = 0; i < s_.n; ++i) {
+      const double along = s_.e[0][i] * out_[0][i] + s_.e[1][i] * out_[1][i] + s_.e[2][i] * out_[2][i];
+      if (way_[i] != 0.0 || on_[i] != 0.0 || std::abs(along) < kOutwards * h_) continue;
+      const int k = farther_.n;
+      of_[k] = i, sign_[k] = along < 0.0 ? -1.0 : 1.0;
+      farther_.take(s_, i);
+      for (int r = 0; r < 3; ++r) farther_.e[r][k] *= sign_[k];
+    }
+    if (farther_.n == 0) return;
+    find_far_.find(farther_, 1.0, ahead_);
+    for (int k = 0; k < farther_.n; ++k) {
+      const int i = of_[k];
+      way_[i] = sign_[k] * ahead_.begin[k], on_[i] = sign_[k] * ahead_.on[k], slant_[i] = ahead_.slant[k];
+    }
   }
 
-  EdgeFinder find_;
-  double h_;
-  Search s_;
-  Vectors normal_, first_;
+  EdgeFinder find_, find_far_;
+  double h_, far_;
+  Search s_, farther_;
+  Vectors normal_, first_, out_;
+  std::array<int, kTogether> of_;
+  Numbers sign_;
   Ways ahead_, behind_;
   Numbers way_, on_, slant_, rest_;
   std::array<bool, kTogether> aslant_;
@@ -241,6 +274,15 @@ void carry_to_edges(const CubeSide& a, const CubeSide& b, double h, double reach
     carrier.carry();
     for (std::size_t i = 0; i < n; ++i) points[first + i] = carrier.point(static_cast<int>(i));
   }
+}
+
+Vec3 carried_to_corner(const CubeSide& a, const CubeSide& b, double h, const Vec3& x, const Vec3& n,
+                       const Vec3& middle) {
+  Carrier carrier(a, b, h, kToEdge * h, kToCorner * h);
+  carrier.clear();
+  carrier.take(x, n, x - middle);
+  carrier.carry();
+  return carrier.point(0);
 }
 
 void carry_to_edges(const CubeSide& a, const CubeSide& b, double h, std::span<Contact> contacts) {

@@ -23,4 +23,10 @@ void carry_to_edges(const CubeSide& a, const CubeSide& b, double h, double reach
 /// The same for all points of contacts between two solids, with a reach of h.
 void carry_to_edges(const CubeSide& a, const CubeSide& b, double h, std::span<Contact> contacts);
 
+/// Where a face ends, from its outermost node in some direction: the same within two voxels, and within four where the
+/// way leads out from the middle of the face.
+/// @param x  [m]  @param n  unit, across the face  @param middle  [m]
+Vec3 carried_to_corner(const CubeSide& a, const CubeSide& b, double h, const Vec3& x, const Vec3& n,
+                       const Vec3& middle);
+
 }  // namespace brim

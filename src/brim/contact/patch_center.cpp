@@ -157,6 +157,12 @@ Vec3 slope_of(const CubeSide& side, const Vec3& x, double h) {
   return slope;
 }
 
+/// Curvature of the distance to a solid along a direction, [1/m].
+double bend_of(const CubeSide& side, const Vec3& x, const Vec3& v, double h) {
+  const auto distance = [&](double t) { return side.solid->rough_distance(side.pose.to_local(x + t * h * v)); };
+  return (distance(1.0) - 2.0 * distance(0.0) + distance(-1.0)) / (h * h);
+}
+
 /// Carries points so much of the way onto the plane that touches the surface of a solid beside x.
 void carry_to_surface(const CubeSide& side, const Vec3& x, double h, double share, std::span<Contact> contacts) {
   const Vec3 slope = slope_of(side, x, h);
@@ -186,7 +192,8 @@ bool roll(const CubeSide& a, const CubeSide& b, const CubeSide& moving, Touch to
   }
   if (!(touch.weight > 0.0)) return false;
   // The normal of what is fixed: the mean of the nodes' leans where few of them carry what rolls.
-  const Vec3 fixed = slope_of(&moving == &a ? b : a, touch.x, h);
+  const CubeSide& still = &moving == &a ? b : a;
+  const Vec3 fixed = slope_of(still, touch.x, h);
   const auto [x, directions] = smooth_place(a, b, touch.x, fixed.norm() > kFacing ? fixed.normalized() : touch.n, h);
   double share = 0.0;
   Vec3 least_gap = x;
@@ -197,8 +204,10 @@ bool roll(const CubeSide& a, const CubeSide& b, const CubeSide& moving, Touch to
     if (!p.fits || !p.round || !(p.curvature > 0.0) || !is_narrow(contacts, x, v, h)) continue;
     const double least = least_along(a, b, x, v, h);
     if (std::abs(least - v.dot(touch.x)) > kFarthest * h) continue;
-    // What is left to a ball of four voxels is a lever of 4e-4 of a voxel.
-    const double times = h * p.curvature / kFlat;
+    // What is left to a ball of four voxels on a plane is a lever of 4e-4 of a voxel. What lies close in a hollow
+    // touches it along an arc, of which each place has a normal of its own.
+    const double hollow = std::max(0.0, std::abs(bend_of(still, x, v, h)) - p.curvature);
+    const double times = p.curvature / (kFlat / h + hollow);
     bends[k] = {v, least, times * times / (1.0 + times * times)};
     least_gap += (least - v.dot(x)) * v;
     share = std::max(share, bends[k].share);

@@ -187,22 +187,35 @@ void SurfaceTree::build_dipoles() {
   }
 }
 
+void SurfaceTree::try_triangle(const Vec3& p, std::int32_t t, ClosestPoint& best, double& best2) const {
+  const Triangle& c = mesh_.triangles[t];
+  const TrianglePoint q = closest_on_triangle(p, mesh_.vertices[c[0]], mesh_.vertices[c[1]], mesh_.vertices[c[2]]);
+  const double d2 = (p - q.point).squaredNorm();
+  // Of two triangles at the same distance the lower index wins, whatever the order of the visit.
+  if (d2 > best2 || (d2 == best2 && best.triangle >= 0 && t > best.triangle)) return;
+  best2 = d2;
+  best.point = q.point;
+  best.barycentric = q.barycentric;
+  best.triangle = t;
+  best.feature = q.feature;
+}
+
 ClosestPoint SurfaceTree::closest(const Vec3& p, double max_distance) const {
   ClosestPoint best;
   double best2 = max_distance * max_distance;
-  tree_.nearest(p, best2, [&](std::int32_t t, double& bound2) {
-    const Triangle& c = mesh_.triangles[t];
-    const TrianglePoint q = closest_on_triangle(p, mesh_.vertices[c[0]], mesh_.vertices[c[1]], mesh_.vertices[c[2]]);
-    const double d2 = (p - q.point).squaredNorm();
-    // Of two triangles at the same distance the lower index wins, whatever the order of the visit.
-    if (d2 > bound2 || (d2 == bound2 && best.triangle >= 0 && t > best.triangle)) return;
-    bound2 = d2;
-    best.point = q.point;
-    best.barycentric = q.barycentric;
-    best.triangle = t;
-    best.feature = q.feature;
-  });
+  tree_.nearest(p, best2, [&](std::int32_t t, double& bound2) { try_triangle(p, t, best, bound2); });
   if (best.triangle >= 0) best.distance = std::sqrt(best2);
+  return best;
+}
+
+ClosestPoint SurfaceTree::closest_from(const Vec3& p, std::int32_t near) const {
+  ClosestPoint best;
+  double best2 = std::numeric_limits<double>::infinity();
+  try_triangle(p, near, best, best2);
+  tree_.nearest(p, best2, [&](std::int32_t t, double& bound2) {
+    if (t != near) try_triangle(p, t, best, bound2);
+  });
+  best.distance = std::sqrt(best2);
   return best;
 }
 

@@ -49,6 +49,8 @@ class SurfaceTree {
 
   /// Closest point not farther than max_distance [m].
   ClosestPoint closest(const Vec3& p, double max_distance = std::numeric_limits<double>::infinity()) const;
+  /// The same, sooner, where a triangle is known that is near.
+  ClosestPoint closest_from(const Vec3& p, std::int32_t near) const;
 
   /// Generalized winding number: 1 inside and 0 outside of a closed outward surface, between where it is open.
   /// Far groups of triangles count as one dipole with its first moment (Barill, Dickson, Schmidt, Levin, Jacobson,
@@ -68,6 +70,7 @@ class SurfaceTree {
   bool inside(const Vec3& p, const ClosestPoint& c) const;
 
  private:
+  void try_triangle(const Vec3& p, std::int32_t t, ClosestPoint& best, double& best2) const;
   struct Dipole {
     Vec3 center = Vec3::Zero();  ///< area-weighted mean of the triangle centres, [m]
     Vec3 normal = Vec3::Zero();  ///< Σ area · unit normal, [m²]

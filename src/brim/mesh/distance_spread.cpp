@@ -122,10 +122,12 @@ std::vector<float> spread_distance(const GridLayout& l, const SurfaceTree& tree,
 
   // The band, by exact search.
   parallel_for(l.row_count(), [&](std::size_t row) {
+    std::int32_t near = 0;  // of the node before: most often not far
     for (std::size_t n = row * nx; n < (row + 1) * nx; ++n) {
       if (!done[n]) continue;
       const Vec3 p = l.position(row, static_cast<int>(n - row * nx));
-      const ClosestPoint c = tree.closest(p);
+      const ClosestPoint c = tree.closest_from(p, near);
+      near = c.triangle;
       values[n] = value(p, c);
       nearest[n] = c.triangle;
     }
@@ -181,10 +183,13 @@ std::vector<float> spread_distance(const GridLayout& l, const SurfaceTree& tree,
     layer = std::move(next);
   }
 
-  // Fronts that met too early: all far nodes try their neighbours' triangles again, from a copy.
+  // Fronts that met too early: far nodes try their neighbours' triangles again, from a copy; those that have changed
+  // since they were tried last.
   const std::vector<std::uint8_t> exact = near_nodes(l, mesh, band);
+  std::vector<std::uint8_t> changed(l.count(), 1);
   for (int pass = 0; pass < kPasses; ++pass) {
     const std::vector<std::int32_t> before = nearest;
+    std::vector<std::uint8_t> changes(l.count(), 0);
     parallel_for(l.row_count(), [&](std::size_t row) {
       for (std::size_t n = row * nx; n < (row + 1) * nx; ++n) {
         if (exact[n]) continue;
@@ -192,19 +197,23 @@ std::vector<float> spread_distance(const GridLayout& l, const SurfaceTree& tree,
         std::array<std::int32_t, 27> tried;
         int count = 0;
         tried[count++] = before[n];
-        double best2 = squared_distance(mesh, before[n], p);
+        double best2 = -1.0;  // not known yet
         strides.for_each_neighbour(n, [&](std::size_t m) {
           const std::int32_t t = before[m];
-          if (std::find(tried.begin(), tried.begin() + count, t) != tried.begin() + count) return;
+          if (!changed[m] || std::find(tried.begin(), tried.begin() + count, t) != tried.begin() + count) return;
+          if (best2 < 0.0) best2 = squared_distance(mesh, before[n], p);
           tried[count++] = t;
           const double d2 = squared_distance(mesh, t, p);
           if (d2 >= best2) return;
           best2 = d2;
           nearest[n] = t;
         });
+        if (nearest[n] == before[n]) continue;
+        changes[n] = 1;
         values[n] = static_cast<float>(std::copysign(std::sqrt(best2), static_cast<double>(values[n])));
       }
     });
+    changed = std::move(changes);
   }
   return values;
 }

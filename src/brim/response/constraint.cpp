@@ -20,6 +20,9 @@ constexpr double kCell = 2.0, kAlikeInPatch = 0.9;
 constexpr double kMisfit = 0.1, kAround = 3.0;
 /// [voxels] rise of the gap by curvature up to which a node belongs to the flat part of a patch.
 constexpr double kFlat = 0.05;
+/// Sine of the angle to a model's normal up to which its nodes' own may turn: what lies farther along the arc of a
+/// hollow has a model of its own.
+constexpr double kAlongArc = 0.45;
 /// [voxels] overlap that nodes know of beyond that of the nearest point, above which the point takes it over.
 constexpr double kUnseen = 0.05;
 /// [1/h] bend of a patch's model from which it may be that of an edge, and of a node up to which that lies on a face;
@@ -28,9 +31,8 @@ constexpr double kEdgeBend = 0.1, kFace = 0.02, kForetold = 0.02;
 /// [voxels] gap beyond those of a face up to which a node tells of its rim; least cosine there between the two normals,
 /// of which the stencil turns one to the side face.
 constexpr double kRim = 0.1, kTurned = 0.5;
-/// [voxels] corners nearer to another point than this say nothing new; farthest from a face's outermost node to its
-/// edge, as those at its corners tell no distances.
-constexpr double kApart = 1.0, kToEdge = 2.0;
+/// [voxels] corners nearer to another point than this say nothing new.
+constexpr double kApart = 1.0;
 
 /// At an edge the point goes with the matter of the sharper surface, as on a curvature of one voxel; the other is flat.
 Constraint::Bend sharp_bend(const ContactSet& s, std::size_t c, double h) {
@@ -236,7 +238,8 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
     add_corners(contacts, pair, law, options, model, first, center);
     // What lies nearer than the model says has points of its own.
     std::erase_if(rest_, [&](std::size_t c) {
-      return around(c) || -contacts.depth[c] >= model.gap_at(contacts.point[c]) - miss;
+      return around(c) || (-contacts.depth[c] >= model.gap_at(contacts.point[c]) - miss &&
+                           model.turn_at(contacts.point[c]).norm() <= kAlongArc);
     });
   }
 }
@@ -268,7 +271,7 @@ void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair
   // was made of others nearby belong to it as far as they lie.
   flat_.clear();
   for (const std::size_t c : rest_)
-    if (model.rise_at(contacts.point[c]) <= kFlat * h &&
+    if (model.rise_at(contacts.point[c]) <= kFlat * h && model.turn_at(contacts.point[c]).norm() <= kAlongArc &&
         std::abs(model.gap_at(contacts.point[c]) + contacts.depth[c]) <= kFlat * h)
       flat_.push_back(c);
   if (flat_.empty()) return;
@@ -292,13 +295,13 @@ void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair
     Vec3 y = contacts.point[c];
     // A face ends at its edge, and not at its outermost node.
     if (options.side_a != nullptr && model.bend_a.isZero(0.0) && model.bend_b.isZero(0.0))
-      carry_to_edges(*options.side_a, *options.side_b, h, kToEdge * h, std::span(&y, 1), std::span(&model.n, 1));
+      y = carried_to_corner(*options.side_a, *options.side_b, h, y, model.n, model.x);
     bool fresh = true;
     for (std::size_t i = first; i < points_.size(); ++i) fresh = fresh && (points_.point[i] - y).norm() > kApart * h;
     if (!fresh) continue;
     // The gaps are the model's: bodies would rock on the noise of each node.
     const double gap = model.gap_at(y);
-    add_point(contacts, c, y, model.n, gap, law, {model.bend_a, model.bend_b});
+    add_point(contacts, c, y, model.normal_at(y), gap, law, {model.bend_a, model.bend_b});
     least = std::min(least, gap);
   }
   place_friction(contacts, model, corners);

@@ -34,6 +34,8 @@ constexpr std::size_t kFewest = 8;
 constexpr double kLevel = 0.15, kPlane = 1e-3;
 /// [1/h] bend of a fixed surface up to which its own normals hold, whatever deforms on it.
 constexpr double kFixedBend = 0.05;
+/// Spread of a patch, over h², from which its nodes' normals tell how these turn; sine that they may miss so.
+constexpr double kTrust = 0.3, kOneArc = 0.03;
 
 /// Half the difference of the distances to the two surfaces, (d_a − d_b)/2.
 double lean(const ContactSet& s, std::size_t c, double h) {
@@ -156,9 +158,50 @@ double PatchModel::gap_at(const Vec3& y) const {
   return gap + slope.dot(d) + 0.5 * d.dot(curvature * d);
 }
 
+Vec3 PatchModel::turn_at(const Vec3& y) const {
+  Vec3 d = y - least_point;
+  d -= n * n.dot(d);
+  const Vec3 sine = turn * d;
+  return sine - n * n.dot(sine);
+}
+
+Vec3 PatchModel::normal_at(const Vec3& y) const {
+  const Vec3 sine = turn_at(y);
+  return std::sqrt(std::max(0.0, 1.0 - sine.squaredNorm())) * n + sine;
+}
+
 double PatchModel::rise_at(const Vec3& y) const {
   const Vec3 d = y - least_point;
   return 0.5 * std::max(0.0, d.dot(curvature * d));
+}
+
+void PatchFitter::mend_turn(const ContactSet& contacts, std::span<const std::size_t> nodes, double share, double h,
+                            PatchModel& model) const {
+  const Mat3 across = Mat3::Identity() - model.n * model.n.transpose();
+  const auto for_normals = [&](const auto& f) {
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (!(weight_[i] > 0.0)) continue;
+      const NodeModel m = model_at(contacts, nodes[i]);
+      const Vec3 normal = share * m.away_b - (1.0 - share) * m.away_a;
+      if (!(normal.norm() > 0.0)) continue;
+      f(weight_[i], across * (contacts.point[nodes[i]] - model.least_point), across * normal.normalized());
+    }
+  };
+  double sum = 0.0, missed = 0.0;
+  Vec3 middle = Vec3::Zero(), mean = Vec3::Zero();
+  for_normals([&](double w, const Vec3& d, const Vec3& sine) { sum += w, middle += w * d, mean += w * sine; });
+  middle /= sum, mean /= sum;
+  Mat3 spread = kTrust * h * h * sum * Mat3::Identity(), turn = kTrust * h * h * sum * model.turn;
+  for_normals([&](double w, const Vec3& d, const Vec3& sine) {
+    spread += w * (d - middle) * (d - middle).transpose(), turn += w * (sine - mean) * (d - middle).transpose();
+  });
+  turn *= spread.inverse();
+  const Vec3 at_least = mean - turn * middle;
+  for_normals(
+      [&](double w, const Vec3& d, const Vec3& sine) { missed += w * (sine - at_least - turn * d).squaredNorm(); });
+  if (!(missed < kOneArc * kOneArc * sum) || !(at_least.norm() < kOneArc)) return;
+  model.turn = turn;
+  model.n = (model.n + at_least).normalized();
 }
 
 PatchModel PatchFitter::fit(const ContactSet& contacts, std::span<const Vec3> normals, double h,
@@ -244,7 +287,10 @@ PatchModel PatchFitter::fit(const ContactSet& contacts, std::span<const Vec3> no
   PatchModel model;
   model.x = x, model.n = found, model.gap = gap, model.slope = slope, model.curvature = curvature;
   model.bend_a = curvature_a, model.bend_b = curvature_b;
+  const double share = share_of_b(curvature_a.norm(), curvature_b.norm(), fixed, h);
+  model.turn = share * curvature_b - (1.0 - share) * curvature_a;
   model.least_point = x + shift, model.least_gap = gap + change;
+  if (!flat_a && !flat_b) mend_turn(contacts, nodes, share, h, model);
   return model;
 }
 

@@ -39,11 +39,17 @@ struct PatchModel {
   Vec3 slope = Vec3::Zero();                          ///< [-]
   Mat3 curvature = Mat3::Zero();                      ///< [1/m] of the gap: the sum of both surfaces'
   Mat3 bend_a = Mat3::Zero(), bend_b = Mat3::Zero();  ///< [1/m] of each; zero where it is a plane
+  Mat3 turn = Mat3::Zero();                           ///< [1/m] change of the normal along the patch
   Vec3 least_point = Vec3::Zero();                    ///< [m]
   double least_gap = 0.0;                             ///< [m]
 
   /// φ(y), [m].
   double gap_at(const Vec3& y) const;
+  /// What the normal at y has across n: the sine of the angle by which it turns. Where one surface lies close in the
+  /// hollow of another it is no small one.
+  Vec3 turn_at(const Vec3& y) const;
+  /// Unit normal at y, where it turns by less than a right angle.
+  Vec3 normal_at(const Vec3& y) const;
   /// ½ d·curvature d about the point of least gap, at least 0: how far the gap rises by curvature.
   double rise_at(const Vec3& y) const;
 };
@@ -61,6 +67,11 @@ class PatchFitter {
   std::span<const std::size_t> near() const { return near_; }
 
  private:
+  /// Corrects how the normal turns by the nodes' own, where these lie on one arc: those of a shaft in its wheel tell it
+  /// ten times better than their curvature.
+  void mend_turn(const ContactSet& contacts, std::span<const std::size_t> nodes, double share, double h,
+                 PatchModel& model) const;
+
   std::vector<std::size_t> near_, level_;
   std::vector<double> weight_;
 };

@@ -10,7 +10,7 @@
 #include "brim/mesh/intensity_table.h"
 #include "brim/scene/given_arrays.h"
 #include "brim/scene/limits.h"
-#include "brim/scene/solid.h"
+#include "brim/scene/solid_store.h"
 
 namespace brim {
 
@@ -46,7 +46,8 @@ VolumeInfo read_info(const Node& n) {
 
 /// Samples a shape as a scanner would: intensity 1 inside, 0 outside, linear over a voxel at the surface.
 VoxelImage image_of_shape(const Node& n, double limit) {
-  const Solid solid = read_solid(n, limit);
+  SolidStore store;
+  const Solid solid = read_solid(n, limit, store);
   const double step = n.at("transform").number("scale") * n.number("image_spacing");
   const Aabb box = solid.shape->bounds().inflated(1.5 * step);
   VoxelImage image;

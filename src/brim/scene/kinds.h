@@ -11,11 +11,14 @@
 
 namespace brim {
 
+class SolidStore;
+
 /// What a kind may use besides its own node.
 struct BuildContext {
   const WorldOptions& world;
   const Material& material;
-  double duration = 0.0;  ///< [s] of the run
+  double duration;     ///< [s] of the run
+  SolidStore& solids;  ///< what was sampled already
 };
 
 /// Makes the copies of one entry of "bodies"; whatever they can share was read when it was made.

@@ -17,6 +17,7 @@
 #include "brim/scene/read_world.h"
 #include "brim/scene/repeat.h"
 #include "brim/scene/sensors.h"
+#include "brim/scene/solid_store.h"
 #include "brim/scene/timeline.h"
 #include "brim/scene/validate.h"
 
@@ -198,7 +199,7 @@ Scene parse_scene(std::string_view text, const std::string& file, const SceneSet
   return check_scene(parse_document(text, file), settings);
 }
 
-void build_bodies(const Scene& scene, const std::function<void(std::unique_ptr<Body>)>& take) {
+void build_bodies(const Scene& scene, SolidStore& solids, const std::function<void(std::unique_ptr<Body>)>& take) {
   const Node list(*scene.document, scene.document->root.at("bodies"), "/bodies");
   const double duration = static_cast<double>(scene.frames) * scene.frame_time();
   ErrorList errors;
@@ -210,7 +211,7 @@ void build_bodies(const Scene& scene, const std::function<void(std::unique_ptr<B
       material.response = read_response(node);
       // Copies share what the kind made of the node (meshes, distance fields), so it is read once.
       const std::unique_ptr<BodyMaker> maker = node.placed([&] {
-        return kind.make(node, BuildContext{scene.world, material, duration});
+        return kind.make(node, BuildContext{scene.world, material, duration, solids});
       });
       for (const Placement& p : placements(node)) {
         node.placed([&] {
@@ -225,15 +226,21 @@ void build_bodies(const Scene& scene, const std::function<void(std::unique_ptr<B
 }
 
 std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene) {
+  SolidStore solids;
+  return build_bodies(scene, solids);
+}
+
+std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene, SolidStore& solids) {
   std::vector<std::unique_ptr<Body>> bodies;
-  build_bodies(scene, [&](std::unique_ptr<Body> body) { bodies.push_back(std::move(body)); });
+  build_bodies(scene, solids, [&](std::unique_ptr<Body> body) { bodies.push_back(std::move(body)); });
   return bodies;
 }
 
 World build_world(const Scene& scene) {
   const Node root(*scene.document, scene.document->root, ""), n = root.at("world");
   World world = n.placed([&] { return World(scene.world); });
-  build_bodies(scene, [&](std::unique_ptr<Body> body) { world.add(std::move(body)); });
+  SolidStore solids;
+  build_bodies(scene, solids, [&](std::unique_ptr<Body> body) { world.add(std::move(body)); });
   root.placed([&] {
     wire_up(root, world);
     schedule_timeline(scene, world);

@@ -15,6 +15,7 @@
 namespace brim {
 
 struct Document;
+class SolidStore;
 struct SceneSettings;  // brim/scene/parameters.h
 
 /// A scene file, read and found good (schema/scene.schema.json, docs/scenes.md).
@@ -53,8 +54,10 @@ World build_world(const Scene& scene);
 
 /// The bodies alone, named, in the order of the scene. @throws InputError  likewise
 std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene);
+/// The same where bodies may share what was sampled for others before.
+std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene, SolidStore& solids);
 /// The same, handed over one by one; what `take` refuses gets the place of the entry that the body comes from.
-void build_bodies(const Scene& scene, const std::function<void(std::unique_ptr<Body>)>& take);
+void build_bodies(const Scene& scene, SolidStore& solids, const std::function<void(std::unique_ptr<Body>)>& take);
 
 /// Checks a document that was read or made: all that load_scene does after reading.
 /// @throws InputError

@@ -9,9 +9,9 @@
 #include "brim/mesh/mass_properties.h"
 #include "brim/mesh/primitives.h"
 #include "brim/mesh/topology.h"
-#include "brim/raster/grid_shape.h"
 #include "brim/scene/given_arrays.h"
 #include "brim/scene/limits.h"
+#include "brim/scene/solid_store.h"
 
 namespace brim {
 
@@ -180,28 +180,13 @@ std::shared_ptr<const Shape> primitive(const Node& n, double s, MassProperties& 
 
 }  // namespace
 
-void sample_solid(const SolidSurface& source, double memory_limit, Solid& solid) {
-  DistanceGridOptions options;
-  options.treatment = source.treatment;
-  options.thickness = source.thickness;
-  // Half a voxel resolves what the voxels can see.
-  options.spacing = 0.5 * solid.voxel_size;
-  options.margin = 2.0 * solid.voxel_size;
-  options.max_nodes = static_cast<std::size_t>(memory_limit / sizeof(float));
-  auto grid = std::make_shared<const DistanceGrid>(make_distance_grid(source.mesh, options));
-  solid.unit =
-      source.treatment == SurfaceTreatment::Closed ? mass_properties(source.mesh, 1.0) : mass_properties(*grid, 1.0);
-  // The largest ball inside: the thickness of tori, gears and the like.
-  const double deepest = *std::min_element(grid->values().begin(), grid->values().end());
-  solid.shape = make_grid_shape(std::move(grid), -2.0 * deepest);
-}
-
-Solid read_solid(const Node& body, double memory_limit) {
+Solid read_solid(const Node& body, double memory_limit, SolidStore& store) {
   return read_solid(body.at("shape"), body, body.at("transform").number("scale"), body.number("voxel_size"),
-                    memory_limit);
+                    memory_limit, store);
 }
 
-Solid read_solid(const Node& n, const Node& at, double scale, double voxel_size, double memory_limit) {
+Solid read_solid(const Node& n, const Node& at, double scale, double voxel_size, double memory_limit,
+                 SolidStore& store) {
   SolidSurface source = read_surface_of(n, scale);
   Solid solid;
   solid.area = surface_area(source.mesh);
@@ -212,7 +197,7 @@ Solid read_solid(const Node& n, const Node& at, double scale, double voxel_size,
   if (source.treatment == SurfaceTreatment::Thickness && voxel_size <= 0.0) solid.voxel_size = 0.5 * source.thickness;
   if (!plane) check_voxel_size(at, solid.voxel_size, solid.area, memory_limit);
   if (!solid.shape) {
-    n.placed([&] { sample_solid(source, memory_limit, solid); });
+    n.placed([&] { store.sample(source, memory_limit, solid); });
   } else if (solid.unit.mass == 0.0 && !plane) {
     solid.unit = mass_properties(source.mesh, 1.0);
   }

@@ -11,6 +11,8 @@
 
 namespace brim {
 
+class SolidStore;
+
 /// The surface of a scene's shape and how it becomes a solid.
 struct SolidSurface {
   TriMesh mesh;  ///< [m], the shape's own frame, scaled
@@ -41,16 +43,13 @@ SolidSurface read_surface_of(const Node& shape, double scale);
 
 /// The rigid solid of a body's "shape", "transform" scale and "voxel_size": exact distance for primitives, a sampled
 /// distance field for all others. Without a voxel_size it is an eighth of the shape's smallest extent.
-/// @param memory_limit  [bytes] of the scene
+/// @param memory_limit  [bytes] of the scene @param store  of what was sampled already
 /// @throws InputError
-Solid read_solid(const Node& body, double memory_limit);
+Solid read_solid(const Node& body, double memory_limit, SolidStore& store);
 
 /// The same of a shape by itself. @param at  node whose "voxel_size" is blamed where voxels are too many
 /// @param voxel_size  [m] 0: an eighth of the smallest extent
-Solid read_solid(const Node& shape, const Node& at, double scale, double voxel_size, double memory_limit);
-
-/// A solid from a surface of any form: a sampled distance field with samples at half of solid.voxel_size. Sets the
-/// shape and the mass properties.
-void sample_solid(const SolidSurface& source, double memory_limit, Solid& solid);
+Solid read_solid(const Node& shape, const Node& at, double scale, double voxel_size, double memory_limit,
+                 SolidStore& store);
 
 }  // namespace brim

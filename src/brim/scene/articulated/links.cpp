@@ -43,7 +43,8 @@ void read_matter(const Node& n, double scale, const Node& body, const BuildConte
   if (!n.has("shape")) return;
   const Node place = n.at("transform");
   const double voxel = n.number("voxel_size") > 0.0 ? n.number("voxel_size") : body.number("voxel_size");
-  Solid solid = read_solid(n.at("shape"), n, scale * place.number("scale"), voxel, context.world.memory_limit);
+  Solid solid =
+      read_solid(n.at("shape"), n, scale * place.number("scale"), voxel, context.world.memory_limit, context.solids);
   const double density = n.has("density") ? n.number("density") : 1000.0;
   link.mass = n.has("mass") ? n.number("mass") : density * solid.unit.mass;
   LinkShape s;

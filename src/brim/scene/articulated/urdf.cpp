@@ -7,7 +7,7 @@
 #include "brim/mesh/topology.h"
 #include "brim/scene/articulated/trees.h"
 #include "brim/scene/limits.h"
-#include "brim/scene/solid.h"
+#include "brim/scene/solid_store.h"
 #include "brim/scene/validate.h"
 
 namespace brim {
@@ -15,7 +15,8 @@ namespace brim {
 namespace {
 
 /// The solid of a piece of collision geometry.
-Solid make_solid(const Urdf::Geometry& g, const Node& body, double limit) {
+Solid make_solid(const Urdf::Geometry& g, const Node& body, const BuildContext& context) {
+  const double limit = context.world.memory_limit;
   Solid s;
   SolidSurface source;
   switch (g.kind) {
@@ -42,7 +43,7 @@ Solid make_solid(const Urdf::Geometry& g, const Node& body, double limit) {
   const MeshReport report = inspect(source.mesh);
   const bool closed = report.closed() && report.oriented() && report.volume > 0.0;
   source.treatment = closed ? SurfaceTreatment::Closed : SurfaceTreatment::WindingNumber;
-  sample_solid(source, limit, s);
+  context.solids.sample(source, limit, s);
   return s;
 }
 
@@ -94,7 +95,7 @@ ArticulatedModel read_urdf_tree(const Node& body, const BuildContext& context) {
     l.joint = make_joint(piece.joint);
     l.mass = piece.link.mass, l.center_of_mass = piece.link.center_of_mass, l.inertia = piece.link.inertia;
     for (const Urdf::Geometry& g : piece.link.collision) {
-      Solid solid = at.placed([&] { return make_solid(g, body, context.world.memory_limit); });
+      Solid solid = at.placed([&] { return make_solid(g, body, context); });
       LinkShape s{solid.shape, {g.rotation.toRotationMatrix(), g.position}, std::move(solid.surface), {}};
       s.part.voxel_size = solid.voxel_size;
       s.part.areal_mass = 6.0 * l.mass / static_cast<double>(piece.link.collision.size()) / solid.area;

@@ -24,7 +24,7 @@ class MeshlessMaker final : public BodyMaker {
  public:
   MeshlessMaker(const Node& n, const BuildContext& context) : node_(n), material_(context.material) {
     const double limit = context.world.memory_limit, scale = n.at("transform").number("scale");
-    const Solid solid = read_solid(n, limit);
+    const Solid solid = read_solid(n, limit, context.solids);
     const Aabb box = solid.shape->bounds();
     const double spacing = scale * n.number("frame_spacing");
     const Node at = n.at("frame_spacing");

@@ -37,7 +37,9 @@ std::vector<PoseKey> even_motion(const Placement& p, double duration) {
 class ObstacleMaker final : public BodyMaker {
  public:
   ObstacleMaker(const Node& n, const BuildContext& context)
-      : solid_(read_solid(n, context.world.memory_limit)), material_(context.material), duration_(context.duration) {
+      : solid_(read_solid(n, context.world.memory_limit, context.solids)),
+        material_(context.material),
+        duration_(context.duration) {
     if (n.has("keyframes")) motion_ = read_motion(n.at("keyframes"));
     const double spin = n.vec3("angular_velocity").norm();
     if (spin * duration_ > 1e5)

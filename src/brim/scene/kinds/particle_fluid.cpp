@@ -37,7 +37,7 @@ class ParticleFluidMaker final : public BodyMaker {
       throw n.at("spacing").error(fmt::format(
           "{:.6g} m is not allowed; must be at least the world's voxel_size, {:.6g} m: the fluid would leak", spacing_,
           context.world.voxel_size));
-    const Solid solid = read_solid(n, limit);
+    const Solid solid = read_solid(n, limit, context.solids);
     const Aabb box = bounds(solid.surface->vertices);
     const Node at = n.at("spacing");
     if (spacing_ > box.extent().minCoeff())

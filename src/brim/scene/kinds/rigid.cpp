@@ -18,7 +18,7 @@ void check_rigid(const Node& n) {
 class RigidMaker final : public BodyMaker {
  public:
   RigidMaker(const Node& n, const BuildContext& context)
-      : solid_(read_solid(n, context.world.memory_limit)), material_(context.material) {
+      : solid_(read_solid(n, context.world.memory_limit, context.solids)), material_(context.material) {
     const double density = n.has("density") ? n.number("density") : 1000.0;
     mass_ = n.has("mass") ? n.number("mass") : density * solid_.unit.mass;
   }

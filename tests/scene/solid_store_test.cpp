@@ -1,0 +1,60 @@
+#include "brim/scene/solid_store.h"
+
+#include <gtest/gtest.h>
+
+#include "brim/mesh/primitives.h"
+#include "brim/scene/scene.h"
+
+/// Equal surfaces in equal voxels are sampled once, as long as a body has them.
+namespace brim::solid_store_test {
+namespace {
+
+constexpr double kLimit = 1e8;
+
+Solid sampled(SolidStore& store, const TriMesh& mesh, double voxel_size,
+              SurfaceTreatment treatment = SurfaceTreatment::Closed) {
+  Solid solid;
+  solid.voxel_size = voxel_size;
+  store.sample({mesh, treatment, 0.0}, kLimit, solid);
+  return solid;
+}
+
+TEST(SolidStore, SharesEqualSurfacesInEqualVoxelsOnly) {
+  SolidStore store;
+  const TriMesh torus = shapes::torus(0.4, 0.1, 24, 12);
+  TriMesh other = torus;
+  other.vertices[7] *= 1.0001;
+  const Solid first = sampled(store, torus, 0.05), again = sampled(store, torus, 0.05);
+  EXPECT_EQ(again.shape, first.shape);
+  EXPECT_EQ(again.unit.mass, first.unit.mass);
+  EXPECT_EQ(again.unit.inertia, first.unit.inertia);
+  EXPECT_NE(sampled(store, torus, 0.04).shape, first.shape);
+  EXPECT_NE(sampled(store, other, 0.05).shape, first.shape);
+  EXPECT_NE(sampled(store, torus, 0.05, SurfaceTreatment::WindingNumber).shape, first.shape);
+}
+
+TEST(SolidStore, KeepsNoSolidAlive) {
+  SolidStore store;
+  const TriMesh torus = shapes::torus(0.4, 0.1, 24, 12);
+  const std::weak_ptr<const Shape> gone = sampled(store, torus, 0.05).shape;
+  EXPECT_TRUE(gone.expired());
+  EXPECT_NE(sampled(store, torus, 0.05).shape, nullptr);
+}
+
+TEST(SolidStore, BodiesOfASceneShareTheirShapes) {
+  const Scene scene = parse_scene(
+      R"({"brim": 1, "name": "two", "frames": 1, "bodies": [
+        {"kind": "rigid", "name": "a", "shape": {"kind": "torus", "radius": 0.4, "tube": 0.1}},
+        {"kind": "obstacle", "name": "b", "shape": {"kind": "torus", "radius": 0.4, "tube": 0.1}}]})",
+      "two.json");
+  SolidStore store;
+  const auto bodies = build_bodies(scene, store);
+  ASSERT_EQ(bodies.size(), 2u);
+  const auto solid = [&](std::size_t b) {
+    return dynamic_cast<const DistanceBound&>(*bodies[b]).solid(0)->known_distance();
+  };
+  EXPECT_EQ(solid(0), solid(1));
+}
+
+}  // namespace
+}  // namespace brim::solid_store_test
