@@ -74,6 +74,8 @@ std::string ProfileTable::phases(double wall) const {
   }
   line("in no phase", wall - told);
   line("contact, all of it", contact_);
+  for (const ProfileCount& c : profile_counts())
+    if (c.name == kSecondsInLoops) line("threads may share", c.sum);
   return out;
 }
 
@@ -114,8 +116,9 @@ std::string ProfileTable::counters() const {
       out += fmt::format("{:<24}{:>16.3g}  {} (largest)\n", name, total_[i], unit);
   }
   for (const ProfileCount& c : profile_counts())
-    out += fmt::format("{:<24}{:>16.6g}{:>14.4g}   {} times, largest {:.6g}\n", c.name, c.sum, per(c.sum, steps_),
-                       c.times, c.largest);
+    if (c.name != kSecondsInLoops)
+      out += fmt::format("{:<24}{:>16.6g}{:>14.4g}   {} times, largest {:.6g}\n", c.name, c.sum, per(c.sum, steps_),
+                         c.times, c.largest);
   return out;
 }
 

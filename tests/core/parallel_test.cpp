@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <random>
 #include <stdexcept>
 #include <thread>
 #include <vector>
+
+#include "brim/core/profile.h"
 
 namespace brim::parallel_test {
 namespace {
@@ -119,6 +122,29 @@ TEST(ThreadLimit, OfOneKeepsTheWorkOnTheCallingThread) {
   std::vector<char> elsewhere(1000, 0);
   parallel_for(elsewhere.size(), [&](std::size_t i) { elsewhere[i] = std::this_thread::get_id() != caller; });
   EXPECT_EQ(elsewhere, std::vector<char>(1000, 0));
+}
+
+TEST(Parallel, TellsTheTimeInLoopsWhileTheProfileIsOn) {
+  const auto wait = [] {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(5);
+    while (std::chrono::steady_clock::now() < end) continue;
+  };
+  const auto loops = [&] {
+    const double before = loop_seconds();
+    wait();  // outside of loops
+    parallel_for(2, [&](std::size_t) {
+      wait();
+      parallel_for(2, [&](std::size_t) { wait(); });  // within one: counts once
+    });
+    return loop_seconds() - before;
+  };
+  const ThreadLimit one(1);
+  EXPECT_EQ(loops(), 0.0);
+  set_profile(true);
+  const double told = loops();
+  set_profile(false);
+  EXPECT_GE(told, 0.03);
+  EXPECT_LT(told, 0.3);
 }
 
 }  // namespace

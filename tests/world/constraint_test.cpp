@@ -354,5 +354,21 @@ TEST(ConstraintContact, PenaltyAndConstraintsHoldAStackTogether) {
   }
 }
 
+TEST(ConstraintContact, StacksThatStandApartAreSweptAsOneAlone) {
+  // A heavy box on light ones, through which sweeps hand its load on slowly: ten stacks have more points than those of
+  // one pile are swept to the end.
+  const auto sweeps = [](int stacks) {
+    World w(rows_at(0.125));
+    w.add(ground(0.5));
+    for (int s = 0; s < stacks; ++s)
+      for (int i = 0; i < 8; ++i)
+        w.add(box("box" + std::to_string(8 * s + i), {Vec3(3.0 * s, 0.0, 0.5 + i)}, 0.5, 1.0, i == 7 ? 3e4 : 1e3));
+    return w.step().sweeps;
+  };
+  const int alone = sweeps(1);
+  EXPECT_GT(alone, 60);
+  EXPECT_GE(sweeps(10), alone);
+}
+
 }  // namespace
 }  // namespace brim::constraint_test

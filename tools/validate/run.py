@@ -95,6 +95,9 @@ def simulate(brim, scene, folder, limit):
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     path = folder.parent / (folder.name + ".json")
+    scene = dict(scene)
+    for name, text in scene.pop("files", {}).items():
+        (path.parent / name).write_text(text, encoding="utf-8")
     path.write_text(json.dumps(scene), encoding="utf-8")
     command = [brim, "run", str(path), "-o", str(folder), "--force", "--quiet", "--threads", "1"]
     code, seconds, _, errors = finish(command, limit)

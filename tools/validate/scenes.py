@@ -5,9 +5,9 @@ G = 9.81
 UP = (0.0, 0.0, 1.0)
 
 
-def scene(bodies, duration, *, dt=1 / 60, friction=0.5, restitution=0.0, response="penalty", frame=1, **world):
-    """A scene of one material."""
-    return {"brim": 1, "name": "experiment", "duration": duration, "steps_per_frame": frame,
+def scene(bodies, duration, *, dt=1 / 60, friction=0.5, restitution=0.0, response="penalty", frame=1, files=None, **world):
+    """A scene of one material. files: text by name, which the runner writes beside the scene."""
+    return {"files": files or {}, "brim": 1, "name": "experiment", "duration": duration, "steps_per_frame": frame,
             "world": {"time_step": dt, "response": response, **world},
             "materials": {"default": {"friction": friction, "restitution": restitution}}, "bodies": bodies}
 

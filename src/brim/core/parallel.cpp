@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "brim/core/alone.h"
+#include "brim/core/profile.h"
+#include "brim/core/stopwatch.h"
 #include "brim/core/thread_team.h"
 
 namespace brim {
@@ -39,7 +41,18 @@ Limits& limits() {
 
 thread_local bool alone = false;
 
+/// Adds up the time of loops that are not within others.
+thread_local double seconds_in_loops = 0.0;
+thread_local bool in_loop = false;
+
+void share(std::size_t n, std::size_t grain, const void* work, void (*piece)(const void*, std::size_t, std::size_t)) {
+  if (alone || thread_count() == 1) return piece(work, 0, n);
+  ThreadTeam::shared().run(n, grain, thread_count(), work, piece);
+}
+
 }  // namespace
+
+double loop_seconds() { return seconds_in_loops; }
 
 ThreadLimit::ThreadLimit(int threads) : threads_(threads) {
   if (threads_ > 0) limits().add(threads_);
@@ -66,8 +79,13 @@ void run_alone(const std::function<void()>& f) {
 
 void detail::share_out(std::size_t n, std::size_t grain, const void* work,
                        void (*piece)(const void*, std::size_t, std::size_t)) {
-  if (alone || thread_count() == 1) return piece(work, 0, n);
-  ThreadTeam::shared().run(n, grain, thread_count(), work, piece);
+  if (in_loop || !brim::profile_on()) return share(n, grain, work, piece);
+  struct Inside {
+    Inside() { in_loop = true; }
+    ~Inside() { in_loop = false; }
+  } inside;
+  const ScopedSeconds timer(seconds_in_loops);
+  share(n, grain, work, piece);
 }
 
 }  // namespace brim

@@ -24,6 +24,10 @@ int thread_count();
 /// Which of the threads that share loops this one is; 0 for all that call them.
 int thread_number();
 
+/// [s] that this thread has spent in loops so far, while the profile was on: what others may share with it. Loops
+/// within loops count once.
+double loop_seconds();
+
 namespace detail {
 /// Calls piece(work, begin, end) from several threads for ranges that make up [0, n), of `grain` at least
 /// where there are several. Behind pointers, so that loops compile to no more than a call.

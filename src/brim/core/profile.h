@@ -24,6 +24,9 @@ struct ProfileCount {
   double sum = 0.0, largest = 0.0;
 };
 
+/// The count of what steps spend in loops that threads may share (loop_seconds).
+inline constexpr std::string_view kSecondsInLoops = "seconds in loops";
+
 /// Turns the profile of this process on (from zero) or off, which it is at the start. Results of a simulation never
 /// depend on it.
 void set_profile(bool on);

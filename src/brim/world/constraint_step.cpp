@@ -7,6 +7,7 @@
 
 #include "brim/core/parallel.h"
 #include "brim/world/ball_points.h"
+#include "brim/world/islands.h"
 #include "brim/world/momentum_check.h"
 
 namespace brim {
@@ -15,9 +16,9 @@ namespace {
 
 /// Solves with A at most, where its inverse is not known: for velocities, and for ways that differ from them.
 constexpr int kMostRefinements = 40, kPositionRefinements = 4;
-/// With more points of rigid pairs sweeps become fewer in proportion, down to this share: warm starts carry the rest
-/// from step to step, and the cost stays linear. Their residual is worth a warning where it reaches the motion of a
-/// free fall.
+/// With more points of rigid pairs that hang together sweeps become fewer in proportion, down to this share: warm
+/// starts carry the rest from step to step, and the cost stays linear. Their residual is worth a warning where it
+/// reaches the motion of a free fall.
 constexpr double kManyPoints = 100.0, kLeastSweeps = 0.1, kLarge = 1.0;
 /// Sweeps that push overlaps apart: what they miss is left to the next step.
 constexpr double kPushTolerance = 1e-2;
@@ -138,9 +139,23 @@ void ConstraintStep::solve_rows(const ImplicitStep::Respond& solve, std::span<co
   residual = r.residual;
 }
 
+std::size_t ConstraintStep::most_together() const {
+  Islands islands(bodies_.size());
+  const ContactSet& points = rows_.points();
+  for (const ContactPair& p : points.pairs)
+    if (p.begin < p.end && !is_fixed(parts_[p.part_a]) && !is_fixed(parts_[p.part_b]))
+      islands.join(parts_[p.part_a].body_index, parts_[p.part_b].body_index);
+  std::vector<std::size_t> together(bodies_.size(), 0);
+  for (const ContactPair& p : points.pairs) {
+    const WorldPart& moves = parts_[is_fixed(parts_[p.part_a]) ? p.part_b : p.part_a];
+    together[islands.first_of(moves.body_index)] += p.end - p.begin;
+  }
+  return *std::ranges::max_element(together);
+}
+
 int ConstraintStep::most_sweeps() const {
   if (mapped_) return settings_.max_sweeps;
-  const double share = kManyPoints / static_cast<double>(std::max<std::size_t>(1, rows_.points().size()));
+  const double share = kManyPoints / static_cast<double>(std::max<std::size_t>(1, most_together()));
   return static_cast<int>(settings_.max_sweeps * std::clamp(share, kLeastSweeps, 1.0));
 }
 

@@ -101,6 +101,8 @@ class ConstraintStep {
   /// Solves for the targets from λ and Δv on entry. @param most  solves with A
   void solve_rows(const ImplicitStep::Respond& solve, std::span<const double> target, int most,
                   std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual, StepReport& report);
+  /// Points of the bodies that hang together by rows, where these are most.
+  std::size_t most_together() const;
   int most_sweeps() const;
   /// Adds to the ways of the step, and to their impulses, what pushes overlaps apart along the normals, without
   /// friction.

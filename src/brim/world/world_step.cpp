@@ -65,6 +65,7 @@ StepReport World::step() {
   report.time = w.state.time;
   {
     const ScopedSeconds timer(report.wall);
+    const double loops = loop_seconds();
     w.run_scheduled(*this, report);
     w.start();
     report.stiffness = w.stiffness();
@@ -81,6 +82,7 @@ StepReport World::step() {
     w.state.time = end;
     ++w.state.step;
     w.measure(report);
+    profile_count(kSecondsInLoops.data(), loop_seconds() - loops);
   }
   report.time = w.state.time;
   for (const auto& watcher : w.watchers) watcher->end_step(*this, report);
