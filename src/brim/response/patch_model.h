@@ -68,7 +68,7 @@ class PatchFitter {
 
  private:
   /// Corrects how the normal turns by the nodes' own, where these lie on one arc: those of a shaft in its wheel tell it
-  /// ten times better than their curvature.
+  /// better than their curvature.
   void mend_turn(const ContactSet& contacts, std::span<const std::size_t> nodes, double share, double h,
                  PatchModel& model) const;
 
