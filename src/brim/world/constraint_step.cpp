@@ -54,6 +54,7 @@ void ConstraintStep::begin(std::span<const std::unique_ptr<Body>> bodies, std::s
   if (n == 0) return;
 
   mark_bodies(contacts, pairs, gathered);
+  most_sweeps_ = find_most_sweeps();
   if (mapped_) build_maps();
   frame_.resize(n), offset_.resize(n);
   for (std::size_t c = 0; c < n; ++c) frame_[c] = frame_along(rows_.normals()[c]);
@@ -87,7 +88,7 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
   double residual = 0.0;
   solve_rows(solve, rows_.velocity_targets(), kMostRefinements, lambda_, change, residual, report);
   // Many points are not swept to the end, but from step to step.
-  const bool all_sweeps = !exact_ || most_sweeps() == settings_.max_sweeps;
+  const bool all_sweeps = !exact_ || most_sweeps_ == settings_.max_sweeps;
   converged_ = !(residual > (all_sweeps ? kWarn * settings_.tolerance : kLarge));
   if (!converged_)
     report.warnings.push_back(
@@ -133,7 +134,7 @@ void ConstraintStep::solve_rows(const ImplicitStep::Respond& solve, std::span<co
                                 std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual,
                                 StepReport& report) {
   if (!exact_) return refine(solve, target, most, lambda, delta, residual, report);
-  const auto r = sweep_.solve(offset_, target, settings_.tolerance, most_sweeps(), settings_.scale, lambda, delta);
+  const auto r = sweep_.solve(offset_, target, settings_.tolerance, most_sweeps_, settings_.scale, lambda, delta);
   report.sweeps += r.sweeps;
   report.row_residual = std::max(report.row_residual, r.residual);
   residual = r.residual;
@@ -153,7 +154,7 @@ std::size_t ConstraintStep::most_together() const {
   return *std::ranges::max_element(together);
 }
 
-int ConstraintStep::most_sweeps() const {
+int ConstraintStep::find_most_sweeps() const {
   if (mapped_) return settings_.max_sweeps;
   const double share = kManyPoints / static_cast<double>(std::max<std::size_t>(1, most_together()));
   return static_cast<int>(settings_.max_sweeps * std::clamp(share, kLeastSweeps, 1.0));

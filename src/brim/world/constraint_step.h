@@ -103,7 +103,7 @@ class ConstraintStep {
                   std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual, StepReport& report);
   /// Points of the bodies that hang together by rows, where these are most.
   std::size_t most_together() const;
-  int most_sweeps() const;
+  int find_most_sweeps() const;
   /// Adds to the ways of the step, and to their impulses, what pushes overlaps apart along the normals, without
   /// friction.
   void push_apart(std::vector<Vec3>& lambda, std::vector<double>& way, StepReport& report);
@@ -132,6 +132,7 @@ class ConstraintStep {
   bool mapped_ = false;  ///< some pair is not rigid: points have maps
   bool solids_ = true;   ///< all rows are between rigid frames or solids that joints carry
   bool exact_ = true, converged_ = true;
+  int most_sweeps_ = 0;
 
   std::vector<Mat3> frame_;   ///< rows n, t1, t2
   std::vector<Vec3> start_;   ///< [m/s] relative velocity at the start, world frame
