@@ -4,8 +4,8 @@
 
 namespace brim {
 
-/// Calls f on this thread alone: loops inside it start no others and wait for none. For a process that was forked, in
-/// which the pool's other threads do not exist.
+/// Calls f on this thread alone: parallel loops inside it run serially and wait for no other thread. For a forked
+/// process, in which the threads of the pool do not exist.
 void run_alone(const std::function<void()>& f);
 
 }  // namespace brim

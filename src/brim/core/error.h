@@ -8,14 +8,14 @@
 
 namespace brim {
 
-/// What the user gave cannot be used: thrown at the edges (scene, files, public parameters).
-/// The message names the file, the place in it, the value found and what is allowed.
+/// Invalid input from the user, thrown where it enters (scene, files, public parameters).
+/// The message names the file, the place in it, the value found and the values allowed.
 class InputError : public std::runtime_error {
  public:
   explicit InputError(const std::string& message) : std::runtime_error(message) {}
 };
 
-/// A broken promise between two pieces of brim's own code; a defect to report, never the user's fault.
+/// A violated invariant between two pieces of brim's own code: a bug to report, never the user's fault.
 class ProgrammingError : public std::logic_error {
  public:
   explicit ProgrammingError(const std::string& message) : std::logic_error(message) {}
@@ -30,7 +30,7 @@ template <class A, class B>
 
 }  // namespace brim
 
-/// Always on: states a relation between two values and shows both when it does not hold.
+/// Check that is always compiled in: compares two values and throws ProgrammingError with both when it fails.
 /// Usage: BRIM_CHECK(a, ==, b).
 #define BRIM_CHECK(a, op, b)                                                                                          \
   do {                                                                                                                \

@@ -7,9 +7,9 @@
 
 namespace brim {
 
-/// What dynamic_cast<const T*>(&object) gives, for loops over thousands of objects of a few types: where the interface
-/// lies in objects of a type is asked once a thread and type. A failed cast takes a tenth of a microsecond otherwise.
-/// A type must not be unloaded while the thread lives: another at its address would be taken for it.
+/// Same result as dynamic_cast<const T*>(&object), faster in loops over thousands of objects of a few types: each
+/// thread caches the offset of the interface per type. A failed dynamic_cast takes 0.1 µs. A type must not be unloaded
+/// while the thread lives: another type at its address would get its cached offset.
 /// Tests: tests/core/interface_of_test.cpp
 template <class T, class Object>
 const T* interface_of(const Object& object) {

@@ -21,16 +21,16 @@ class ThreadLimit {
 
 /// Number of threads that parallel_for may use now.
 int thread_count();
-/// Which of the threads that share loops this one is; 0 for all that call them.
+/// Index of this thread in the thread team; 0 for every thread that calls loops from outside the team.
 int thread_number();
 
-/// [s] that this thread has spent in loops so far, while the profile was on: what others may share with it. Loops
-/// within loops count once.
+/// [s] that this thread has spent in parallel loops while the profile was on: the time that other threads may share.
+/// Nested loops count once.
 double loop_seconds();
 
 namespace detail {
-/// Calls piece(work, begin, end) from several threads for ranges that make up [0, n), of `grain` at least
-/// where there are several. Behind pointers, so that loops compile to no more than a call.
+/// Calls piece(work, begin, end) from several threads for ranges that partition [0, n). With more than one range each
+/// has at least `grain` items. Behind pointers, so that a loop compiles to a single call.
 void share_out(std::size_t n, std::size_t grain, const void* work,
                void (*piece)(const void* work, std::size_t begin, std::size_t end));
 }  // namespace detail

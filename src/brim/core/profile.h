@@ -9,29 +9,29 @@
 
 namespace brim {
 
-/// What a profile knows of one phase of one kind of body ("" where no kind is meant).
+/// Profile of one phase and one kind of body ("" when the phase has no body).
 struct ProfileEntry {
   std::string phase, kind;
-  double seconds = 0.0;  ///< [s] summed over threads, without that of scopes inside
+  double seconds = 0.0;  ///< [s] summed over threads, nested scopes excluded
   std::int64_t calls = 0;
   double bytes = 0.0;  ///< read and written, estimated from the sizes of arrays
 };
 
-/// A number that parts of the program add up, such as the entries of a factor.
+/// A number that parts of the program sum up, such as the entries of a factor.
 struct ProfileCount {
   std::string name;
   std::int64_t times = 0;
   double sum = 0.0, largest = 0.0;
 };
 
-/// The count of what steps spend in loops that threads may share (loop_seconds).
+/// Name of the count for the time that steps spend in parallel loops (loop_seconds).
 inline constexpr std::string_view kSecondsInLoops = "seconds in loops";
 
-/// Turns the profile of this process on (from zero) or off, which it is at the start. Results of a simulation never
-/// depend on it.
+/// Turns the profile of this process on (from zero) or off; off at the start. It never changes the results of a
+/// simulation.
 void set_profile(bool on);
 
-/// What was measured since, in order of phase and kind. Call it while nothing that is measured runs.
+/// Measurements since then, sorted by phase and kind. Not to be called while measured code runs.
 std::vector<ProfileEntry> profile_entries();
 std::vector<ProfileCount> profile_counts();
 
@@ -46,8 +46,8 @@ void add_profile_count(const char* name, double amount);
 
 inline bool profile_on() { return detail::profile_on.load(std::memory_order_relaxed); }
 
-/// Adds the time of its scope on this thread to a phase; that of scopes inside it, on the same thread, is theirs. Where
-/// the profile is off it costs a load and a branch.
+/// Adds the time of its scope on this thread to a phase, without the time of nested scopes on the same thread. With the
+/// profile off it costs a load and a branch.
 ///   const ProfileScope scope("product", body);
 /// @param phase  a string literal
 class ProfileScope {
@@ -55,7 +55,7 @@ class ProfileScope {
   explicit ProfileScope(const char* phase) {
     if (profile_on()) open(phase, "");
   }
-  /// @param body  anything with kind(), the word for its kind
+  /// @param body  any object with kind(), the name of its kind
   template <class B>
   ProfileScope(const char* phase, const B& body) {
     if (profile_on()) open(phase, body.kind());

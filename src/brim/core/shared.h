@@ -7,7 +7,7 @@
 
 namespace brim {
 
-/// A list that does not change, held once by all copies of it: what thousands of bodies of one shape show.
+/// An immutable list shared by all its copies, e.g. the display mesh of thousands of bodies of one shape.
 /// Tests: tests/core/shared_test.cpp
 template <class T>
 class SharedList {
@@ -34,7 +34,7 @@ class SharedList {
   std::shared_ptr<const std::vector<T>> items_;
 };
 
-/// A value that does not change, held once by all copies of it.
+/// An immutable value shared by all its copies.
 template <class T>
 class Shared {
  public:
@@ -44,7 +44,7 @@ class Shared {
   const T& operator*() const { return *value_; }
   const T* operator->() const { return value_.get(); }
   operator const T&() const { return *value_; }
-  /// A list of the value's, which keeps the whole.
+  /// A list that is a member of the value; it keeps the whole value alive.
   template <class Item>
   SharedList<Item> list(std::vector<Item> T::*member) const {
     return SharedList<Item>(std::shared_ptr<const std::vector<Item>>(value_, &((*value_).*member)));

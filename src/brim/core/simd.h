@@ -4,18 +4,18 @@
 #include <cstdint>
 #include <cstring>
 
-// Functions marked BRIM_WIDE are compiled for machines with AVX-512, for those with AVX2 and for any, and the machine
-// decides at start-up which one runs; without contraction to fused operations all give the same bits. Sanitizers do not
-// follow that choice. What they call must be inlined.
+// Functions marked BRIM_WIDE are compiled for AVX-512, for AVX2 and for the base instruction set; the version is chosen
+// at start-up. Without contraction to fused operations all versions give the same bits. Sanitizers do not support this
+// choice. Functions called from a BRIM_WIDE function must be inlined.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
 #define BRIM_WIDE __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
 #else
 #define BRIM_WIDE
 #endif
 #define BRIM_INLINE __attribute__((always_inline)) inline
-/// Of a lambda that is called in a function compiled for wide registers.
+/// For a lambda that is called in a BRIM_WIDE function.
 #define BRIM_LAMBDA_INLINE __attribute__((always_inline))
-// Vectors of doubles do not leave a file, so it does not matter how a machine without them would pass them on.
+// Vectors of doubles do not leave a file, so the calling convention of machines without such registers does not matter.
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wpsabi"
 #endif
@@ -23,13 +23,13 @@
 namespace brim {
 
 inline constexpr int kLanes = 4;
-/// Numbers that are worked on together; the compiler maps them to what the machine has, with the same bits.
+/// Four numbers processed together; the compiler maps them to the machine's registers, with the same bits.
 typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double))));
 typedef float FloatLanes __attribute__((vector_size(kLanes * sizeof(float))));
 typedef std::int64_t LaneFlags __attribute__((vector_size(kLanes * sizeof(double))));
 typedef std::int32_t LaneIds __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
 
-/// Twice as many in single precision: as wide as Lanes.
+/// Eight numbers in single precision: as wide as Lanes.
 inline constexpr int kWideLanes = 8;
 typedef float WideFloats __attribute__((vector_size(kWideLanes * sizeof(float))));
 typedef std::int32_t WideIds __attribute__((vector_size(kWideLanes * sizeof(std::int32_t))));
@@ -47,7 +47,7 @@ BRIM_INLINE WideIds load_wide(const std::int32_t* at) {
 BRIM_INLINE void store_wide(const WideFloats& r, float* at) { std::memcpy(at, &r, sizeof r); }
 BRIM_INLINE void store_wide(const WideIds& r, std::int32_t* at) { std::memcpy(at, &r, sizeof r); }
 
-/// As many as the widest machines work on at once.
+/// As many floats as the widest registers (AVX-512) hold.
 inline constexpr int kWidestLanes = 16;
 typedef float WidestFloats __attribute__((vector_size(kWidestLanes * sizeof(float))));
 typedef std::int32_t WidestIds __attribute__((vector_size(kWidestLanes * sizeof(std::int32_t))));
@@ -57,7 +57,7 @@ BRIM_INLINE WidestFloats load_widest(const float* at) {
   return r;
 }
 
-/// Bit l of the result is set where flag l, 0 or −1, is.
+/// Bit l of the result is set where flag l is −1 and clear where it is 0.
 BRIM_INLINE std::uint8_t bits_of(const WideIds& flags) {
   typedef std::int8_t Bytes __attribute__((vector_size(kWideLanes)));
   // One bit of each byte, then all of them summed into the highest byte.

@@ -5,18 +5,18 @@
 
 namespace brim {
 
-/// What unwinds work that was asked to end (StopScope).
+/// Exception that unwinds work which was asked to end (StopScope).
 struct Stopped {};
 
-/// Lets what takes long on this thread be ended from outside: while it lives, check_stop() asks `asked`. The work is
-/// left where it stands, so that whoever asks to end it takes back what it has changed. What is not asked to end has
-/// the same bits as without. Scopes may be nested; the innermost one is asked.
+/// Lets long work on this thread be ended from outside: while the scope lives, check_stop() calls `asked`. The work is
+/// left half done; whoever asked it to end must restore the state. Work that is not ended has the same bits as without
+/// a scope. Scopes may be nested; the innermost one is asked.
 /// Tests: tests/core/stop_test.cpp
 class StopScope {
  public:
   using Asked = std::function<bool()>;
 
-  /// @param asked  true ends the work; outlives the scope; empty: nobody ends it
+  /// @param asked  returns true to end the work; must outlive the scope; may be empty (never ends)
   explicit StopScope(const Asked& asked) : before_(std::exchange(innermost(), asked ? &asked : nullptr)) {}
   ~StopScope() { innermost() = before_; }
   StopScope(const StopScope&) = delete;
@@ -31,7 +31,7 @@ class StopScope {
   const Asked* before_;
 };
 
-/// Called now and then by what takes long: between sub-steps, iterations and sweeps.
+/// Called by long work between sub-steps, iterations and sweeps.
 /// @throws Stopped  when a StopScope of this thread says so
 inline void check_stop() {
   if (const StopScope::Asked* asked = StopScope::innermost(); asked != nullptr && (*asked)()) throw Stopped{};

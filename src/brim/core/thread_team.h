@@ -5,40 +5,41 @@
 
 namespace brim {
 
-/// The threads that share the loops of parallel_for: one a core, started when a loop first asks for them. They wait for
-/// the next loop awake, for about a millisecond, as the loops of a solve follow each other within microseconds, where
-/// waking a thread takes tens of them.
+/// The threads that share the loops of parallel_for: one per core, started at the first loop. They wait for the next
+/// loop awake, for about a millisecond: the loops of a solve follow each other within microseconds, and waking a thread
+/// takes tens of them.
 ///
 ///   caller   ──open──┬─ pieces of its own range, then of others' ─┬─ waits for the last ── close ──
 ///   others           └─ likewise, each from its own range on ─────┘
 ///
-/// A loop is cut into equal pieces, dealt to threads as ranges: the same thread comes to the same part of an array loop
-/// after loop, where its cache may still hold it. Who has finished takes from the ends of the ranges of others. A piece
-/// may run a loop of its own; who waits for a loop to end helps with loops within it alone, not with what could take
-/// longer. What a piece throws is thrown to the caller once all have run: that of the first piece which threw. A
-/// process that was forked has one thread: its caller then runs all pieces by itself. Tests:
-/// tests/core/thread_team_test.cpp
+/// A loop is cut into equal pieces, dealt to threads as ranges: the same thread gets the same part of an array loop
+/// after loop, where its cache may still hold it. A thread that has finished its range takes pieces from the ends of
+/// other ranges. A piece may run a loop of its own; a thread that waits for a loop to end helps only with loops nested
+/// in it, since others could take longer. An exception in a piece is thrown to the caller once all pieces have run; of
+/// several, that of the first piece. In a forked process the caller runs all pieces by itself.
+/// Tests: tests/core/thread_team_test.cpp
 class ThreadTeam {
  public:
   /// Calls (work, begin, end) for ranges that make up [0, n).
   using Piece = void (*)(const void* work, std::size_t begin, std::size_t end);
 
-  /// @param size  threads at most, the caller of a loop counted
+  /// @param size  largest number of threads, the caller of a loop included
   explicit ThreadTeam(int size);
-  /// No loop may run any more.
+  /// No loop may be running.
   ~ThreadTeam();
   ThreadTeam(const ThreadTeam&) = delete;
   ThreadTeam& operator=(const ThreadTeam&) = delete;
 
-  /// The team of the process, of as many threads as it has cores(). It lives until the process ends.
+  /// The team of the process, with cores() threads. It lives until the process ends.
   static ThreadTeam& shared();
-  /// The caller's number in its team: 0 for threads that are of none.
+  /// The calling thread's number in its team: 0 for threads outside a team.
   static int number();
-  /// Threads of the machine that this process may use.
+  /// Hardware threads that this process may use.
   static int cores();
 
-  /// Runs a loop, and returns when all of it is done. @param grain  least length of a piece  @param threads  that may
-  /// take part, the caller counted; at most the team's size do
+  /// Runs a loop and returns when all of it is done.
+  /// @param grain    minimum length of a piece
+  /// @param threads  maximum number of threads, the caller included; at most the team's size are used
   void run(std::size_t n, std::size_t grain, int threads, const void* work, Piece piece);
 
  private:

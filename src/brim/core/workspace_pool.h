@@ -41,7 +41,7 @@ class WorkspacePool {
   Loan borrow() { return Loan(*this); }
 
  private:
-  /// Where a thread leaves what it will need again, if nobody who has none takes it from there.
+  /// Slot in which a thread leaves the workspace it will need again; another thread may take it.
   struct alignas(64) Place {
     std::atomic<Workspace*> workspace{nullptr};
   };
