@@ -7,22 +7,22 @@
 
 namespace brim::detail {
 
-/// What a product with a BlockMatrix reads, by row: slots [first[r], first[r + 1]) but diagonal[r].
+/// Data of the product with a BlockMatrix, by row: slots first[r] <= s < first[r + 1], except diagonal[r].
 struct BlockRows {
   const std::int32_t* first;
   const std::int32_t* diagonal;
   const std::int32_t* column;  ///< per slot
-  const float* value;          ///< per slot, nine numbers column by column; one more may be read at the end
+  const float* value;          ///< per slot, nine numbers column by column; one extra entry at the end may be read
   const Mat3* on_diagonal;     ///< per row
 };
 
-/// Rows [begin, end) of y += a K x + b m x. The second is for machines with AVX2, with the same bits:
+/// Rows [begin, end) of y += a K x + b m x. multiply_rows_wide needs AVX2 and gives the same bits:
 ///   (K x)_r = (s_0 + s_1) + s_2,  s_c: sum of column c of the blocks times x_c, the diagonal first, slots in order
 void multiply_rows(const BlockRows& K, std::size_t begin, std::size_t end, double a, double b, const double* m,
                    const double* x, double* y);
 void multiply_rows_wide(const BlockRows& K, std::size_t begin, std::size_t end, double a, double b, const double* m,
                         const double* x, double* y);
-/// True where the second may be called.
+/// True where multiply_rows_wide may be called.
 bool has_wide_rows();
 
 }  // namespace brim::detail

@@ -8,19 +8,20 @@
 
 namespace brim {
 
-/// How a body turns in the time dt when nothing acts on it: its angular momentum L is held, its spin is not.
+/// Torque-free rotation of a body over the time dt: the angular momentum L is constant, the angular velocity is not.
 ///   R' = ω × R,   ω = R spin_of(Rᵀ L),   R(0) = 1
-/// By the commutator-free method of fourth order of Celledoni, Marthinsen and Owren, "Commutator-free Lie group
-/// methods" (Future Generation Computer Systems 19, 2003), in pieces of at most 0.05 rad while 32 of them suffice.
-/// Exact for a spin that stays.
+/// By the fourth-order commutator-free method of Celledoni, Marthinsen and Owren, "Commutator-free Lie group methods"
+/// (Future Generation Computer Systems 19, 2003), in pieces of at most 0.05 rad while 32 of them suffice. Exact for a
+/// constant angular velocity.
 /// @param L        [kg m²/s] about the centre of mass
-/// @param spin_of  [rad/s] of an angular momentum in the body's axes at the start: I⁻¹ L
+/// @param spin_of  [rad/s] angular velocity of an angular momentum in the body's axes at the start: I⁻¹ L
 /// @param dt       [s] may be negative
 template <class SpinOf>
 Quat free_turn(const Vec3& L, double dt, const SpinOf& spin_of) {
   constexpr double kAngle = 0.05;
   constexpr double kPieces = 32.0;
-  constexpr double kSteady = 1e-14;  // of the spin, by which it changes in a step where it stays
+  constexpr double kSteady =
+      1e-14;  // relative change of the angular velocity over a step below which it counts as constant
   const auto spin = [&](const Quat& r) -> Vec3 { return r * Vec3(spin_of(Vec3(r.conjugate() * L))); };
   const Vec3 first = spin_of(L);
   const Quat straight = rotation_from_vector(dt * first);

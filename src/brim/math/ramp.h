@@ -20,7 +20,7 @@ inline double ramp_slope(double d, double w) {
   return -6.0 * t * (1.0 - t) / w;
 }
 
-/// Signed distance that gives a density, [m]: the inverse of ramp, within ±w/2.
+/// Signed distance of a given density, [m]: the inverse of ramp, within ±w/2.
 ///   t solves 3 t² − 2 t³ = y:  t = 1/2 − sin(asin(1 − 2 y) / 3)
 inline double ramp_inverse(double rho, double w) {
   const double y = std::clamp(1.0 - rho, 0.0, 1.0);

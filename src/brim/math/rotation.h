@@ -7,7 +7,7 @@ namespace brim {
 /// Rotation by |a| radians about a; smooth at zero.
 inline Quat rotation_from_vector(const Vec3& a) {
   const double half = 0.5 * a.norm();
-  // sin(x)/x by its series where the quotient would lose digits
+  // sin(x)/x by its series where the quotient would lose digits.
   const double s = half < 1e-4 ? 0.5 * (1.0 - half * half / 6.0) : 0.5 * std::sin(half) / half;
   return Quat(std::cos(half), s * a.x(), s * a.y(), s * a.z());
 }

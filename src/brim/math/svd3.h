@@ -4,10 +4,10 @@
 
 namespace brim {
 
-/// F = U diag(s) Vᵀ with proper rotations U and V: the sign of det F goes to the last value.
+/// F = U diag(s) Vᵀ with proper rotations U and V: the last singular value takes the sign of det F.
 struct Svd3 {
   Mat3 U, V;
-  Vec3 s;  ///< s0 >= s1 >= |s2|, s2 < 0 when F turns space inside out
+  Vec3 s;  ///< s0 >= s1 >= |s2|, s2 < 0 when F inverts space
 };
 
 /// Singular value decomposition of any 3x3 matrix, singular ones included: cyclic Jacobi on FᵀF, then the columns of

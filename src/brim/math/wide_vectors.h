@@ -17,7 +17,7 @@ BRIM_INLINE WideFloats wide_root(const WideFloats& x) {
 struct WideVectors {
   WideFloats x, y, z;
 };
-/// Summed as Eigen sums three products of floats.
+/// Summed in the order in which Eigen sums three products of floats.
 BRIM_INLINE WideFloats dot(const WideVectors& a, const WideVectors& b) { return a.x * b.x + (a.y * b.y + a.z * b.z); }
 BRIM_INLINE WideFloats length(const WideVectors& a) { return wide_root(dot(a, a)); }
 BRIM_INLINE WideVectors operator*(const WideFloats& s, const WideVectors& a) { return {s * a.x, s * a.y, s * a.z}; }
