@@ -8,17 +8,17 @@
 
 namespace brim {
 
-/// Nodes per side of a cube: a row of it is one wide register of floats. Its inner 6x6x6 are its own, the ring around
-/// them is for the 3x3x3 stencils.
+/// Nodes per side of a cube: one row is one wide register of floats. The inner 6x6x6 nodes are the cube's own; the ring
+/// around them serves the 3x3x3 stencils.
 inline constexpr int kCubeSize = 8;
 inline constexpr int kCubeOwn = kCubeSize - 2;
 inline constexpr int kCubeNodes = kCubeSize * kCubeSize * kCubeSize;
 
-/// A row of a cube; the compiler maps it to what the machine has, with the same bits.
+/// A row of a cube; the compiler maps it to the machine's registers, with the same bits.
 typedef float CubeRow __attribute__((vector_size(kCubeSize * sizeof(float))));
 typedef std::int32_t CubeRowFlags __attribute__((vector_size(kCubeSize * sizeof(std::int32_t))));
 
-/// Cube whose node (i, j, k) sits at h (first + (i, j, k)). Arrays over its nodes have that node at i + 8 j + 64 k.
+/// Cube whose node (i, j, k) sits at h (first + (i, j, k)). Arrays over its nodes store that node at i + 8 j + 64 k.
 struct NodeCube {
   Vec3i first = Vec3i::Zero();
   double h = 0.0;  ///< [m]
@@ -59,13 +59,13 @@ struct NodeMask {
     for (int k = 0; k < kCubeSize; ++k) plane[k] &= o.plane[k];
     return *this;
   }
-  /// Those of this set that are not in the other.
+  /// The nodes of this set that are not in the other.
   NodeMask without(const NodeMask& o) const {
     NodeMask m = *this;
     for (int k = 0; k < kCubeSize; ++k) m.plane[k] &= ~o.plane[k];
     return m;
   }
-  /// With the 26 neighbours of each that lie in the cube.
+  /// The set with the 26 neighbours of each node, within the cube.
   NodeMask grown() const {
     constexpr std::uint64_t kFirst = 0x0101010101010101u, kLast = kFirst << 7;
     NodeMask flat, m;
@@ -77,7 +77,7 @@ struct NodeMask {
       m.plane[k] = flat.plane[k] | (k > 0 ? flat.plane[k - 1] : 0) | (k + 1 < kCubeSize ? flat.plane[k + 1] : 0);
     return m;
   }
-  /// All nodes of the rows in which it has one.
+  /// All nodes of the rows that hold a node of the set.
   NodeMask whole_rows() const {
     NodeMask m;
     for (int k = 0; k < kCubeSize; ++k) {

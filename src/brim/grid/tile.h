@@ -10,7 +10,7 @@ namespace brim {
 
 /// Nodes per side of a tile. Node (i, j, k) sits at h (i, j, k); tile (x, y, z) owns nodes 8x .. 8x+7 and so on.
 inline constexpr int kTileSize = 8;
-/// Rings of foreign nodes around a tile's own, for the 3x3x3 stencils.
+/// Rings of neighbouring nodes around a tile's own, for the 3x3x3 stencils.
 inline constexpr int kHalo = 1;
 inline constexpr int kBlockSize = kTileSize + 2 * kHalo;
 inline constexpr int kBlockNodes = kBlockSize * kBlockSize * kBlockSize;
@@ -56,11 +56,12 @@ inline constexpr Octants kAllOctants = 0xff;
 
 /// One part's samples on a tile and its halo.
 struct DensityBlock {
-  Octants octants = kAllOctants;     ///< asked of the part: those that will be looked at, with a ring of nodes around
-                                     ///< each. Elsewhere it may leave rho = 0, source 0.
-  double rho[kBlockNodes];           ///< fraction of space filled, in [0, 1]
-  std::int32_t source[kBlockNodes];  ///< which primitive of the part the node belongs to, meaningful where rho > 0;
-                                     ///< handed back to the part when its map is asked for
+  /// Octants requested of the part, each with a ring of nodes around it; elsewhere rho = 0, source 0 are allowed.
+  Octants octants = kAllOctants;
+  double rho[kBlockNodes];  ///< fraction of space filled, in [0, 1]
+  /// Index of the part's primitive that the node belongs to, meaningful where rho > 0; handed back to the part when its
+  /// map is requested.
+  std::int32_t source[kBlockNodes];
 };
 
 }  // namespace brim
