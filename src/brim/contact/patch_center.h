@@ -6,23 +6,23 @@
 
 namespace brim {
 
-/// Centres the points of a curved patch between two solids on the place of the least gap. Where a ball meets a plane a
-/// few nodes carry it, and the centre of their overlap is off the place of touch by some tenths of a voxel, now on this
-/// side and now on that: a lever that brakes and drives what rolls. The distances know the place,
+/// Centres the points of a curved contact patch between two solids on the point of smallest gap. A ball on a plane is
+/// carried by a few nodes, and the centre of their overlap misses the contact point by some tenths of a voxel to
+/// either side: a spurious lever that brakes and drives a rolling body. The distances give the point,
 ///   gap(x̄ + t) = gap + g·t + ½ t·H t,   t = −H⁻¹ g     (x̄: centre of the overlap; differences over half a voxel and
 ///   one)
-/// and all points move by t, in the directions in which the gap is a parabola there and the patch no wider than a few
-/// voxels; along a line of contact, on faces and at edges they stay. Those that have moved are carried along the normal
-/// onto the surface of the part that moves: friction there turns it by its own radius, and what rolls on a surface into
-/// which it sinks by δ does not roll as if it were smaller by half of that.
-/// @param moving  a or b: the other is fixed
+/// and all points move by t, in those directions in which the gap is a parabola and the patch at most a few voxels
+/// wide; along a line of contact, on faces and at edges they stay. Moved points are then carried along the normal onto
+/// the surface of the moving part: friction there acts at its own radius, whereas points half-way into the other
+/// surface would make a body that sinks in by δ roll as if its radius were smaller by δ/2.
+/// @param moving  a or b; the other is fixed
 /// @param h       [m] step of the grid
 /// Tests: tests/contact/patch_center_test.cpp
 void center_on_least_gap(const CubeSide& a, const CubeSide& b, const CubeSide& moving, double h,
                          std::span<Contact> contacts);
 
-/// How round two solids are in the middle of where they touch: 0 where the gap is level, as between faces, or has a
-/// kink, as at an edge; towards 1 where it is a parabola, as under a ball. 1 where there is no contact.
+/// Roundness of the contact of two solids, at its middle: 0 where the gap is level, as between faces, or has a kink, as
+/// at an edge; towards 1 where it is a parabola, as under a ball. 1 without contacts.
 /// @param h  [m] step of the grid
 double roundness(const CubeSide& a, const CubeSide& b, double h, std::span<const Contact> contacts);
 

@@ -4,16 +4,16 @@
 
 namespace brim {
 
-/// What contacts at the nodes of a row of a cube take of one side, as ContactSet keeps it.
+/// Gradient and curvature of one side at the nodes of a row of a cube, in the format of ContactSet.
 struct SideRow {
   alignas(32) float gradient[3][kCubeSize];  ///< [1/m] ∇ρ
   alignas(32) float bend[3][kCubeSize];      ///< [1/m²] T H T, packed: uu, uv, vv (unpack_tangent_tensor)
 };
 
-/// Eight nodes at a time; where there is no gradient the bend is none.
+/// Computes eight nodes at a time; the bend is zero where there is no gradient.
 /// @param rho        derivatives of the densities, at unit step
-/// @param told       those of the distances, or none: then the gradient is as long as the densities say, and points and
-///                   bends as the distances do
+/// @param told       derivatives of the distances, or null. With them the gradient has the length that the densities
+///                   give, its direction and bend are those of the distances
 /// @param inverse_h  [1/m]
 /// Tests: tests/contact/side_row_test.cpp
 void side_row(const RowDerivatives& rho, const RowDerivatives* told, float inverse_h, SideRow& out);

@@ -8,7 +8,7 @@
 
 namespace brim {
 
-/// 1 with the sign of x, that of zeros included.
+/// 1 with the sign of x, also of signed zeros.
 BRIM_INLINE float unit_with_sign(float x) { return std::copysign(1.0f, x); }
 BRIM_INLINE double unit_with_sign(double x) { return std::copysign(1.0, x); }
 BRIM_INLINE WideFloats unit_with_sign(const WideFloats& x) {
@@ -16,8 +16,9 @@ BRIM_INLINE WideFloats unit_with_sign(const WideFloats& x) {
   return std::bit_cast<WideFloats>(sign | std::bit_cast<std::int32_t>(1.0f));
 }
 
-/// Two unit vectors u, v across a unit vector (Duff and others 2017, "Building an orthonormal basis, revisited").
-/// @tparam Number  float, double or WideFloats: eight frames at once with the bits of one at a time
+/// Two unit vectors u, v perpendicular to a unit vector (Duff and others 2017, "Building an orthonormal basis,
+/// revisited").
+/// @tparam Number  float, double or WideFloats: eight frames at once, same bits as one at a time
 template <class Number>
 struct TangentFrame {
   Number u[3], v[3];
