@@ -20,7 +20,7 @@ struct Cut {
   double value;
 };
 
-/// Least point of max over cuts + ½ (t − c)·H (t − c): that of one cut, of the line where two are equal, or of the
+/// Minimum of max over cuts + ½ (t − c)·H (t − c): that of one cut, on the line where two cuts are equal, or at the
 /// point where three are.
 /// Tests: tests/response/cut_model_test.cpp
 class CutModel {
@@ -29,7 +29,7 @@ class CutModel {
   using Mat2 = Eigen::Matrix2d;
 
   explicit CutModel(const Mat2& curvature) : curvature_(curvature), inverse_(inverse_across(curvature)) {}
-  /// Takes a cut in; of more than are held, that goes which foretells least at its place.
+  /// Adds a cut; when full, it replaces the cut with the lowest prediction at the new cut's place.
   void add(const Cut& cut) {
     if (size_ == kMostCuts) {
       const auto foretells = [&](const Cut& c) { return c.value + c.slope.dot(cut.at - c.at); };
@@ -42,7 +42,7 @@ class CutModel {
     cuts_[size_++] = cut;
   }
 
-  /// @param from  c  @param foretold  value there
+  /// @param from  c  @param foretold  model value at the minimum
   Vec2 least(const Vec2& from, double& foretold) const {
     Vec2 best = from;
     foretold = value(from, from);
@@ -72,7 +72,7 @@ class CutModel {
   }
 
  private:
-  /// Cuts that are held: three meet at the least point of a plane.
+  /// Maximum number of cuts: three meet at the minimum over a plane.
   static constexpr std::size_t kMostCuts = 4;
 
   double offset(std::size_t i) const { return cuts_[i].value - cuts_[i].slope.dot(cuts_[i].at); }

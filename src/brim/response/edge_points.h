@@ -12,26 +12,25 @@
 
 namespace brim {
 
-/// A point of contact at an edge or a tip.
+/// A contact point at an edge or a tip.
 struct EdgePoint {
-  std::size_t node = 0;        ///< contact next to it
+  std::size_t node = 0;        ///< nearest contact
   Vec3 point = Vec3::Zero();   ///< [m]
   Vec3 normal = Vec3::Zero();  ///< unit, towards a
   double gap = 0.0;            ///< [m]
 };
 
-/// Finds where surfaces meet that do not face each other: edges and tips on faces, and edges across edges. There the
-/// sum of the two distances d, from which patches read the gap, is right only between the two closest points. But every
-/// node x on both ramps knows the closest points themselves, x − d_a ∇d_a and x − d_b ∇d_b, and so the gap along a
-/// common normal n, that of the flatter surface:
+/// Finds contact points where the surfaces do not face each other: edges and tips on faces, edges across edges. There
+/// the sum of the two distances d, which patches read as the gap, is right only between the two closest points. But
+/// every node x on both ramps gives the closest points themselves, x − d_a ∇d_a and x − d_b ∇d_b, and so the gap along
+/// a common normal n, that of the flatter surface:
 ///   φ = n·(d_b ∇d_b − d_a ∇d_a)
-/// Nodes that hang together give one point, or two where they stretch along an edge.
+/// A connected group of nodes gives one point, or two when it stretches along an edge.
 /// Tests: tests/response/constraint_test.cpp
 class EdgePoints {
  public:
-  /// @param faces  contacts of the pair that patches take, ascending: those that tell distances; nodes within two
-  /// voxels of one are theirs, unless they tell
-  ///               of a smaller gap
+  /// @param faces  contacts of the pair handled as patches, ascending; nodes within two voxels of one are left to the
+  ///               patches unless their gap is smaller
   std::span<const EdgePoint> find(const ContactSet& contacts, const ContactPair& pair,
                                   std::span<const std::size_t> faces, FixedPart fixed = FixedPart::None);
 

@@ -9,19 +9,19 @@
 
 namespace brim {
 
-/// A point of contact held by a row.
+/// A contact point held by a row.
 struct RowPoint {
   Vec3 point = Vec3::Zero();   ///< [m]
   Vec3 normal = Vec3::Zero();  ///< unit, towards a
   double gap = 0.0;            ///< [m]
-  Vec3 grip = Vec3::Zero();    ///< [m] from the point to where friction acts, across the normal (friction_radius.h)
-  /// [1/m] curvature of each surface there, positive where it is convex, as uu, uv, vv in tangents_of(normal)
+  Vec3 grip = Vec3::Zero();    ///< [m] from the point to where friction acts, tangential (friction_radius.h)
+  /// [1/m] curvature of each surface there, positive when convex, as uu, uv, vv in tangents_of(normal)
   std::array<float, 3> bend_a{}, bend_b{};
 };
 
-/// How a rigid solid has moved from one place to another: x → x + turn (x − center) + shift, turn = R − 1.
+/// Motion of a rigid solid between two poses: x → x + turn (x − center) + shift, turn = R − 1.
 struct RigidMotion {
-  bool none = true;              ///< true: it has not moved at all
+  bool none = true;              ///< true: no motion at all
   Mat3 turn = Mat3::Zero();      ///< [-]
   Vec3 center = Vec3::Zero();    ///< [m] before
   Vec3 shift = Vec3::Zero();     ///< [m] of the centre
@@ -30,29 +30,29 @@ struct RigidMotion {
   Vec3 displacement(const Vec3& x) const { return none ? Vec3(Vec3::Zero()) : Vec3(turn * (x - center) + shift); }
 };
 
-/// A row after motions δ, θ of the two bodies by a fraction of a voxel each. The gap follows the relative displacement
-/// along the normal, φ + n·(δ_a − δ_b). Where surfaces are bent, the place of the least gap does not go with the matter
-/// but rolls (C: curvatures, across n):
+/// A row after displacements δ and rotations θ of the two bodies by a fraction of a voxel each. The gap follows the
+/// relative displacement along the normal, φ + n·(δ_a − δ_b). On curved surfaces the point of smallest gap does not
+/// move with the material but rolls (C: curvatures; x tangential):
 ///   (C_a + C_b) x = C_a δ_a + C_b δ_b + (θ_a − θ_b) × n
-/// and where they are flat it goes with the mean of both. The normal is that of the flatter surface, there.
-/// What is left out is of second order: curvature times the square of the way across.
-/// @param h  [m] grid step: no place rolls by more than a fifth of it
+/// On flat ones it moves with the mean of both. The normal is that of the flatter surface at the new point.
+/// Second-order terms, curvature times the square of the tangential displacement, are neglected.
+/// @param h  [m] grid step: points roll by at most a fifth of it
 RowPoint moved(const RowPoint& row, const RigidMotion& a, const RigidMotion& b, double h);
 
-/// Two unit vectors across a unit normal, as the columns of a matrix.
+/// Two unit vectors perpendicular to a unit normal, as the columns of a matrix.
 Eigen::Matrix<double, 3, 2> tangents_of(const Vec3& n);
 
-/// Rows of a pair whose contacts are not in the contact set.
+/// Rows of a pair whose contacts are not stored in the contact set.
 struct PairRows {
   std::int32_t part_a = 0, part_b = 0;  ///< global part numbers, part_a < part_b
   double h = 0.0;                       ///< [m] step at which they meet
   double w = 0.0;                       ///< [m] ramp width at that step
   double friction = 0.0, restitution = 0.0;
-  bool off_nodes = false;          ///< their gaps were read off nodes, not between convex solids
+  bool off_nodes = false;          ///< gaps read at grid nodes, not between convex solids
   std::size_t begin = 0, end = 0;  ///< rows of the pair
 };
 
-/// Rows that are gathered already: of pairs ordered by part numbers.
+/// Rows gathered already, of pairs ordered by part numbers.
 struct GatheredRows {
   std::span<const PairRows> pairs;
   std::span<const RowPoint> rows;

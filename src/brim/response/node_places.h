@@ -9,11 +9,11 @@
 
 namespace brim {
 
-/// Numbers kept by node of the grid, to go from a node to those around it. A table with open addressing, whose memory
-/// is kept. Tests: tests/response/node_places_test.cpp
+/// Hash table from grid nodes to numbers, for searches around a node. Open addressing; memory is kept between uses.
+/// Tests: tests/response/node_places_test.cpp
 class NodePlaces {
  public:
-  /// Forgets all. @param h  [m] step of the grid
+  /// Empties the table. @param h  [m] step of the grid
   void reset(double h) {
     h_ = h, count_ = 0;
     // Slots of earlier generations count as empty.
@@ -28,7 +28,8 @@ class NodePlaces {
     s = {key, static_cast<std::uint32_t>(number), generation_};
   }
 
-  /// True as soon as f(number) is for a node at most so many steps away along each axis; always in the same order.
+  /// True when f(number) is true for a node at most `steps` steps away along each axis; stops at the first, in fixed
+  /// order.
   template <class F>
   bool any_around(const Vec3& node, int steps, const F& f) const {
     if (count_ == 0) return false;
@@ -41,7 +42,7 @@ class NodePlaces {
         }
     return false;
   }
-  /// f(number) for all of them.
+  /// Calls f(number) for all these nodes.
   template <class F>
   void for_around(const Vec3& node, int steps, const F& f) const {
     any_around(node, steps, [&](std::size_t number) {
@@ -63,7 +64,7 @@ class NodePlaces {
     return (static_cast<std::int64_t>(i.x()) + kBias) * kX + (static_cast<std::int64_t>(i.y()) + kBias) * kY +
            static_cast<std::int64_t>(i.z()) + kBias;
   }
-  /// That of the key, or the empty one where it would be.
+  /// Slot of the key, or the empty slot where it would be inserted.
   const Slot& slot_of(std::int64_t key) const {
     // Only the highest bits of the product depend on all of the key.
     const std::size_t mask = slots_.size() - 1;
@@ -81,10 +82,10 @@ class NodePlaces {
   }
 
   double h_ = 1.0;
-  std::vector<Slot> slots_;  ///< a power of two, half of them empty at least
+  std::vector<Slot> slots_;  ///< size a power of two, at least half of them empty
   std::size_t count_ = 0;
   std::uint32_t generation_ = 1;
-  int shift_ = 58;  ///< 64 less the binary logarithm of the slots
+  int shift_ = 58;  ///< 64 minus log2 of the number of slots
 };
 
 }  // namespace brim

@@ -11,18 +11,18 @@
 
 namespace brim {
 
-/// Points of a patch among the nodes of a coarse lattice: of each the eight lattice points around it, and their tent
-/// weights. Fields are averaged over the patch by spreading them to the lattice and reading them back (PatchField). The
-/// lattice is a dense array over the box of the points where that is not much larger than they are many, else it holds
-/// the lattice points next to some point only. Memory is kept from patch to patch.
+/// Points of a patch on a coarse lattice: for each point its eight lattice neighbours and their tent weights. Fields
+/// are averaged over the patch by spreading them to the lattice and reading them back (PatchField). The lattice is a
+/// dense array over the points' box unless that has far more lattice points than there are points; then only lattice
+/// points next to a point are stored. Memory is kept from patch to patch.
 /// Tests: tests/response/patch_average_test.cpp
 class PatchLattice {
  public:
   /// @param x       [m] the points
   /// @param cell    [m] lattice step (3h smooths over a patch without hiding its shape)
-  /// @param origin  [m] of the lattice; taken from the points, it makes averages independent of where they are
+  /// @param origin  [m] of the lattice; when taken from the points, averages are independent of their place
   void place(std::span<const Vec3> x, double cell, const Vec3& origin);
-  /// Lattice points that fields have values at.
+  /// Number of lattice points that store values.
   std::size_t size() const { return size_; }
 
   struct Place {
@@ -35,10 +35,10 @@ class PatchLattice {
   std::size_t size_ = 0;
   std::vector<Place> place_;
   std::vector<std::array<std::int64_t, 3>> base_;  ///< lattice point below each point
-  std::vector<std::array<std::int64_t, 3>> used_;  ///< sorted, where the lattice is not dense
+  std::vector<std::array<std::int64_t, 3>> used_;  ///< sorted, when the lattice is not dense
 };
 
-/// A field on a lattice. @tparam Value  floats that are worked on together (core/simd.h), or one
+/// A field on a lattice. @tparam Value  one float, or several processed together (core/simd.h)
 template <class Value>
 class PatchField {
  public:
@@ -50,7 +50,7 @@ class PatchField {
       std::memcpy(to, &sum, sizeof sum);
     }
   }
-  /// The smoothed sum there.
+  /// The smoothed sum at a place.
   BRIM_INLINE Value at(const PatchLattice::Place& p) const {
     Value sum = p.weight[0] * load(value_.data() + kFloats * p.slot[0]);
     for (int c = 1; c < 8; ++c) sum += p.weight[c] * load(value_.data() + kFloats * p.slot[c]);
