@@ -9,13 +9,13 @@
 
 namespace brim {
 
-/// Map of balls that turn about their centres x_i, six velocities each, (v_i, ω_i):
+/// Map of balls that rotate about their centres x_i, six velocities each, (v_i, ω_i):
 ///   u_p = v_i + ω_i × (r_p − x_i),   J_pᵀ f = (f, (r_p − x_i) × f)
 /// Linear and angular momentum of contact are exact.  Tests: tests/map/balls_map_test.cpp
 class BallsMap final : public Map, public SparseMap {
  public:
   /// @param x       [m] centres  @param points  [m]
-  /// @param ball    of each point
+  /// @param ball    index of each point's ball
   void reset(std::span<const Vec3> x, std::span<const Vec3> points, std::span<const std::int32_t> ball);
 
   std::size_t points() const override { return arm_.size(); }

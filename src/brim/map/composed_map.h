@@ -8,19 +8,19 @@
 
 namespace brim {
 
-/// Points that follow particles by rows of weights, where the particles follow a body by any map of its own (paper,
-/// section 5.4: the volume layer between a body and the grid):
+/// Points that follow particles by rows of weights, where the particles follow a body by any other map (paper, section
+/// 5.4: the volume layer between a body and the grid):
 ///   u = W (J v),   Q = Jᵀ (Wᵀ f)
-/// For particles that follow nodes by sparse weights, compose() makes one sparse map, which is cheaper.
-/// The block diagonal of Jᵀ Wᵀ K W J is replaced by that of Jᵀ diag(k_i) J with k_i = Σ_p |w_pi| s_p K_p, s_p = Σ_i
-/// |w_pi|, which bounds it from above and needs the body's map alone: good for preconditioning, not exact. Levers count
-/// by their size. Tests: tests/map/weight_rows_test.cpp
+/// When particles follow nodes by sparse weights, compose() gives one sparse map, which is cheaper. The block diagonal
+/// of Jᵀ Wᵀ K W J is replaced by an upper bound that needs only the body's map, Jᵀ diag(k_i) J with k_i = Σ_p |w_pi|
+/// s_p K_p, s_p = Σ_i |w_pi|: good for preconditioning, not exact. Levers count with their magnitude. Tests:
+/// tests/map/weight_rows_test.cpp
 class ComposedMap final : public Map {
  public:
   /// @param rows   weights over the points of `inner`
-  /// @param inner  map of the particles, one point each
+  /// @param inner  map of the particles, one point per particle
   void assign(WeightRows rows, std::unique_ptr<Map> inner);
-  /// Gives the inner map back, to be refilled.
+  /// Returns the inner map, to be refilled.
   std::unique_ptr<Map> release_inner() { return std::move(inner_); }
 
   std::size_t points() const override { return rows_.rows(); }

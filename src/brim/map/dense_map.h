@@ -7,14 +7,14 @@
 
 namespace brim {
 
-/// Map of bodies with few coordinates, all of which move every point: J_p is a dense matrix, one per point.
+/// Map of bodies with few coordinates that all move every point: J_p is one dense matrix per point.
 /// Such a body has a single block of nv unknowns. Same bits for any number of threads.
 /// Tests: tests/body/own_body_test.cpp
 class DenseMap final : public Map {
  public:
   using Jacobian = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
-  /// Makes room for n points, whose matrices are then set one by one. @param coordinates  nv
+  /// Allocates n points, whose matrices are then set one by one. @param coordinates  nv
   void reset(std::size_t n, std::size_t coordinates);
   /// J of point p, shape (3, nv).
   Eigen::Map<Jacobian> row(std::size_t p) { return {value_.data() + 3 * nv_ * p, 3, static_cast<Eigen::Index>(nv_)}; }

@@ -6,12 +6,12 @@
 
 namespace brim {
 
-/// Optional interface of maps that take a force whole along one direction alone at each point, as the surface of a
-/// fluid that slips does: contact acts along it, so that the other side loses what this one gets.
+/// Optional interface of maps that accept force along only one direction at each point, as the surface of a slipping
+/// fluid does: contact acts along it, so that both sides get equal and opposite forces.
 class DirectedMap {
  public:
   virtual ~DirectedMap() = default;
-  /// Unit vectors out of the body, shape (points); zero where a force is taken whole whatever its direction.
+  /// Unit vectors out of the body, shape (points); zero where forces of any direction are accepted.
   virtual std::span<const Vec3> directions() const = 0;
 };
 

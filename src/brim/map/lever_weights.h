@@ -10,10 +10,10 @@
 
 namespace brim {
 
-/// Map of points that ride beside a few particles, on a direction that turns with them:
+/// Map of points attached to a few particles with an offset along a direction that rotates with them:
 ///   u_p = Σ_i (w_i v_i + l_i (d · v_i)),   J_i = w_i I + l_i dᵀ,   J_iᵀ f = w_i f + d (l_i · f)
 /// with weights w_i and levers l_i [1] per particle and one direction d per point. ShellWeightsMap and LineWeightsMap
-/// say what w, l and d are for triangles and segments.
+/// define w, l and d for triangles and segments.
 /// Products are parallel and give the same bits for any number of threads.
 class LeverWeightsMap : public Map, public SparseMap {
  public:
@@ -28,7 +28,7 @@ class LeverWeightsMap : public Map, public SparseMap {
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
 
  protected:
-  /// Makes room. @param particles  number of particles of the body, nv / 3
+  /// Allocates. @param particles  number of particles of the body, nv / 3
   void reset(std::size_t particles, std::size_t points, int entries_per_point);
   /// @param row_start  where the entries of each point start, shape (points + 1)
   void reset(std::size_t particles, std::vector<std::int32_t> row_start);
@@ -40,7 +40,7 @@ class LeverWeightsMap : public Map, public SparseMap {
   std::vector<Vec3> direction_;  // d, per point
 
  private:
-  /// What a row gives to a particle.
+  /// Entry of a row, stored by particle.
   struct Share {
     double weight;
     Vec3 lever;

@@ -10,8 +10,8 @@
 
 namespace brim {
 
-/// The kinematic map of one part at its contact points (paper, section 5.1): J = ∂r/∂q at points r fixed in space.
-/// It is linear and constant during a solve. Vectors of the body have the body's own numbering, from 0.
+/// The kinematic map of one part at its contact points (paper, section 5.1): J = ∂r/∂q at points r fixed in space. It
+/// is linear and constant during a solve. Generalised vectors are numbered within the body, from 0.
 class Map {
  public:
   virtual ~Map() = default;
@@ -19,7 +19,7 @@ class Map {
   /// Number of contact points, n.
   virtual std::size_t points() const = 0;
 
-  /// u = J v: velocity of the body's matter at each point.
+  /// u = J v: velocity of the body's material at each point.
   /// @param v  generalised velocities of the body, shape (nv)
   /// @param u  [m/s], overwritten, shape (n)
   virtual void apply(std::span<const double> v, std::span<Vec3> u) const = 0;
@@ -29,14 +29,14 @@ class Map {
   /// @param Q  shape (nv)
   virtual void apply_transpose(std::span<const Vec3> f, std::span<double> Q) const = 0;
 
-  /// Q += (∂Jᵀ/∂q · dq) f with f held and the points carried by the matter (appendix B, last term).
+  /// Q += (∂Jᵀ/∂q · dq) f with constant f and points that move with the material (appendix B, last term).
   /// Zero for maps that are linear in q. @param dq  displacement in generalised coordinates, shape (nv)
   virtual void add_geometric(std::span<const Vec3> f, std::span<const double> dq, std::span<double> Q) const {
     (void)f, (void)dq, (void)Q;
   }
 
-  /// Makes `out` the map of some of the points, in the room of the map of this kind that it may hold.
-  /// @param rows  points, ascending @return false where a body makes it anew as fast
+  /// Makes `out` the map of a subset of the points, reusing the memory of a map of this kind in it.
+  /// @param rows  points, ascending @return false when building the map anew is as fast
   virtual bool select(std::span<const std::uint32_t> rows, std::unique_ptr<Map>& out) const {
     (void)rows, (void)out;
     return false;

@@ -6,7 +6,7 @@
 
 namespace brim {
 
-/// Where the entries of some of the rows of a sparse matrix start when these rows stand alone.
+/// Row starts of a subset of a sparse matrix's rows.
 /// @param row_start  of all rows, shape (all rows + 1)  @param starts  shape (rows + 1), overwritten
 inline void pick_row_starts(std::span<const std::int32_t> row_start, std::span<const std::uint32_t> rows,
                             std::vector<std::int32_t>& starts) {

@@ -17,20 +17,20 @@ namespace brim {
 /// Products are parallel and give the same bits for any number of threads.  Tests: tests/map/point_weights_test.cpp
 class PointWeightsMap final : public Map, public SparseMap {
  public:
-  /// Weights of one point, to be written.
+  /// Weights of one point, to be filled in.
   struct Row {
     std::span<std::int32_t> particle;
     std::span<double> weight;
   };
 
-  /// Makes room for points of the same number of entries each; fill every row(), then call finish().
+  /// Allocates points with the same number of entries each; fill every row(), then call finish().
   /// @param particles  number of particles of the body, nv / 3
   void reset(std::size_t particles, std::size_t points, int entries_per_point);
   Row row(std::size_t point);
-  /// Takes rows of any lengths. @param row_start  shape (points + 1); particle, weight: shape (row_start.back())
+  /// Sets rows of any lengths. @param row_start  shape (points + 1); particle, weight: shape (row_start.back())
   void assign(std::size_t particles, std::span<const std::int32_t> row_start, std::span<const std::int32_t> particle,
               std::span<const double> weight);
-  /// Rows are final from here on. Zero weights are welcome.
+  /// Rows are final from here on. Zero weights are allowed.
   void finish();
 
   std::size_t points() const override { return row_start_.empty() ? 0 : row_start_.size() - 1; }
@@ -41,7 +41,7 @@ class PointWeightsMap final : public Map, public SparseMap {
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
 
  private:
-  /// What a row gives to a particle.
+  /// Entry of a row, stored by particle.
   struct Share {
     double weight;
     std::int32_t row;

@@ -6,7 +6,7 @@
 
 namespace brim {
 
-/// The map of the given type to be filled anew; memory is kept when it was of that type before.
+/// A map of the given type, to be refilled; its memory is kept when `map` already holds that type.
 template <class M>
 M& reuse_map(std::unique_ptr<Map>& map) {
   if (auto* same = dynamic_cast<M*>(map.get())) return *same;

@@ -7,8 +7,8 @@
 
 namespace brim {
 
-/// The 3x3 blocks J of sparse rows. Most are multiples of the identity, of which one number is kept, and multiplied
-/// with. In single precision.  Tests: tests/map/row_blocks_test.cpp
+/// The 3x3 blocks J of sparse rows, in single precision. Multiples of the identity, the usual case, are stored and
+/// multiplied as one number.  Tests: tests/map/row_blocks_test.cpp
 class RowBlocks {
  public:
   using Block = Eigen::Matrix3f;
@@ -21,24 +21,24 @@ class RowBlocks {
     weight_.push_back(0.0f), general_.push_back(static_cast<std::int32_t>(block_.size()));
     block_.push_back(J);
   }
-  /// Makes room for so many blocks, of which so many are no multiples of the identity: put fills it, from any thread.
+  /// Allocates n blocks, `general` of them not multiples of the identity; put fills them, from any thread.
   void resize(std::size_t n, std::size_t general) { weight_.resize(n), general_.resize(n), block_.resize(general); }
-  /// Writes block e of another list, times `sign`, to place `at`. @param general  the next free place of those that are
-  /// no multiples of the identity, moved on where this is one
+  /// Copies block e of another list, times `sign`, to index `at`. @param general  next free index of the general
+  /// blocks, advanced when the block is general (not a multiple of the identity)
   void put(std::size_t at, std::int32_t& general, const RowBlocks& from, std::size_t e, float sign) {
     weight_[at] = sign * from.weight_[e], general_[at] = -1;
     if (from.general_[e] < 0) return;
     block_[general] = sign * from.block_[from.general_[e]];
     general_[at] = general++;
   }
-  /// How many of the blocks [begin, end) are no multiples of the identity.
+  /// Number of general blocks in [begin, end).
   std::int32_t general(std::size_t begin, std::size_t end) const {
     return static_cast<std::int32_t>(std::count_if(general_.begin() + static_cast<std::ptrdiff_t>(begin),
                                                    general_.begin() + static_cast<std::ptrdiff_t>(end),
                                                    [](std::int32_t g) { return g >= 0; }));
   }
 
-  /// True where the block is `weight` times the identity.
+  /// True when the block is `weight` times the identity.
   bool plain(std::size_t e) const { return general_[e] < 0; }
   float weight(std::size_t e) const { return weight_[e]; }
   Block operator[](std::size_t e) const {
@@ -61,7 +61,7 @@ class RowBlocks {
 
  private:
   std::vector<float> weight_;
-  std::vector<std::int32_t> general_;  ///< place in block_, −1 for multiples of the identity
+  std::vector<std::int32_t> general_;  ///< index in block_, −1 for multiples of the identity
   std::vector<Block> block_;
 };
 

@@ -8,22 +8,22 @@
 
 namespace brim {
 
-/// The columns of a sparse matrix given by rows: lets Jᵀ be applied as a gather, parallel and in a fixed order.
+/// Columns of a sparse matrix stored by rows: Jᵀ is applied as a gather, in parallel and in a fixed order.
 struct RowTranspose {
-  /// One appearance of a column.
+  /// One occurrence of a column.
   struct Entry {
     std::int32_t row;    ///< row (contact point)
-    std::int32_t index;  ///< place in the row-wise list of entries
+    std::int32_t index;  ///< index in the row-wise list of entries
   };
 
-  std::vector<std::int32_t> columns;  ///< columns that appear, ascending
+  std::vector<std::int32_t> columns;  ///< columns that occur, ascending
   std::vector<std::int32_t> first;    ///< where the entries of columns[c] start, shape (columns.size() + 1)
   std::vector<Entry> entries;         ///< by column, then by row
 
   /// @param row_start  shape (rows + 1)
   /// @param column     of each entry, in [0, column_count)
   void build(std::size_t column_count, std::span<const std::int32_t> row_start, std::span<const std::int32_t> column);
-  /// Finds columns and first only, and calls place(slot, row, index) for each entry, slot its place among `entries`.
+  /// Finds only columns and first, and calls place(slot, row, index) for each entry, slot: its index in `entries`.
   template <class Place>
   void build(std::size_t column_count, std::span<const std::int32_t> row_start, std::span<const std::int32_t> column,
              const Place& place) {
@@ -38,23 +38,23 @@ struct RowTranspose {
   }
 
  private:
-  /// Counting sort by column, in which the order of rows within a column is kept: counts.
+  /// Counting pass of a counting sort by column, stable in the rows.
   void count(std::size_t column_count, std::span<const std::int32_t> column);
 
   std::vector<std::int32_t> slot_;
 };
 
-/// What a map's rows share out to each particle, in the order in which Jᵀ reads it, made when it is first asked for:
-/// maps that only carry velocities never need it. Safe to be asked by several threads at once.
+/// Shares of a map's rows by particle, in the order in which Jᵀ reads them, built on first use: maps that only apply J
+/// never need them. Thread-safe.
 template <class Share>
 class RowShares {
  public:
   RowTranspose transpose;     ///< columns and first only
   std::vector<Share> shares;  ///< by column, then by row
 
-  /// The rows have changed.
+  /// To be called when the rows have changed.
   void forget() { made_ = false; }
-  /// @param share  share(row, index) of an entry
+  /// @param share  share(row, index) makes the share of an entry
   template <class F>
   void make(std::size_t column_count, std::span<const std::int32_t> row_start, std::span<const std::int32_t> column,
             const F& share) {

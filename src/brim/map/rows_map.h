@@ -7,9 +7,9 @@
 
 namespace brim {
 
-/// Map of bodies made of particles with three coordinates each, by rows of weights with or without levers:
+/// Map of bodies made of particles with three coordinates each, by weight rows with or without levers:
 ///   J_pi = w_pi I + n_p b_piᵀ,   J_piᵀ f = w_pi f + b_pi (n_p · f)
-/// Constant during a solve; how the rows change with q is left out.
+/// Constant during a solve; the change of the rows with q is neglected.
 /// Products are parallel and give the same bits for any number of threads.  Tests: tests/map/weight_rows_test.cpp
 class RowsMap final : public Map, public SparseMap {
  public:

@@ -7,8 +7,8 @@
 
 namespace brim {
 
-/// The triangles of a sheet, and around each the patch of all triangles that share a vertex with it: what a point rides
-/// on where the triangle alone is too small or too crumpled to carry it (ShellWeightsMap).
+/// The triangles of a sheet and the patch around each, all triangles that share a vertex with it: points are attached
+/// to the patch where the triangle alone is too small or too distorted (ShellWeightsMap).
 class SheetPatches {
  public:
   using Corners = std::array<std::int32_t, 3>;
@@ -17,7 +17,7 @@ class SheetPatches {
   explicit SheetPatches(std::span<const Corners> triangles);
 
   const Corners& triangle(std::size_t t) const { return triangles_[t]; }
-  /// Vertices of the patch around triangle t, ascending; those of the triangle are among them.
+  /// Vertices of the patch around triangle t, ascending, its own included.
   std::span<const std::int32_t> around(std::size_t t) const {
     return std::span(vertices_).subspan(first_[t], static_cast<std::size_t>(first_[t + 1] - first_[t]));
   }

@@ -8,10 +8,10 @@
 
 namespace brim {
 
-/// Sparse weights by rows: row p says how point p follows sources (particles, nodes).
+/// Sparse weights by rows: row p defines how point p follows sources (particles, nodes).
 ///   u_p = Σ_i w_pi u_i                                    without normals
 ///   u_p = Σ_i [ w_pi I + n_p b_piᵀ ] u_i                  with a normal n_p and levers b_pi
-/// The second form lets motion along n_p follow another rule (the rate of a density) than motion across it.
+/// The second form lets motion along n_p follow another rule (the rate of a density) than tangential motion.
 struct WeightRows {
   std::vector<std::int32_t> first{0};  ///< shape (rows + 1)
   std::vector<std::int32_t> source;    ///< shape (entries)
@@ -26,9 +26,9 @@ struct WeightRows {
   }
 };
 
-/// Points that follow particles that follow nodes: the product of two sparse maps, entries of one node joined and in
-/// ascending order. The weights of `inner` must have no levers. Where outer and inner reproduce constants and linear
-/// fields (Σ w = 1, Σ w x = r) so does the product.
+/// Product of two sparse maps: points that follow particles that follow nodes; entries of one node are merged and
+/// sorted. The weights of `inner` must have no levers. If outer and inner reproduce constants and linear fields (Σ w =
+/// 1, Σ w x = r), so does the product.
 /// Same bits for any number of threads.  Tests: tests/map/weight_rows_test.cpp
 WeightRows compose(const WeightRows& outer, const WeightRows& inner);
 
