@@ -7,16 +7,16 @@
 
 namespace brim {
 
-/// Centre of mass of the last updated state, [m], for every kind that can move as a rigid whole; nothing for others:
-/// of the rotation u = w × x about the origin the momentum is m w × c.
+/// Centre of mass c of the last updated state, [m], for every kind that can move as a rigid whole; nothing for others.
+/// Found from the momentum m w × c of the rotation u = w × x about the origin.
 std::optional<Vec3> center_of_mass(const Body& body);
 
-/// That, or the mean of the display's vertices: where a body is.
+/// Centre of mass, or else the mean of the display's vertices.
 Vec3 middle_of(const Body& body);
 
-/// Why a body cannot be set elsewhere and turned by R, in words that follow its name; empty: it can.
+/// Reason why a body cannot be moved and rotated by R, as words that follow its name; empty: it can.
 std::string refuses_move(const Body& body, const Mat3& R);
-/// True when moving it is to move its base (MovableBase), and not its coordinates.
+/// True when a move changes the body's base (MovableBase), not its coordinates.
 bool moves_by_base(const Body& body);
 
 }  // namespace brim

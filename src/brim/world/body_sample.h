@@ -4,7 +4,7 @@
 
 namespace brim {
 
-/// Where a body is and how it moves, the same for every kind.
+/// Position and motion of a body, the same for every kind.
 struct BodySample {
   Vec3 center = Vec3::Zero();          ///< [m] mean of the display's vertices
   Vec3 velocity = Vec3::Zero();        ///< [m/s] of the centre of mass; zero for bodies of infinite mass

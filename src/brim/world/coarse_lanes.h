@@ -7,7 +7,7 @@
 /// The loops of CoarseSpace over nodes and contacts, with wide instructions.  Tests: tests/world/coarse_lanes_test.cpp
 namespace brim::coarse_lanes {
 
-/// Σ Sᵀ K S of two sides: six rows of eight numbers, of which six mean something.
+/// Σ Sᵀ K S of two sides: six rows of eight numbers, of which the first six are used.
 struct PairSums {
   alignas(64) double aa[6][8] = {}, bb[6][8] = {}, ab[6][8] = {};  ///< ab: negative
 };

@@ -13,37 +13,37 @@
 
 namespace brim {
 
-/// The coarse level of the preconditioner: the rigid motions of all bodies, coupled by their contacts and solved
+/// Coarse level of the preconditioner: the rigid motions of all bodies, coupled by their contacts and solved
 /// directly. R holds up to six motions per body,
 ///   P⁻¹ = (local part) + R (Rᵀ A R)⁻¹ Rᵀ
-/// so that what travels through a pile of bodies (weights, impacts) needs no iterations per body. A body with nothing
-/// but rigid motions is solved here alone.
-/// Cost of a build: six products per body and six per contact; of an application: two passes over the places of the
-/// nodes where a body has told them (BlockSystem), else over six vectors.
+/// so that weights and impacts travel through a pile of bodies without iterations per body. A body whose only motions
+/// are rigid is solved entirely here.
+/// Cost of a build: six products per body and six per contact; of an application: two passes over the node positions if
+/// the body provides them (BlockSystem), else over six vectors.
 class CoarseSpace {
  public:
-  /// Takes the motions of the bodies. They must have begun their solve.
-  /// @param without  nonzero for bodies that are left out, shape (bodies)
+  /// Takes the modes of the bodies, which must have begun their solve.
+  /// @param without  nonzero for excluded bodies, shape (bodies)
   void begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
              std::span<const WorldPart> parts, std::span<const std::uint8_t> without);
-  /// Assembles and factors Rᵀ A R with the contact stiffness in force.
-  /// @param maps  of all contacts, the same ones until begin @return false when it is not definite, or empty
+  /// Assembles and factors Rᵀ A R with the present contact stiffness.
+  /// @param maps  of all contacts, the same until begin @return false when it is not definite, or empty
   bool factor(const ContactMaps& maps, const ContactSet& contacts, const Penalty& response);
 
-  /// True when the modes span everything that the body can do.
+  /// True when the modes span all motions of the body.
   bool complete(std::size_t body) const { return complete_[body]; }
   /// z += R (Rᵀ A R)⁻¹ Rᵀ r. Same bits for any number of threads.
   void add(std::span<const double> r, std::span<double> z);
-  /// x += R (Rᵀ A R)⁻¹ Rᵀ r with the bodies' own A, for bodies that are free to move: what a solve has left of their
-  /// momentum and angular momentum is given back, whatever its tolerance. @param r  b − A x
+  /// x += R (Rᵀ A R)⁻¹ Rᵀ r with the bodies' own A, for bodies without prescribed motion: gives back the momentum and
+  /// angular momentum missing after a solve, whatever its tolerance. @param r  b − A x
   void give_back(std::span<const double> r, std::span<double> x) const;
 
  private:
   static constexpr int kModes = 6;
   using Block = Eigen::Matrix<double, kModes, kModes>;
-  /// Velocities of the modes at a contact; two columns more than there are modes, so that rows are wide registers.
+  /// Velocities of the modes at a contact; padded by two columns to the width of a register.
   using Seen = Eigen::Matrix<double, 3, 8, Eigen::RowMajor>;
-  /// Some contacts of a pair, and their part of its blocks (a, a), (b, b) and (a, b).
+  /// A range of a pair's contacts, and its share of the blocks (a, a), (b, b) and (a, b).
   struct Patch {
     std::size_t pair = 0, begin = 0, end = 0;
     std::array<Block, 3> sum = {Block::Zero(), Block::Zero(), Block::Zero()};
@@ -51,12 +51,12 @@ class CoarseSpace {
 
   struct Modes {
     int count = 0;                ///< modes that are kept
-    int coupled = 0;              ///< of these, in the coarse system: all or none
-    bool free = true;             ///< nothing of the body is prescribed
+    int coupled = 0;              ///< number of these in the coarse system: all or none
+    bool free = true;             ///< no velocity of the body is prescribed
     std::size_t row = 0;          ///< first unknown in the coarse system
-    std::vector<double> columns;  ///< orthonormal, one after the other, shape (count, v_size)
+    std::vector<double> columns;  ///< orthonormal, concatenated, shape (count, v_size)
     Block system = Block::Zero();
-    // Where the nodes' places are known: column j is the sum over k of basis(k, j) times e_k, or e_k × (x − center).
+    // When the nodes' positions are known: column j is the sum over k of basis(k, j) times e_k, or e_k × (x − center).
     std::span<const Vec3> place;
     Vec3 center = Vec3::Zero();
     Block basis = Block::Zero();
@@ -66,7 +66,7 @@ class CoarseSpace {
   static void add_prolonged(const Modes& m, const Eigen::VectorXd& c, std::span<double> z);
   /// Σ Sᵀ K S over the acting contacts of a patch.
   static void sum_contacts(std::span<const Seen> a, std::span<const Seen> b, const Penalty& response, Patch& patch);
-  /// What each contact sees of the motions.
+  /// Finds the velocities of the modes at each contact.
   void see(const ContactMaps& maps, std::size_t contacts);
   void take_modes(const Body& body, std::size_t n, Modes& m) const;
   void add_block(const Block& block, const Modes& a, const Modes& b);
@@ -75,7 +75,7 @@ class CoarseSpace {
   std::vector<std::uint8_t> complete_;
   std::vector<std::size_t> first_v_;
   std::vector<std::int32_t> body_of_part_;
-  bool seen_ = false;                  ///< since begin
+  bool seen_ = false;                  ///< see() was called since begin
   std::vector<Seen> seen_a_, seen_b_;  ///< per contact
   std::vector<Patch> patches_;
   std::vector<Eigen::Triplet<double>> entries_;

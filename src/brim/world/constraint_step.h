@@ -20,24 +20,23 @@ namespace brim {
 
 /// Contacts held by constraint rows, on top of the implicit step (paper, sections 4.3 and 6):
 ///   u = J (v + Δv) + ...,  Δv = A⁻¹ (b + Jᵀ λ),  λ in Coulomb's cone, u_n >= target
-/// with A the implicit matrix of all bodies and of the contacts that stay with the penalty response. Projected
-/// Gauss-Seidel runs on J P Jᵀ, P the bodies' own inverses (BodyInverses). Where P is A⁻¹, for bodies of few velocities
-/// without other contacts and for larger ones whose A can be factored, its result is the solution. Elsewhere it gives a
-/// direction d in λ; A⁻¹ Jᵀ d comes from the step's own solve, λ moves along d as far as the two agree, and so on until
-/// d changes no velocity any more. Pairs of rigid bodies (RigidFrame) are known by lever arms and inverse inertias
-/// alone, without maps (RigidPairRows).
+/// with A the implicit matrix of all bodies and of the penalty contacts. Projected Gauss-Seidel runs on J P Jᵀ, P: the
+/// bodies' own inverses (BodyInverses). Where P = A⁻¹ (bodies of few velocities without penalty contacts, and larger
+/// ones whose A can be factored) its result is the solution. Elsewhere it gives a direction d in λ; A⁻¹ Jᵀ d comes from
+/// the step's own solve, λ moves along d as far as the two agree, and so on until d no longer changes any velocity.
+/// Pairs of rigid bodies (RigidFrame) need only lever arms and inverse inertias, no maps (RigidPairRows).
 class ConstraintStep {
  public:
   struct Settings {
     ConstraintOptions rows;
     double tolerance = 1e-4;  ///< relative change of velocity at which sweeps end
     int max_sweeps = 200;
-    double scale = 0.0;  ///< [m/s] a velocity that matters: that of a free fall over the step
+    double scale = 0.0;  ///< [m/s] reference velocity: that of a free fall over the step
   };
 
-  /// Other objects stand for the same bodies from now on.
+  /// To be called when bodies have been replaced by other objects.
   void forget_bodies() { rigid_.clear(); }
-  /// Gathers rows from the contacts and the impulses of the last step.
+  /// Gathers rows from the contacts, and impulses from the last step.
   /// @param gathered  rows of rigid pairs that are not among the contacts
   /// @param memory    rows of the last step (World::State)
   void begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
@@ -45,30 +44,30 @@ class ConstraintStep {
              std::span<const ConstraintPair> pairs, const GatheredRows& gathered, std::span<const double> v,
              const Settings& settings, std::span<const double> memory);
   bool empty() const { return rows_.points().size() == 0; }
-  /// The points of the rows, and [N s] along their normals with which they start: what the last step had.
+  /// The points of the rows, and their initial normal impulses [N s]: those of the last step.
   const ContactSet& points() const { return rows_.points(); }
   double first_impulse(std::size_t c) const { return lambda_[c].x(); }
-  /// Jᵀ λ of the first guess, [N s], shape (nv).
+  /// Jᵀ λ of the initial guess, [N s], shape (nv).
   std::span<const double> impulse() const { return impulse_; }
 
-  /// Corrects the velocity changes of the implicit step, which hold the first guess already.
+  /// Corrects the velocity changes of the implicit step, which contain the initial guess already.
   /// @param solve  x = A⁻¹ b  @param delta  Δv, shape (nv)
-  /// @param added  [N s] takes Jᵀ (λ − first guess), shape (nv); or empty
+  /// @param added  [N s] set to Jᵀ (λ − initial guess), shape (nv); or empty
   /// @return false when a value is not finite
   bool correct(const ImplicitStep::Respond& solve, std::span<double> delta, std::span<double> added,
                StepReport& report);
-  /// False where the last correct() ended with a residual that it warned of.
+  /// False when the last correct() ended with a residual that gave a warning.
   bool converged() const { return converged_; }
-  /// Mean velocity of the step less that at its end, for the positions; shape (nv), or empty where they are the same.
+  /// Mean velocity of the step minus that at its end, for the positions; shape (nv), or empty when they are equal.
   std::span<const double> position_correction() const { return position_correction_; }
 
-  /// Adds forces to the reports of pairs and to the samples, checks momentum, and keeps λ for the next step.
+  /// Adds forces to the reports of pairs and to the samples, checks momentum, and stores λ for the next step.
   void finish(StepReport& report, std::vector<ContactSample>& samples, bool check, std::vector<double>& memory) const;
 
  private:
-  /// Notes which bodies have rows, of which form, and which have other contacts too.
+  /// Finds which bodies have rows, of which form, and which have penalty contacts too.
   void mark_bodies(const ContactSet& contacts, std::span<const ConstraintPair> pairs, const GatheredRows& gathered);
-  /// True where arms tell all of a pair: the bodies of both parts are rigid frames.
+  /// True when lever arms describe the pair: the bodies of both parts are rigid frames.
   bool rigid(std::int32_t a, std::int32_t b) const { return frame_of(a) != nullptr && frame_of(b) != nullptr; }
   bool rigid(const ContactPair& pair) const { return rigid(pair.part_a, pair.part_b); }
   const RigidFrame* frame_of(std::int32_t part) const { return rigid_[parts_[part].body_index]; }
@@ -77,7 +76,7 @@ class ConstraintStep {
   void for_arms(const F& f) const;
   void build_maps();
   void find_start(std::span<const double> v);
-  /// Calls f(pair, contact, way from the point to where its friction acts) where that is elsewhere, where all pairs are
+  /// Calls f(pair, contact, offset of the friction point) for points whose friction acts elsewhere, when all pairs are
   /// rigid.
   template <class F>
   void for_grips(const F& f) const;
@@ -87,7 +86,7 @@ class ConstraintStep {
   void recall(std::span<const double> memory);
   RigidPairRows::Side side_of(std::int32_t part) const;
   void assemble();
-  /// Chooses the bodies' inverses: all of them exact, where that can be afforded and nothing else mixes in.
+  /// Chooses the bodies' inverses: all exact when affordable and no penalty contact is involved.
   void choose_inverses();
   /// Calls f(body, side a, side b) for the bodies that have rows at the pair's contacts.
   template <class F>
@@ -95,17 +94,17 @@ class ConstraintStep {
   /// Forces of the body for unit impulses along the rows of contact c, filtered, into force_.
   void find_forces(const ContactPair& pair, std::size_t c, std::size_t body, bool side_a, bool side_b);
   void add_row(const ContactPair& pair, std::size_t c);
-  /// Lets impacts follow each other within the step: what bounces passes its speed on to what it touches.
+  /// Lets impacts follow each other within the step: a bouncing body passes its speed on to those it touches.
   /// @param v  velocity changes of the motion without contacts
   void pass_impacts_on(std::vector<double> v);
-  /// Solves for the targets from λ and Δv on entry. @param most  solves with A
+  /// Solves for the targets, starting from λ and Δv. @param most  maximum number of solves with A
   void solve_rows(const ImplicitStep::Respond& solve, std::span<const double> target, int most,
                   std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual, StepReport& report);
-  /// Points of the bodies that hang together by rows, where these are most.
+  /// Number of points in the largest group of bodies connected by rows.
   std::size_t most_together() const;
   int find_most_sweeps() const;
-  /// Adds to the ways of the step, and to their impulses, what pushes overlaps apart along the normals, without
-  /// friction.
+  /// Adds to the displacements of the step, and to their impulses, a frictionless correction of overlaps along the
+  /// normals.
   void push_apart(std::vector<Vec3>& lambda, std::vector<double>& way, StepReport& report);
   void refine(const ImplicitStep::Respond& solve, std::span<const double> target, int most, std::vector<Vec3>& lambda,
               std::vector<double>& delta, double& residual, StepReport& report);
@@ -116,21 +115,21 @@ class ConstraintStep {
   std::span<const WorldPart> parts_;
   Settings settings_;
   Constraint rows_;
-  std::vector<std::uint8_t> apart_;  ///< per point: friction acts elsewhere than the normal force
+  std::vector<std::uint8_t> apart_;  ///< per point: friction acts at another place than the normal force
   ContactMaps maps_, grip_maps_;
-  ContactSet gripped_;                ///< where friction acts, of points with maps whose friction acts elsewhere
-  std::vector<std::size_t> grip_of_;  ///< per entry of that, the point
+  ContactSet gripped_;                ///< friction points of the mapped points whose friction acts elsewhere
+  std::vector<std::size_t> grip_of_;  ///< per entry of gripped_, the point
   BodyInverses inverses_;
   DirectRows direct_;
-  std::size_t width_ = 0;  ///< of all that sweeps know: velocities, rigid motions, coordinates of direct rows
+  std::size_t width_ = 0;  ///< number of unknowns of the sweeps: velocities, rigid motions, coordinates of direct rows
   ProjectedGaussSeidel sweep_;
   std::vector<std::uint8_t> held_;        ///< per body: has rows
   std::vector<std::uint8_t> touched_;     ///< per body: has rows of the general form
-  std::vector<std::uint8_t> mixed_;       ///< per body: has contacts of the other response
+  std::vector<std::uint8_t> mixed_;       ///< per body: has penalty contacts
   std::vector<const RigidFrame*> rigid_;  ///< per body, or null
   RowMemory recall_;
   bool mapped_ = false;  ///< some pair is not rigid: points have maps
-  bool solids_ = true;   ///< all rows are between rigid frames or solids that joints carry
+  bool solids_ = true;   ///< all rows are between rigid frames, or solids of articulated bodies
   bool exact_ = true, converged_ = true;
   int most_sweeps_ = 0;
 
@@ -141,7 +140,7 @@ class ConstraintStep {
   std::vector<double> impulse_, position_correction_;
   std::vector<Vec3> force_on_a_;
   // Workspace.
-  std::vector<std::unique_ptr<Map>> map_;  ///< per part, of the point at hand
+  std::vector<std::unique_ptr<Map>> map_;  ///< per part, of the current point
   std::array<std::vector<double>, 3> force_, answer_;
   std::vector<ProjectedGaussSeidel::Entry> entries_;
   std::vector<std::size_t> first_mode_;

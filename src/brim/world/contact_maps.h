@@ -16,25 +16,26 @@
 
 namespace brim {
 
-/// The maps of all parts at their contacts, and the way between bodies and contacts through them.
+/// The maps of all parts at their contacts: transfers velocities from bodies to contacts and forces back.
 class ContactMaps {
  public:
   /// @param first_v  first velocity of each body in the world's vectors, shape (bodies + 1)
   void build(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const std::size_t> first_v) {
     build(parts, contacts, first_v, {}, nullptr);
   }
-  /// The maps of some of the contacts; the others see and do nothing.
+  /// The maps of a subset of the contacts; the others have no effect.
   /// @param all     the maps of all contacts
-  /// @param chosen  nonzero for those that count, shape (contacts)
+  /// @param chosen  nonzero for the subset, shape (contacts)
   void build(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const std::size_t> first_v,
              const ContactMaps& all, std::span<const std::uint8_t> chosen) {
     build(parts, contacts, first_v, chosen, &all);
   }
 
-  /// True when the maps as last built hold all of the chosen contacts, and not many others.
+  /// True when the maps as last built hold all chosen contacts, and not many others.
   bool serves(std::span<const std::uint8_t> chosen) const;
 
-  /// Calls f(c, n) for each contact of which a part takes force whole along one direction alone: n along it, towards a.
+  /// Calls f(c, n) for each contact of a part that accepts force along only one direction (DirectedMap): n along it,
+  /// towards a.
   template <class F>
   void for_directed(const F& f) const {
     for (const Side& s : side_) {
@@ -47,7 +48,7 @@ class ContactMaps {
       }
     }
   }
-  /// Velocity of both parts' matter at each contact, [m/s]; like relative, for maps of all contacts.
+  /// Velocity of both parts' material at each contact, [m/s]; like relative, for maps of all contacts.
   void velocities(std::span<const double> v, std::span<Vec3> a, std::span<Vec3> b) const;
   /// Relative velocity a − b at each contact; parts of immobile bodies count as zero.
   void relative(std::span<const double> v, std::span<Vec3> out) const;
@@ -60,7 +61,7 @@ class ContactMaps {
     take_velocities(x);
     answer(f, y);
   }
-  /// add_response in two halves, between which others may look at what contacts see.
+  /// add_response in two halves, with access to the contact velocities in between.
   void take_velocities(std::span<const double> x) const { row_velocities(x); }
   template <class F>
   void answer(const F& f, std::span<double> y) const {
@@ -74,7 +75,7 @@ class ContactMaps {
         1024);
     add_row_forces(y);
   }
-  /// After take_velocities: calls f(c, Δ) for the contacts from first on that count, in order.
+  /// After take_velocities: calls f(c, Δ) for the chosen contacts from `first` on, in order.
   template <class F>
   void for_taken(std::size_t first, const F& f) const {
     for (auto i = static_cast<std::size_t>(std::lower_bound(chosen_.begin(), chosen_.end(), first) - chosen_.begin());
@@ -85,9 +86,9 @@ class ContactMaps {
   void add_block_diagonal(const std::function<Mat3(std::size_t)>& block, std::span<const std::size_t> first_block,
                           BlockDiagonal& D) const;
   std::size_t rows() const { return contact_.size(); }
-  /// True when all maps of a body show their rows.
+  /// True when all maps of a body have sparse rows (SparseMap).
   bool sparse_rows(std::size_t body) const;
-  /// The contacts that count as sparse rows, sides without such rows left out.
+  /// The chosen contacts as sparse rows; sides without such rows are left out.
   void gather_rows(ContactRows& out) const;
 
  private:
@@ -99,9 +100,9 @@ class ContactMaps {
     std::size_t first_v = 0, v_size = 0;
     std::int32_t body = 0;
     std::unique_ptr<Map> map;
-    const Body* of = nullptr;  ///< whose map it is: a part that is added may take the place of another
+    const Body* of = nullptr;  ///< body of the map; a newly added part may take the place of another
   };
-  /// Calls f(side) for every movable side with contacts; sides of one body in order on one thread, as they share Q.
+  /// Calls f(side) for every movable side with contacts; sides of one body run in order on one thread, as they share Q.
   template <class F>
   void for_movable(const F& f) const;
   /// Velocity at every row into row_vector_; parts of immobile bodies count as zero.
@@ -111,12 +112,12 @@ class ContactMaps {
 
   std::vector<Side> side_;                    ///< per part
   std::vector<std::size_t> first_side_;       ///< per body, its first part; shape (bodies + 1)
-  std::vector<std::uint32_t> chosen_;         ///< contacts that count, ascending
+  std::vector<std::uint32_t> chosen_;         ///< chosen contacts, ascending
   std::vector<std::uint32_t> contact_;        ///< per row: the contact
   std::vector<std::uint32_t> row_a_, row_b_;  ///< per chosen contact
   std::vector<Vec3> point_;
   std::vector<std::int32_t> source_;
-  std::vector<std::uint32_t> whole_;  ///< per row: that of the same contact and part in the maps of all, of its part
+  std::vector<std::uint32_t> whole_;  ///< per row: the row of the same contact and part in the maps of all contacts
   mutable std::vector<Vec3> row_vector_;
   mutable std::vector<Mat3> row_matrix_;
   std::vector<std::int32_t> part_a_, part_b_;  ///< per chosen contact

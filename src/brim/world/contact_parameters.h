@@ -14,45 +14,45 @@
 
 namespace brim {
 
-/// True when the part cannot deform: its body has no more velocities than rigid parts would have.
+/// True when the part cannot deform: its body has no more velocities than its parts would have as rigid bodies.
 bool is_rigid(const WorldPart& p);
 
-/// True when constraint rows act between the parts: such contacts are found before they touch, wherever the nodes of
-/// the grid lie.
+/// True when constraint rows act between the parts: their contacts are found before they touch, wherever the grid nodes
+/// lie.
 bool meet_by_rows(const WorldPart& a, const WorldPart& b, const WorldOptions& options);
-/// Of these, where neither can deform.
+/// True when rows act between the parts and neither can deform.
 bool meet_by_rigid_rows(const WorldPart& a, const WorldPart& b, const WorldOptions& options);
 
-/// The law of contact between two parts: what the scene, their materials and the loads say together.
+/// Contact parameters of two parts, from the scene, their materials and the loads.
 /// Tests: tests/world/contact_parameters_test.cpp, tests/world/loads_test.cpp
 class ContactParameters {
  public:
-  /// Estimates the loads, and the stiffness that the world has at most, from its initial state.
+  /// Estimates the loads, and the world's largest stiffness, from the initial state.
   /// @param v   [m/s] velocities of all bodies  @param h0  [m] finest step of the grid
   void start(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
              const WorldOptions& options, double h0);
-  /// [Pa] the largest of any pair that is not told its own
+  /// [Pa] the largest of all pairs without a stiffness of their own
   double stiffness() const { return stiffness_; }
 
-  /// What the responses need to know of every pair of a sub-step's contacts, at the velocities v.
+  /// Sets the responses' parameters of every pair of a sub-step's contacts, at the velocities v.
   void choose(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
               const WorldOptions& options, const ContactStage& stage);
-  /// The last pairs, from `first` on, are links: neither response has a law of its own for them.
+  /// The last pairs, from `first` on, are links: they get no contact parameters.
   void leave_to_links(std::size_t first);
-  /// Says of which materials the scene makes contact softer than five times the matter behind it, or thirty times
-  /// stiffer than what would be chosen.
+  /// Warns of materials whose given contact stiffness is below five times the modulus of the material behind it, or
+  /// thirty times what would be chosen.
   void warn(std::span<const WorldPart> parts, const WorldOptions& options, StepReport& report) const;
-  /// How rows would act between two parts.
+  /// Parameters of constraint rows between two parts.
   ConstraintPair constraint_between(const WorldPart& a, const WorldPart& b, const WorldOptions& options) const;
-  /// What a pair of materials has; its stiffness is 0 where that is left to be chosen from the loads.
+  /// Parameters of a pair of materials; stiffness 0 when it is to be chosen from the loads.
   PairMaterial material_of(const PartInfo& a, const PartInfo& b, const WorldOptions& options) const;
   std::span<const PairState> penalties() const { return penalties_; }
   std::span<const ConstraintPair> constraints() const { return constraints_; }
 
  private:
-  /// [Pa] that loads ask for between two parts
+  /// [Pa] required by the loads between two parts
   double stiffness_under(const Loads& loads, const PartInfo& a, const PartInfo& b, double dt) const;
-  /// [Pa] of a pair for which the scene gives none, in this sub-step
+  /// [Pa] of a pair without a given stiffness, in this sub-step
   double chosen_stiffness(const WorldPart& a, const WorldPart& b, double dt) const;
 
   double stiffness_ = 0.0;

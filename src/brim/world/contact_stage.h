@@ -26,17 +26,17 @@ class ContactStage {
   void find(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
             double dt, const WorldOptions& options, StepReport& report);
 
-  /// Whether coarse densities are means of fine ones; else they are samples.
+  /// True: coarse densities are means of fine ones; false: samples.
   void average(bool means) { average_ = means; }
-  /// Contacts of all pairs but those that are held below.
+  /// Contacts of all pairs except those in rigid().
   const ContactSet& contacts() const { return contacts_; }
   /// The same, for another search to add to.
   ContactSet& contacts() { return contacts_; }
-  /// Pairs of rigid solids that rows hold; none until it is started.
+  /// Pairs of rigid solids held by rows; empty until started.
   RigidContacts& rigid() { return rigid_; }
   const RigidContacts& rigid() const { return rigid_; }
-  /// Calls f(part_a, part_b) for the pairs of which both parts were sampled in some place, contacts or not: they lie
-  /// within a few voxels of each other. A pair may come more than once.
+  /// Calls f(part_a, part_b) for pairs of which both parts were sampled in some place, with contacts or not: they are
+  /// within a few voxels of each other. A pair may occur more than once.
   template <class F>
   void for_near(const F& f) const {
     for (std::size_t i = 0; i < work_count_; ++i) {
@@ -47,11 +47,11 @@ class ContactStage {
   }
   /// Tiles in which both parts of some pair were sampled, and their steps.
   std::span<const std::pair<TileKey, double>> active_tiles() const;
-  /// No tiles are active: they were those of another state.
+  /// Clears the active tiles, which belong to another state.
   void forget() { active_.clear(), active_known_ = true; }
 
  private:
-  /// What a part offers besides rasterization.
+  /// Optional interfaces of a part besides rasterization.
   struct PartAccess {
     BoundedPart bounded;
     CubeSide solid;                     ///< of solids
@@ -63,21 +63,21 @@ class ContactStage {
   struct Layer {
     std::int32_t part = 0;
     double h = 0.0;
-    int level = 0;                    ///< at which it is seen
-    Aabb region;                      ///< where some other part may be
-    std::vector<OctantTile> present;  ///< tiles that may hold density, and where in them; sorted
-    std::vector<TileKey> needed;      ///< tiles on which a pair meets, sorted
-    std::vector<Octants> octants;     ///< of those, where some pair may have contacts
+    int level = 0;                    ///< level of detail
+    Aabb region;                      ///< [m] box in which other parts may be
+    std::vector<OctantTile> present;  ///< tiles that may hold density, with their octants; sorted
+    std::vector<TileKey> needed;      ///< tiles that some pair shares, sorted
+    std::vector<Octants> octants;     ///< of the needed tiles: octants that may hold contacts of some pair
     std::size_t first_block = 0;
   };
-  /// What the first sweep needs to know of a part.
+  /// Extent and motion of a part, for the broad phase.
   struct Outline {
-    Aabb box;    ///< [m] as of now, ramp included
-    Aabb swept;  ///< [m] the same and that at its reference, of rigid solids that rows may hold
+    Aabb box;    ///< [m] at present, ramp included
+    Aabb swept;  ///< [m] union of the box now and at its reference, for rigid solids that rows may hold
     Vec3 velocity = Vec3::Zero();
-    double spread = 0.0;  ///< [m/s] bound of speeds relative to that
+    double spread = 0.0;  ///< [m/s] bound of the speed relative to `velocity`
   };
-  /// How two parts meet whose boxes overlap.
+  /// Treatment of two parts whose boxes overlap.
   struct Meeting {
     enum How : std::uint8_t { kNot, kHeld, kSearched };  ///< held by RigidContacts, or searched on the grid
     How how = kNot;
@@ -86,24 +86,24 @@ class ContactStage {
     Aabb region;
   };
   struct Candidate {
-    std::int32_t layer_a = -1, layer_b = -1;  ///< of the sides that are no solids
+    std::int32_t layer_a = -1, layer_b = -1;  ///< of the sides that are not solids
     ContactPair pair;
-    int level = 0;  ///< at which the two see each other
-    /// One takes the shape of the other, and its density is a share of matter: so is the other's.
+    int level = 0;  ///< level at which the two meet
+    /// One conforms to the other and its density is a volume fraction, so the other's is averaged too.
     bool averaged = false;
-    bool by_part = false;  ///< rules are about parts of them: they may lie within each other
+    bool by_part = false;  ///< rules concern parts of the two bodies, so they may lie inside each other
     Aabb region;
     std::vector<TileKey> tiles;    ///< of pairs with a layer
     std::vector<Octants> octants;  ///< of each tile
   };
-  /// A piece of a candidate's search: all of it between solids, else some of its tiles.
+  /// A piece of a candidate's search: all of it between two solids, else some of its tiles.
   struct Work {
     std::size_t candidate = 0, begin = 0, end = 0;
     CubeFinds finds;
     double roundness = 1.0;  ///< ContactPair::roundness
   };
 
-  /// @throws InputError  what there is too much of, and the limit of memory, [bytes]
+  /// @throws InputError  naming the quantity that exceeds the memory limit, and the limit [bytes]
   [[noreturn]] static void refuse_crowd(const char* what, double most, double limit);
   void access(std::span<const WorldPart> parts);
   void find_candidates(std::span<const WorldPart> parts, std::span<const double> v,
@@ -115,7 +115,7 @@ class ContactStage {
   Meeting meet(std::span<const WorldPart> parts, std::int32_t a, std::int32_t b, double dt,
                const WorldOptions& options) const;
   std::int32_t layer_of(std::int32_t part, double h, int level, const Aabb& region);
-  /// A solid as a candidate sees it: coarse ones averaged.
+  /// A solid as seen by a candidate: averaged on coarse levels.
   CubeSide side_of(std::int32_t part, const Candidate& c) const;
   void find_presence(std::span<const WorldPart> parts, double ramp, StepReport& report);
   void refine(const WorldOptions& options);
@@ -131,9 +131,10 @@ class ContactStage {
   std::vector<Aabb> swept_;       ///< of each part
   BoxSweep sweep_;
   std::vector<std::int32_t> first_touch_;
-  std::vector<std::vector<std::pair<std::int32_t, std::int32_t>>> near_;  ///< as some boxes each have found them
+  std::vector<std::vector<std::pair<std::int32_t, std::int32_t>>>
+      near_;  ///< in the lists of the blocks of boxes that found them
   std::vector<std::pair<std::int32_t, std::int32_t>> touching_;
-  std::vector<Meeting> meeting_;    ///< of each that touch
+  std::vector<Meeting> meeting_;    ///< per entry of touching_
   std::vector<PartAccess> access_;  ///< per part
   std::vector<Layer> layers_;
   std::vector<Candidate> candidates_;
@@ -142,7 +143,7 @@ class ContactStage {
   std::vector<DensityBlock> blocks_;
   std::vector<PairFinds> pieces_;
   ContactSet contacts_;
-  mutable std::vector<std::pair<TileKey, double>> active_;  ///< made when asked for
+  mutable std::vector<std::pair<TileKey, double>> active_;  ///< built on demand
   mutable bool active_known_ = false;
 };
 

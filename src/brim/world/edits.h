@@ -12,17 +12,17 @@
 
 namespace brim {
 
-/// What was said about a world between its steps that no coordinate shows (docs/editing.md). Part of the world's state,
-/// in its memory, so that a run that is resumed goes on bit for bit:
-///   memory: [−0.75, numbers that follow, records ..., others ...]; nothing where nothing was edited
-/// A record is its word, how many numbers follow, and those; texts are a length and their bytes.
+/// Edits of a world between its steps that no coordinate records (docs/editing.md). Part of the world's state, in its
+/// memory, so that a resumed run continues bit for bit:
+///   memory: [−0.75, count of numbers, records ..., others ...]; nothing if nothing was edited
+/// A record is its keyword, its count of numbers, and the numbers; texts are a length and their bytes.
 /// Tests: tests/world/edits_test.cpp
 struct Edits {
   std::set<int> removed, frozen;      ///< bodies
   std::map<int, Material> materials;  ///< of all parts of a body
-  std::map<int, Pose> bases;          ///< where those of bodies are against the start (MovableBase)
+  std::map<int, Pose> bases;          ///< poses of bodies relative to the start (MovableBase)
   std::map<std::pair<std::string, std::string>, PairMaterial> pairs;
-  /// A rule, without its regions: with what the world's PartFilter knows them by.
+  /// A rule without its regions, plus the number by which the world's PartFilter knows them.
   struct Rule {
     TouchRule rule;
     int region = -1;
@@ -31,13 +31,13 @@ struct Edits {
   std::optional<Vec3> gravity;
   std::optional<double> stiffness;  ///< [Pa]
 
-  /// Takes what memory holds of it, and removes it there. What makes no sense is left out. @param bodies  of the world
+  /// Reads and removes its part of memory. Invalid entries are ignored. @param bodies  number in the world
   void take(std::vector<double>& memory, int bodies);
-  /// Puts it before what memory holds.
+  /// Writes it in front of the rest of memory.
   void keep(std::vector<double>& memory) const;
 };
 
-/// Which bodies of a state were removed, ascending; for readers of recorded states.
+/// Bodies of a state that were removed, ascending; for readers of recorded states.
 std::vector<int> removed_in(const State& state);
 
 }  // namespace brim

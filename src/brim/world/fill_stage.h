@@ -15,20 +15,20 @@ namespace brim {
 
 class PartFilter;
 
-/// Contacts of bodies that fill what solids leave (Filling): one for each element within reach of a surface, answered
-/// by the body's pressure in the common solve. A surface is known by its distance, of solids from themselves, of all
-/// else from the density that they write on the grid.
+/// Contacts of bodies that fill the space between solids (Filling): one for each element within reach of a surface,
+/// resisted by the body's pressure in the common solve. The surface comes from distances: the solid's own, or for other
+/// bodies those of the density on the grid.
 ///
-/// Their force on part a is push n, n the contact's normal, and the rate of the distance n·Δ.
+/// Their force on part a is push n, with n the contact's normal and n·Δ the rate of the distance.
 /// Same bits for any number of threads.  Tests: tests/world/fill_stage_test.cpp
 class FillStage {
  public:
-  /// Finds the contacts, appends them to the set, pair after pair, and tells them to the bodies.
-  /// @param filter  leaves out those that rules about parts of bodies keep from touching
+  /// Finds the contacts, appends them to the set pair by pair, and passes them to the bodies.
+  /// @param filter  removes contacts excluded by rules about parts of bodies
   void find(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts,
             const WorldOptions& options, PartFilter& filter, ContactSet& set);
-  /// Takes the state at the start of the step: pressures and rates, which response is told for friction.
-  /// @param velocity_a, velocity_b  [m/s] matter of each part at all contacts
+  /// Reads the state at the start of the step: pressures and rates, passed to `response` for friction.
+  /// @param velocity_a, velocity_b  [m/s] of each part's material at all contacts
   void begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,
              std::span<const double> v, std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b, double dt,
              Penalty& response);
@@ -40,16 +40,17 @@ class FillStage {
 
   /// y += ∂Q/∂q v of a body at the start.
   void add_start_stiffness(std::size_t body, std::span<double> y) const;
-  /// force_c += force on part a that the start state gives, pressure and its change by the motion at the start, [N].
+  /// force_c += force on part a from the start state: pressure and its change by the motion at the start, [N].
   void add_right_hand_side(std::span<Vec3> force) const;
-  /// Takes the relative velocity of contact c for the products that follow.
+  /// Stores the relative velocity of contact c for the products that follow.
   void see(std::size_t c, const Vec3& delta) const { rate_[c - first_] = normal_[c - first_].dot(delta); }
   /// y += A x of a body, after see.
   void apply_system(std::size_t body, std::span<const double> x, std::span<double> y) const;
   /// Force times dt of contact c on part a, of the last product, [N s].
   Vec3 impulse(std::size_t c) const { return push_[c - first_] * normal_[c - first_]; }
 
-  /// Takes the solution in: forces follow. @param delta  velocity changes @param contact_delta  at all contacts
+  /// Stores the solution, from which forces follow. @param delta  velocity changes @param contact_delta  at all
+  /// contacts
   void finish(std::span<const std::size_t> first_v, std::span<const double> delta, std::span<const Vec3> contact_delta);
   /// Normal force on part a at the end of the step, [N], after finish.
   void add_forces(std::span<Vec3> force) const;
@@ -59,7 +60,7 @@ class FillStage {
  private:
   struct Filler {
     Filling* body = nullptr;
-    std::size_t begin = 0, end = 0;  ///< its contacts, from first_
+    std::size_t begin = 0, end = 0;  ///< its contacts, counted from first_
   };
   struct Found {
     std::int32_t element;
@@ -87,7 +88,7 @@ class FillStage {
   double dt_ = 0.0;
 };
 
-/// True when one of two parts fills what the other leaves, so that grid contacts between them are not looked for.
+/// True when one of two parts fills the space around the other, so that grid contacts between them are not searched.
 bool fills(const WorldPart& a, const WorldPart& b);
 
 }  // namespace brim

@@ -7,16 +7,16 @@
 
 namespace brim {
 
-/// Bodies that reach each other through others.  Tests: tests/world/islands_test.cpp
+/// Islands of connected bodies (union-find).  Tests: tests/world/islands_test.cpp
 class Islands {
  public:
-  /// Each body is one of its own.
+  /// Each body starts as an island of its own.
   explicit Islands(std::size_t bodies) : root_(bodies) { std::iota(root_.begin(), root_.end(), 0); }
   void join(std::int32_t a, std::int32_t b) {
     const std::int32_t i = first_of(a), j = first_of(b);
     root_[std::max(i, j)] = std::min(i, j);
   }
-  /// The first body of its island.
+  /// Representative body of its island.
   std::int32_t first_of(std::int32_t body) {
     while (root_[body] != body) body = root_[body] = root_[root_[body]];
     return body;

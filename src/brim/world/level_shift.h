@@ -10,13 +10,13 @@
 
 namespace brim {
 
-/// Keeps a change of level from kicking. What two bodies seem to overlap by when they are suddenly seen finer or
-/// coarser is no overlap that came about by motion: it is taken off the pair's depths, and given back evenly within
-/// half a second, so that they part at no more than twice the jump a second. Penalties only: rows correct places
+/// Prevents a kick at a change of level. The overlap that appears when two bodies are suddenly resolved finer or
+/// coarser did not come about by motion: it is subtracted from the pair's depths and given back evenly within half a
+/// second, so that they separate at no more than twice the jump per second. Penalties only: rows correct positions
 /// without velocity.
 class LevelShift {
  public:
-  /// [s] in which a shift is given back.
+  /// [s] over which a shift is given back.
   static constexpr double kSpan = 0.5;
   using Pair = std::pair<std::int32_t, std::int32_t>;
 
@@ -25,16 +25,16 @@ class LevelShift {
     double depth = 0.0, h = 0.0;
   };
   static std::map<Pair, Depth> depths(const ContactSet& contacts);
-  /// A change of level. Of the depth that a pair had it keeps, where it is seen finer now, as many voxels: the force is
-  /// then the same. @param before, after  depths as the search finds them; what is already shifted is taken off
+  /// A change of level. When a pair is resolved finer, it keeps its depth in voxels, so that its force is the same.
+  /// @param before, after  depths as found by the search; existing shifts are subtracted here
   void change(const std::map<Pair, Depth>& before, const std::map<Pair, Depth>& after);
-  /// Takes the shifts off depths; overlaps become less in the same measure, and are below zero where depths are.
+  /// Subtracts the shifts from depths; overlaps decrease in proportion, and are negative where depths are.
   void apply(ContactSet& contacts) const;
-  /// Time goes by, [s].
+  /// Advances time, [s].
   void pass(double dt);
 
   bool empty() const { return shift_.empty(); }
-  /// All of it as numbers, and back.
+  /// The whole state as numbers, and back.
   std::vector<double> numbers() const;
   void take(std::span<const double> numbers);
 

@@ -14,48 +14,49 @@
 
 namespace brim {
 
-/// Springs and dampers between points of matter (docs/links.md), carried by the step as contacts that never let go: the
-/// same products, factor, coarse modes and checks of momentum. With e the error and u = e' at the start of a step,
+/// Springs and dampers between material points (docs/links.md), handled by the step as contacts that are never
+/// released: the same products, factor, coarse modes and momentum checks. With e the error and u = e' at the start of a
+/// step,
 ///   f_a = −k e − (dt k + d) u,   A gains Jᵀ dt (dt k + d) P J,   P = 1, n nᵀ (along the line of the two ends)
-/// Joints (LinkJoint) hold a few points around their frame: all of them, or across the axis, along which they slide;
-/// what acts along the coordinate does so at a point beside the axis. In every direction both sides take the force at
-/// one point, along a line each at its own: so no torque is left over. Rigid ones have k = kRigid m / dt², m the mass
-/// that they hold: an error is gone after one step but for 1/kRigid, and gravity leaves one of g dt² / kRigid. Same
-/// bits for any number of threads.  Tests: tests/world/links_test.cpp
+/// Joints (LinkJoint) hold a few points around their frame: fully, or only across the axis when they may slide along
+/// it; forces along the coordinate act at a point off the axis. In each direction both sides take the force at one
+/// point, or each at its own on the line of the force, so no torque remains. Rigid links have k = kRigid m / dt², m:
+/// the mass they hold. After one step an error has decayed to 1/kRigid of itself, and gravity leaves an error of g dt²
+/// / kRigid. Same bits for any number of threads.  Tests: tests/world/links_test.cpp
 class Links {
  public:
-  /// How much more a rigid link weighs in the system than the mass that it holds.
+  /// Weight of a rigid link in the system, relative to the mass it holds.
   static constexpr double kRigid = 1000.0;
-  /// Most times that the lighter side is taken for the heavier one's mass.
+  /// Largest ratio of the two sides' masses that is taken into account.
   static constexpr double kUnequal = 100.0;
-  /// Most points of a region of a solid: what is rigid needs no more.
+  /// Maximum number of points for a region of a solid: a rigid part needs no more.
   static constexpr std::size_t kMostOfSolid = 16;
 
-  /// The body at its last update, as a side of a link.
+  /// A body at its last update, as a side of a link.
   struct Side {
-    std::vector<int> parts;  ///< in the world's numbers; empty: space
+    std::vector<int> parts;  ///< global part numbers; empty: space
     std::span<const double> q;
   };
 
-  /// Takes a link in. @param time  [s] now  @throws InputError naming the link
+  /// Adds a link. @param time  [s] now  @throws InputError naming the link
   /// @return its number
   int add(const Attachment& attachment, std::span<const WorldPart> parts, const Side& a, const Side& b,
           double ramp_voxels, double time);
-  /// Holds a body to space for a while, by one link behind all others that nobody else sees: it is in no report and in
-  /// no memory. It takes the place of the one before. @throws InputError
+  /// Holds a body to space temporarily by one hidden link behind all others, which is in no report and no memory.
+  /// Replaces the previous one. @throws InputError
   void grab(const Attachment& attachment, std::span<const WorldPart> parts, const Side& a, double ramp_voxels,
             double time);
   void release();
   bool grabs() const { return grabs_; }
   bool empty() const { return links_.empty(); }
   std::size_t size() const { return links_.size(); }
-  /// Without the one that grabs, which is the last.
+  /// Number of links without the grabbing one, which is the last.
   std::size_t kept() const { return links_.size() - grabs_; }
   const Attachment& attachment(std::size_t i) const { return links_[i].given; }
-  /// Fills in where the ends of a link are (Attachment::ends). Bodies must be up to date.
+  /// Fills in the ends of a link (Attachment::ends). Bodies must be up to date.
   void find_ends(std::size_t i, std::span<const WorldPart> parts, std::span<const double> q,
                  std::span<const std::size_t> first_q, double time);
-  /// True when some link that holds has an end in space.
+  /// True when some active link has an end in space.
   bool needs_space() const;
   bool broken(std::size_t i) const { return links_[i].broken; }
   void set_broken(std::size_t i, bool broken) { links_[i].broken = broken; }
@@ -64,29 +65,29 @@ class Links {
   /// The two body numbers of a link, −1: space.
   std::pair<int, int> bodies(std::size_t i) const { return {links_[i].body_a, links_[i].body_b}; }
 
-  /// Appends what holds to the set. @param space  number of the part that stands for space
+  /// Appends the active links to the set. @param space  number of the part that stands for space
   void append(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q,
               int space, double time, double dt, ContactSet& set);
-  /// Tells the response, after its begin. @param velocity_a, velocity_b  [m/s] at all contacts
+  /// Passes the links to the response, after its begin. @param velocity_a, velocity_b  [m/s] at all contacts
   void begin(const ContactSet& set, std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b,
              Penalty& response) const;
-  /// Takes the forces in and breaks what they break. @param force  [N] on side a, all contacts
+  /// Takes the forces and breaks links whose force is too large. @param force  [N] on side a, all contacts
   void finish(const ContactSet& set, std::span<const Vec3> force, double time, StepReport& report);
 
-  /// Takes what memory holds of it, and removes it there; puts it before all else. Only what is broken is kept:
+  /// Reads and removes its part of memory; keep writes it in front. Only broken links are stored:
   ///   memory: [−0.125, n, numbers of broken links ...]
   void take(std::vector<double>& memory);
   void keep(std::vector<double>& memory) const;
 
  private:
-  /// How a point is held, or what acts along the coordinate of a joint.
+  /// Constraint type of a point, or the action along a joint's coordinate.
   enum class Hold { Point, Along, Across, Drive, Lower, Upper };
   struct Held {
     std::size_t point = 0;
     Hold hold = Hold::Point;
     double share = 1.0;       ///< of the link's stiffness
-    double length = 0.0;      ///< [m] at rest, along a line
-    Vec3 gap = Vec3::Zero();  ///< [m] of a against b as they were attached, which closes
+    double length = 0.0;      ///< [m] rest length, along a line
+    Vec3 gap = Vec3::Zero();  ///< [m] offset of a from b at attachment, which is closed
   };
   struct Link {
     Attachment given;
@@ -94,26 +95,26 @@ class Links {
     std::int32_t part_a = 0, part_b = -1;  ///< −1: space
     MatterPoints a, b;
     std::vector<Held> held;
-    Vec3 middle = Vec3::Zero();  ///< [m] of side b as it was attached
-    double start = 0.0;          ///< [s] when that was
-    double zero = 0.0;           ///< [rad or m] what its points say of a joint's coordinate as they were attached
-    double mass = 0.0;           ///< [kg] that a rigid one is made for
+    Vec3 middle = Vec3::Zero();  ///< [m] mean of side b's points at attachment
+    double start = 0.0;          ///< [s] time of attachment
+    double zero = 0.0;           ///< [rad or m] coordinate computed from the joint's points at attachment
+    double mass = 0.0;           ///< [kg] mass for which a rigid link is dimensioned
     bool broken = false;
     void follow(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q);
   };
-  /// Where the coordinate of a joint is.
+  /// Coordinate of a joint.
   struct Coordinate {
     Vec3 axis = Vec3::UnitZ();
     double value = 0.0;         ///< [rad or m]
-    Vec3 n = Vec3::UnitZ();     ///< way of the point that acts, per length
-    double lever = 1.0;         ///< [m] of the point that acts about the axis; 1 where it slides
-    Vec3 point = Vec3::Zero();  ///< [m] that acts
+    Vec3 n = Vec3::UnitZ();     ///< direction in which the acting point moves, per length
+    double lever = 1.0;         ///< [m] of the acting point about the axis; 1 for sliding
+    Vec3 point = Vec3::Zero();  ///< [m] acting point
   };
   /// A held point in a sub-step.
   struct Tie {
     std::size_t link = 0, held = 0;
-    Vec3 error = Vec3::Zero();   ///< [m] of a against b; along n times the stretch
-    Vec3 target = Vec3::Zero();  ///< [m/s] of a target that moves
+    Vec3 error = Vec3::Zero();   ///< [m] of a against b; the stretch times n along a line
+    Vec3 target = Vec3::Zero();  ///< [m/s] velocity of a moving target
     Vec3 n = Vec3::UnitZ();
     double lever = 1.0;
   };
@@ -127,7 +128,7 @@ class Links {
   void drive(const Link& link, const Tie& tie, const Vec3& u, Bond& bond) const;
 
   std::vector<Link> links_;
-  bool grabs_ = false;  ///< the last one
+  bool grabs_ = false;  ///< the last link is the grabbing one
   std::vector<Tie> ties_;
   std::vector<Coordinate> coordinate_;  ///< per link
   double time_ = 0.0, dt_ = 0.0;

@@ -11,12 +11,12 @@
 
 namespace brim {
 
-/// The loads that a contact may have to carry: those of all bodies that can press on it.
+/// Loads that a contact may have to carry: those of all bodies that can press on it.
 ///
-/// What touches or is linked passes loads on, so that a contact carries the heaviest of the bodies that are joined to
-/// it; what is fixed joins nothing, and what lies elsewhere in the world does not count. A body that rests on the
-/// others by one contact alone, with all that rests on it, presses on it by its own loads, and counts with at most ten
-/// times these, however heavy the others:
+/// Contacts and links pass loads on: a contact carries the heaviest of the bodies connected to it. Fixed bodies connect
+/// nothing, and unconnected bodies do not count. A body that rests on the others through a single contact, with all
+/// that rests on it, presses on that contact by its own loads only; the contact then counts at most ten times these
+/// loads, however heavy the others:
 ///
 ///        c       c, b on d; a beside them     contact   carries the heaviest of
 ///        b       all on the floor f           c b       b, c, d, or ten times c
@@ -24,9 +24,9 @@ namespace brim {
 ///   ‾‾‾‾‾‾‾‾ f                                d f       b, c, d
 ///                                             a f       a
 ///
-/// Nothing rests so that is held elsewhere: by what is fixed, by nodes or a base of its own that are, or in a fluid;
-/// nor what two parts of another body have between them. Such a contact is a bridge of the graph of bodies (Tarjan
-/// 1974). The groups are those of the sub-step's contacts and links: a state that is set or resumed has the same. Cost
+/// This excludes bodies held elsewhere (by fixed bodies, by fixed nodes or a fixed base of their own, or in a fluid)
+/// and bodies between two parts of another body. Such a contact is a bridge of the graph of bodies (Tarjan 1974). The
+/// groups follow from the sub-step's contacts and links alone, so a state that is set or resumed gives the same. Cost
 /// O(n log n) in contacts of pairs.  Tests: tests/world/load_groups_test.cpp
 class LoadGroups {
  public:
@@ -34,14 +34,14 @@ class LoadGroups {
   void start(std::span<const WorldPart> parts, std::span<const Loads> loads);
   /// Finds the groups of a sub-step, once its contacts and links are known.
   void find(std::span<const WorldPart> parts, const ContactStage& stage);
-  /// What the contact of two parts carries, of which one can move.
+  /// Loads on the contact of two parts, one of which can move.
   const Loads& between(const WorldPart& a, const WorldPart& b) const;
-  /// What the body of a part puts on its contacts by itself.
+  /// Loads that the body of a part alone puts on its contacts.
   const Loads& own(const WorldPart& p) const { return own_[static_cast<std::size_t>(p.body_index)]; }
 
  private:
   void touch(const WorldPart& a, const WorldPart& b);
-  /// Numbers all bodies that the root reaches, depth first.
+  /// Numbers all bodies reachable from the root, depth first.
   void visit(std::int32_t root);
   void share();
 
@@ -49,10 +49,10 @@ class LoadGroups {
   std::vector<std::uint8_t> pinned_;                          ///< per body: cannot move as a whole
   std::vector<std::pair<std::int32_t, std::int32_t>> edges_;  ///< bodies that touch, both ways, ascending
   std::vector<std::size_t> first_edge_;                       ///< per body, and the end
-  std::vector<std::uint8_t> held_;                            ///< per body; once shared, or what rests on it
-  std::vector<std::int32_t> visited_;                         ///< bodies in the order of visits
-  std::vector<std::int32_t> order_, parent_;                  ///< per body
-  std::vector<Loads> carried_;                                ///< per body
+  std::vector<std::uint8_t> held_;            ///< per body: it is held; after share(), also if a body resting on it is
+  std::vector<std::int32_t> visited_;         ///< bodies in the order of visits
+  std::vector<std::int32_t> order_, parent_;  ///< per body
+  std::vector<Loads> carried_;                ///< per body
 };
 
 }  // namespace brim

@@ -17,58 +17,57 @@
 
 namespace brim {
 
-/// An expectation and what became of it.
+/// An expectation and its outcome.
 struct ExpectationResult {
   Expectation expectation;
-  double value = 0.0;   ///< of the body that does worst
-  std::string body;     ///< that body, when the metric is about bodies
+  double value = 0.0;   ///< of the body with the worst value
+  std::string body;     ///< that body, when the metric is per body
   bool reached = true;  ///< false: the run ended before the window did
   bool ok = false;      ///< the bound holds
 
-  /// True where a known miss is worse than is known of it.
+  /// True when a known miss is worse than its known worst value.
   bool worse() const {
     if (ok || !reached || expectation.known_miss.empty()) return false;
     return value > expectation.max ? value > expectation.known_worst : value < expectation.known_worst;
   }
-  /// True where a bound holds, or misses as is known of it. A known miss that holds is a surprise as well: its mark
-  /// must go, so that it cannot be lost again unseen.
+  /// True when the bound holds, or fails within a known miss. A known miss that holds is unexpected too: its mark must
+  /// be removed, so that a later failure is noticed.
   bool as_expected() const { return ok == expectation.known_miss.empty() && !worse(); }
 };
 
-/// Watches a run frame by frame and finds the metrics that expectations are about:
+/// Computes the metrics of expectations frame by frame during a run:
 ///   of the window: worst_overlap, max_speed, kinetic_energy, energy_rise, momentum_error, angular_error, contacts,
 ///     substeps (largest), contact_share, cg_iterations, step_seconds, contact_force_{x,y,z} (mean), warnings,
 ///     failed_steps (count), lowest, highest, drift, impulse_{x,y,z} (sum), energy_growth
 ///   at its end: final_speed, final_kinetic_energy, stiffness, particles, position_{x,y,z}, tilt_degrees, speed
 ///   from its start to its end: displacement, displacement_{x,y,z}, speed_kept, acceleration, momentum_change,
 ///     angular_momentum_change
-///   of what a body shows: those of ShownMetric
-///   of what a sensor reads: sensor
-/// The schema of scenes says what each is (schema/scene.schema.json). Of the frames nothing is kept but the last: every
-/// metric is found as they come.
+///   of a body's display: those of ShownMetric
+///   of a sensor's readings: sensor
+/// The schema of scenes defines each (schema/scene.schema.json). Metrics are accumulated; only the last frame is kept.
 /// Tests: tests/world/measures_test.cpp
 class Measures {
  public:
   /// @param world         before the first step
-  /// @param expectations  what will be asked; only the bodies they name are watched
-  /// @param end           [s] end of the windows that have none
+  /// @param expectations  to be evaluated; only the bodies they name are watched
+  /// @param end           [s] end of windows without one of their own
   Measures(const World& world, std::vector<Expectation> expectations, double end);
 
-  /// Takes the world's state in, with the report of the frame that led to it (an empty one for the first frame).
+  /// Adds the world's state, with the report of the frame that led to it (an empty one for the first frame).
   void add(const World& world, const StepReport& frame, int steps);
   /// The samples of all bodies in the last frame, shape (bodies).
   const std::vector<BodySample>& samples() const { return samples_; }
 
-  /// True when what is asked needs the world in the state of every frame.
+  /// True when some metric needs the world in the state of every frame.
   bool needs_state() const { return !shown_.empty() || asks_momentum_; }
-  /// Takes in a frame that was recorded earlier (resume). @param bodies  shape (bodies)
+  /// Adds a frame that was recorded earlier (resume). @param bodies  shape (bodies)
   /// @param world  in the state of that frame where needs_state()
   void restore(const World& world, const StepReport& frame, int steps, std::size_t warnings,
                std::span<const BodySample> bodies);
 
   std::vector<ExpectationResult> findings() const;
 
-  /// Words that an expectation's metric may be.
+  /// Valid names of metrics.
   static std::vector<std::string> metrics();
 
  private:
@@ -76,18 +75,18 @@ class Measures {
   struct Asked {
     Expectation expectation;
     std::unique_ptr<MetricFold> fold;
-    bool begun = false;                ///< the window has a frame
-    int shown = -1, sensed = -1;       ///< index into shown_ or sensed_ of metrics that are there, -1 of others
-    std::vector<std::size_t> watched;  ///< of metrics about bodies: those concerned, indices into watched_
+    bool begun = false;                ///< the window contains a frame
+    int shown = -1, sensed = -1;       ///< index into shown_ or sensed_ for such metrics, else -1
+    std::vector<std::size_t> watched;  ///< for metrics per body: indices into watched_
   };
   struct Watched {
     std::string name;
     std::size_t body;
     bool movable;
   };
-  /// A body whose display is one rigid piece: what is needed of it follows from its pose.
+  /// A body whose display is one rigid piece: its sample follows from its pose.
   struct Posed {
-    std::shared_ptr<const VertexRange> vertices;  ///< nothing for other bodies
+    std::shared_ptr<const VertexRange> vertices;  ///< null for other bodies
     Mat3 start = Mat3::Identity();                ///< rotation at the start
   };
   void sample(const World& world, const StepReport& frame);
@@ -102,14 +101,15 @@ class Measures {
 
   std::vector<Asked> asked_;
   double end_;
-  double slack_ = 0.0;  ///< [s] by which a frame may miss the ends of a window: times are sums of steps
+  double slack_ = 0.0;  ///< [s] tolerance of a window's ends: times are sums of steps
   std::vector<Watched> watched_;
-  std::vector<Posed> posed_;               ///< shape (bodies)
-  std::vector<std::vector<Vec3f>> start_;  ///< display positions at the start, of other movable bodies, shape (bodies)
+  std::vector<Posed> posed_;  ///< shape (bodies)
+  std::vector<std::vector<Vec3f>>
+      start_;  ///< display positions at the start, of the other movable bodies, shape (bodies)
   std::vector<Vec3f> scratch_;
   std::vector<BodySample> samples_;
   std::int64_t frames_ = 0;
-  MeasuredFrame first_, last_;  ///< the first is taken when the second tells how long a frame is
+  MeasuredFrame first_, last_;  ///< the first is added when the second gives the length of a frame
   double particles_ = 0.0;
   std::vector<ShownMetric> shown_;
   std::vector<SensorMetric> sensed_;

@@ -11,27 +11,27 @@
 
 namespace brim {
 
-/// What metrics are found from in one frame.
+/// Data of one frame from which metrics are computed.
 struct MeasuredFrame {
   std::int64_t index = 0;  ///< of the frame in the run
   StepReport report;       ///< without its lists
   int steps = 1;
   std::size_t warnings = 0;
   std::vector<BodySample> bodies;          ///< of the watched ones
-  std::vector<double> shown;               ///< one per ShownMetric that is asked for
-  std::vector<SensorMetric::Pair> sensed;  ///< one per SensorMetric that is asked for
-  Vec3 momentum = Vec3::Zero();            ///< [kg m/s] of all movable bodies, where asked for
+  std::vector<double> shown;               ///< one per ShownMetric in use
+  std::vector<SensorMetric::Pair> sensed;  ///< one per SensorMetric in use
+  Vec3 momentum = Vec3::Zero();            ///< [kg m/s] of all movable bodies, if in use
   Vec3 angular = Vec3::Zero();             ///< [kg m²/s] about the origin, likewise
 };
 
-/// A metric over the frames of a window, taken in one after another: what it keeps does not grow with the window.
+/// A metric accumulated over the frames of a window, in constant memory.
 /// Tests: tests/world/measures_test.cpp
 class MetricFold {
  public:
   virtual ~MetricFold() = default;
-  /// @param frame  of the window, after those that were added before
+  /// @param frame  next frame of the window
   virtual void add(const MeasuredFrame& frame) = 0;
-  /// After at least one frame: one number, or one per body where the metric is about bodies.
+  /// After at least one frame: one number, or one per body for metrics per body.
   virtual std::vector<double> values() const = 0;
 
   static bool about_bodies(const std::string& metric);

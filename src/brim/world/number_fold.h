@@ -4,15 +4,15 @@
 
 namespace brim {
 
-/// One number of many that come one after another and are not kept. Not-a-number never hides behind a comparison: of
-/// all but Last it makes the result not-a-number.
+/// One statistic of a sequence of numbers, in constant memory. NaN propagates: any NaN makes the result NaN, except for
+/// Last.
 /// Tests: tests/world/number_fold_test.cpp
 class NumberFold {
  public:
   enum class Take {
     Mean,
     Sum,
-    SumAfterFirst,  ///< of numbers that speak of the time before them: the first belongs to what came before
+    SumAfterFirst,  ///< of numbers about the time before them: the first belongs to the time before the window
     Last,
     Least,
     Largest,
@@ -21,7 +21,7 @@ class NumberFold {
   explicit NumberFold(Take take) : take_(take) {}
 
   void add(double x);
-  /// Not-a-number before the first number.
+  /// NaN before the first number.
   double value() const;
 
  private:

@@ -14,11 +14,11 @@
 
 namespace brim {
 
-/// What acts on bodies from outside (AppliedForce), as generalised impulses of a sub-step. For bodies of every kind:
+/// External actions on bodies (AppliedForce), as generalised impulses of a sub-step, for bodies of every kind:
 ///   force F, torque T on the whole   Q = M v,  v the rigid motion of acceleration F/m, or α with vᵀ M v α = T
 ///   at points                        Q = Jᵀ f, J the body's map there
-///   in a region of a flow            Q = M v, v = F χ along each axis, χ 1 in the region and 0 elsewhere, scaled to F
-///   gravity scale                    the body's own weight in an environment of its own
+///   in a region of a flow            Q = M v, v = F χ along each axis, χ = 1 in the region, 0 outside, scaled to F
+///   gravity scale                    the body's weight computed in an environment of its own
 /// Same bits for any number of threads.  Tests: tests/world/outer_actions_test.cpp
 class OuterActions {
  public:
@@ -26,12 +26,12 @@ class OuterActions {
   int add(const AppliedForce& force, std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts,
           std::span<const double> q, std::span<const std::size_t> first_q, double ramp_voxels);
   bool empty() const { return entries_.empty(); }
-  /// Of each body; shape (bodies at the last add), empty where nothing scales it.
+  /// Factor on gravity per body; shape (bodies at the last add), empty when none is scaled.
   std::span<const double> gravity_scale() const { return gravity_scale_; }
   Environment environment(std::size_t body, const Environment& env) const {
     return body < gravity_scale_.size() ? Environment{gravity_scale_[body] * env.gravity} : env;
   }
-  /// Sets the flags of bodies on which a force depends on the place, or air blows. @param flags  shape (bodies)
+  /// Sets the flags of bodies with wind or a position-dependent force. @param flags  shape (bodies)
   void flag_acted_on(std::span<std::uint8_t> flags) const;
   /// [N s] over a sub-step, added to `base`; shape (nv). Bodies are at their last update.
   /// @param base  shape (nv) or empty
@@ -41,7 +41,7 @@ class OuterActions {
                                   const Environment& env, double time, double dt, std::span<const double> base);
 
  private:
-  /// Points of one part at which a force acts.
+  /// Points of one part on which a force acts.
   struct Spot {
     std::size_t part = 0;  ///< within the body
     MatterPoints points;
@@ -49,9 +49,9 @@ class OuterActions {
   /// An entry on one body.
   struct Action {
     int body = 0;
-    std::size_t first_part = 0;  ///< of the body, in the world's numbers
+    std::size_t first_part = 0;  ///< of the body, global number
     std::vector<Spot> spots;     ///< where the force acts, ...
-    bool flow = false;           ///< ... or on what flows through the region
+    bool flow = false;           ///< ... or on the flow through the region
     std::optional<WindOnBody> wind;
     bool at_points() const { return flow || !spots.empty(); }
   };

@@ -9,15 +9,15 @@
 
 namespace brim {
 
-/// Warns of pairs of a first step that lie deep within each other.
+/// Warns of pairs that overlap deeply in the first step.
 void warn_of_start(std::span<const WorldPart> parts, double time, StepReport& report);
 
-/// Warns of loaded pairs under rows whose masses differ by 300 times and more, the light one carrying more than ten
-/// times its own weight: called where the rows of a step did not converge.
+/// Warns of loaded pairs under rows with a mass ratio of 300 and more, when the light body carries more than ten times
+/// its own weight: called when the rows of a step did not converge.
 void warn_of_mass_ratio(std::span<const WorldPart> parts, const ContactParameters& laws, const WorldOptions& options,
                         double time, StepReport& report);
 
-/// Writes the totals of every touching pair, the contact samples, and the warnings of contacts near saturation.
+/// Writes the totals of every touching pair, the contact samples, and the warnings of nearly saturated contacts.
 void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const Vec3> normal,
                   std::span<const Vec3> friction, double time, StepReport& report, std::vector<ContactSample>& samples);
 

@@ -14,31 +14,31 @@
 
 namespace brim {
 
-/// Leaves out the contacts that rules about parts of bodies keep from touching. A contact is left out for both sides or
-/// for none, so that momentum is kept as without rules. What counts is where the matter at the contact was at the start
-/// (StartPlaces). Same bits for any number of threads.  Tests: tests/world/part_filter_test.cpp
+/// Removes the contacts that rules about parts of bodies exclude. A contact is removed for both sides or for neither,
+/// so momentum is conserved as without rules. The rule is evaluated at the start position of the material at the
+/// contact (StartPlaces). Same bits for any number of threads.  Tests: tests/world/part_filter_test.cpp
 class PartFilter {
  public:
-  /// Takes a rule with regions in. @return what TouchRules::add is to be told
+  /// Adds a rule with regions. @return the number to pass to TouchRules::add
   int add(const TouchRule& rule);
   const TouchRule& rule(int region) const { return rules_[static_cast<std::size_t>(region)]; }
   int size() const { return static_cast<int>(rules_.size()); }
-  /// Remembers where the matter of bodies is that rules have not met yet.
-  /// @throws InputError for bodies that carry no region along
+  /// Stores the material positions of bodies that are new to the rules.
+  /// @throws InputError for bodies that cannot carry a region along
   void meet(std::span<const std::unique_ptr<Body>> bodies);
-  /// Says whether such rules are about two parts.
+  /// True when rules about parts apply to the two parts.
   static bool concerns(const WorldPart& a, const WorldPart& b) {
     return a.rules != nullptr && a.rules->about_parts(a.sides, b.sides) != 0;
   }
-  /// The bodies have moved.
+  /// To be called when the bodies have moved.
   void moved();
-  /// Whether the contact of two parts at x counts; call follow before where many threads ask.
+  /// True when the contact of two parts at x counts; call follow first when many threads ask.
   bool touch(const WorldPart& a, const WorldPart& b, const Vec3& x);
   void follow(const WorldPart& part);
-  /// False where rules keep all matter of two parts from touching, as far as the corners and the middle of the smaller
-  /// one's box tell.
+  /// False when rules exclude all contact of two parts, judged from the corners and the middle of the smaller one's
+  /// box.
   bool leaves_some(const WorldPart& a, const WorldPart& b);
-  /// Takes what does not count out of a set without links.
+  /// Removes excluded contacts from a set without links.
   void apply(std::span<const WorldPart> parts, ContactSet& set);
 
  private:

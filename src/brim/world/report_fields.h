@@ -6,16 +6,16 @@
 
 namespace brim {
 
-/// What becomes of a scalar when the reports of several steps are joined.
+/// How a scalar is combined when reports of several steps are accumulated.
 enum class Joining {
   Sum,      ///< counts and times
   Largest,  ///< worst values
-  Least,    ///< what must hold in all
+  Least,    ///< conditions that must hold in all
   Last      ///< states
 };
 
-/// One scalar of a step report, for files and tables that treat all alike. Adding one to StepReport takes a line in the
-/// table of report_fields.cpp; files, tables and profiles then have it.
+/// One scalar of a step report, for files and tables that treat all scalars alike. A new scalar of StepReport needs one
+/// line in the table of report_fields.cpp; files, tables and profiles then include it.
 struct ReportField {
   const char* name;  ///< "worst_overlap", "seconds_solve", ...
   const char* unit;  ///< "voxels", "s", ...; "" for counts and ratios
@@ -24,14 +24,14 @@ struct ReportField {
   Joining joining;
 };
 
-/// Every scalar of StepReport, in a fixed order; each phase's seconds are fields of their own.
+/// Every scalar of StepReport in a fixed order; the seconds of each phase are separate fields.
 std::span<const ReportField> report_fields();
 
-/// Joins the report of the next step to that of the steps before it, so that one report speaks of a whole frame:
-/// counts and times add up, worst values stay, states (energy, contacts, pairs) are those of the later step.
+/// Adds the report of the next step to that of the steps before it, so that one report covers a whole frame: counts and
+/// times are summed, worst values kept, states (energy, contacts, pairs) are those of the later step.
 void accumulate(StepReport& frame, StepReport&& next);
 
-/// Seconds that contact took: presence to respond, and its share of the solve.
+/// [s] spent on contact: presence to respond, and its share of the solve.
 double contact_seconds(const StepReport& report);
 
 }  // namespace brim

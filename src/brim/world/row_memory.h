@@ -8,12 +8,12 @@
 
 namespace brim {
 
-/// What constraint rows keep of their points from step to step: parts, position and force on a, so that the next step
-/// starts from the impulses of the last. Plain numbers, as they are part of the world's state.
+/// Stores the points of constraint rows from step to step: parts, position and force on a, so that the next step starts
+/// from the last impulses. Plain numbers, as they are part of the world's state.
 /// Tests: tests/world/row_memory_test.cpp
 class RowMemory {
  public:
-  /// Force on a of the nearest point of the same pair in the last step, within two voxels and each taken once, or zero;
+  /// Force on a of the nearest point of the same pair in the last step, within two voxels and each used once, or zero;
   /// shape (points).
   void recall(std::span<const double> memory, const ContactSet& points, std::span<Vec3> force);
   /// Appends a point. @param force  [N] on a

@@ -13,20 +13,20 @@ namespace brim {
 
 class PosedShape;
 
-/// What a solid has of an eighth of a cell of a fluid's grid.
+/// A solid's share of an eighth of a cell of a fluid's grid.
 struct Eighth {
-  std::int32_t place;   ///< of the grid's eighths, x fastest, shape (2 nx, 2 ny, 2 nz)
+  std::int32_t place;   ///< index in the grid of eighths, x fastest, shape (2 nx, 2 ny, 2 nz)
   float share;          ///< (0, 1]
-  std::int32_t source;  ///< as its body's maps ask for it
+  std::int32_t source;  ///< source for the maps of its body
 };
 
-/// The eighths of cells that solids lie in. Their densities on a grid of eighths tell the distance to the surface near
-/// it; what is known everywhere, a shape in a place, is asked itself, and only where it has moved since.
+/// The eighths of cells occupied by solids. Solids are rasterized on a grid of eighths, whose densities give the
+/// distance near the surface; shapes with a known distance are evaluated directly, and only when they have moved.
 /// Same bits for any number of threads.  Tests: tests/world/fluid_coupling_test.cpp
 class SolidShares {
  public:
-  /// Eighths of a fluid's cells that a solid has something of, until the next call for the same two.
-  /// @param two  numbers of the parts that are fluid and solid
+  /// The occupied eighths of a fluid's cells; valid until the next call for the same two parts.
+  /// @param two  numbers of the fluid part and the solid part
   const std::vector<Eighth>& of(std::pair<std::int32_t, std::int32_t> two, const MacGrid& grid, const WorldPart& solid);
   void clear() { found_.clear(); }
 

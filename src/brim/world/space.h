@@ -4,9 +4,9 @@
 
 namespace brim {
 
-/// A body without coordinates, matter or a surface, which never moves. It is what links to space hold to: a world that
-/// has such links keeps one behind all its bodies, where nobody sees it. It also takes the place of a body that was
-/// removed, with as many parts, so that the others keep their numbers.
+/// A body without coordinates, mass or surface that never moves. Links to space are attached to it: a world with such
+/// links keeps one behind all its bodies, invisible to others. It also replaces a removed body, with as many parts, so
+/// that the numbers of the others stay.
 class Space : public StandIn {
  public:
   explicit Space(int parts = 1) : parts_(parts) { set_name("(space)"); }

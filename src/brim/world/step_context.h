@@ -15,7 +15,7 @@
 
 namespace brim {
 
-/// What the phases of a sub-step before its solve have found, for the solve to read. Numbers of bodies and of
+/// Results of the phases of a sub-step before its solve, as input of the solve. Numbers of bodies and of
 /// velocities are those of the world: body b has the velocities first_v[b] to first_v[b + 1].
 struct StepContext {
   std::span<const std::unique_ptr<Body>> bodies;
@@ -29,7 +29,7 @@ struct StepContext {
   FillStage& fill;          ///< begun; has the forces of its contacts afterwards
   FluidCoupling& coupling;  ///< found
   StepReport& report;
-  std::span<const double> impulse{};  ///< [N s] that acts besides, shape (nv) or empty
+  std::span<const double> impulse{};  ///< [N s] additional impulse, shape (nv) or empty
 
   /// The velocities of body b in x, shape (nv).
   template <class Vector>

@@ -29,13 +29,13 @@ struct PairReport {
 /// An attachment or joint in the last sub-step (World::attachment).
 struct LinkReport {
   Vec3 force = Vec3::Zero();  ///< [N] on its first body, in all: held points, drive and limits
-  double error = 0.0;         ///< [m] worst distance from where it wants its points
-  double coordinate = 0.0;    ///< [rad or m] of a joint that turns or slides, at the start of the sub-step
-  double effort = 0.0;        ///< [N m or N] of its drive, spring and limits along it, on the first body
+  double error = 0.0;         ///< [m] largest position error of its points
+  double coordinate = 0.0;    ///< [rad or m] of a revolute or prismatic joint, at the start of the sub-step
+  double effort = 0.0;        ///< [N m or N] drive, spring and limits along the coordinate, on the first body
   bool broken = false;
 };
 
-/// Something that went wrong or nearly so, in words, with the pair or body it concerns.
+/// A problem or near-problem, in words, with the pair or body it concerns.
 struct Warning {
   double time = 0.0;  ///< [s]
   std::string code;   ///< "saturation", "no_convergence", "not_finite", "substeps_capped", ...
@@ -51,7 +51,7 @@ struct ContactSample {
   std::int32_t part_a, part_b;
 };
 
-/// What happened in one step of the world (one frame interval may hold several).
+/// Report of one step of the world (a frame may consist of several).
 struct StepReport {
   double time = 0.0;  ///< [s] at the end of the step
   double dt = 0.0;    ///< [s]
@@ -59,18 +59,19 @@ struct StepReport {
   bool ok = true;  ///< false: the solve failed; the state is that before the failed sub-step
   std::array<double, static_cast<std::size_t>(Phase::Count)> seconds{};  ///< wall time per phase
   double wall = 0.0;                                                     ///< [s] whole step
-  std::int64_t tiles_present = 0;  ///< coarse: tiles marked by some part, summed over sub-steps as are all counts
-  std::int64_t tiles = 0;   ///< tiles rasterized, and cubes of up to 6x6x6 nodes in which solids were sampled, per part
-  std::int64_t voxels = 0;  ///< nodes sampled: those of the octants looked at, of solids those that were needed
+  std::int64_t tiles_present = 0;  ///< coarse: tiles marked by some part; like all counts summed over sub-steps
+  std::int64_t tiles = 0;  ///< tiles rasterized, and cubes of up to 6x6x6 nodes in which solids were sampled, per part
+  std::int64_t voxels =
+      0;  ///< nodes sampled: for rasterized parts those of the searched octants, for solids those needed
   std::int64_t contacts = 0;  ///< of the last sub-step
   int cg_iterations = 0;      ///< summed over the solves
   int solves = 0;
   int sweeps = 0;              ///< of projected Gauss-Seidel over the constraint rows, summed
-  double row_residual = 0.0;   ///< relative, worst: what the last correction of the rows still changed
+  double row_residual = 0.0;   ///< relative, worst: change by the last correction of the rows
   double cg_residual = 0.0;    ///< relative, worst
   double worst_overlap = 0.0;  ///< [voxels], worst over sub-steps
   double kinetic_energy = 0.0, potential_energy = 0.0, contact_energy = 0.0;  ///< [J]
-  double momentum_error = 0.0;    ///< [-] worst body: mapped contact force against the sum of its nodal forces
+  double momentum_error = 0.0;    ///< [-] worst body: mapped contact force minus the sum of its nodal forces
   double angular_error = 0.0;     ///< [-] likewise for the torque about the body's centre of contact
   double max_speed = 0.0;         ///< [m/s] upper bound over movable parts
   int asleep = 0;                 ///< bodies that sleep at the end of the step

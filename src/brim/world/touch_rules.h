@@ -14,13 +14,13 @@
 
 namespace brim {
 
-/// Says whether bodies of two names touch. A name may have * for any characters and ? for one; the stem of numbered
-/// copies ("box" for box.0, box.1, ...) stands for all of them. With a region it is about the contacts on that part of
-/// a body alone: on the matter that was there when the rule and the body were first both there.
+/// Rule whether bodies of two names touch. In a name * stands for any characters and ? for one; the stem of numbered
+/// copies ("box" for box.0, box.1, ...) stands for all of them. With a region the rule applies only to contacts on that
+/// part of a body: on the material that was there when rule and body first both existed.
 struct TouchRule {
   std::string a, b;
   bool touch = false;
-  std::function<bool(const Vec3&)> region_a{}, region_b{};  ///< [m] of places; nothing: all of it
+  std::function<bool(const Vec3&)> region_a{}, region_b{};  ///< [m] of places; empty: the whole body
 
   bool about_part() const { return region_a || region_b; }
 };
@@ -28,23 +28,23 @@ struct TouchRule {
 /// True when `wanted` is the name, a stem of it or a pattern of it (TouchRule).
 bool name_matches(std::string_view wanted, std::string_view name);
 
-/// Which bodies touch: rules by name, of which the last one about a pair decides, and pairs of bodies that links keep
-/// from touching. What no rule is about touches. A test is a few instructions. Where rules are about parts of bodies,
-/// the last one about a contact decides, which PartFilter asks.
+/// Decides which bodies touch: by rules on names, of which the last one about a pair wins, and by pairs of bodies that
+/// links keep from touching. Pairs without a rule touch. A test takes a few instructions. If rules concern parts of
+/// bodies, the last one about a contact wins, which PartFilter evaluates.
 /// Tests: tests/world/touch_rules_test.cpp
 class TouchRules {
  public:
   static constexpr std::size_t kMost = 64;
-  /// The rules that a body's name is on either side of, as bits.
+  /// The rules that name a body on either side, as bits.
   struct Sides {
     std::uint64_t a = 0, b = 0;
   };
 
-  /// @param region  what the caller knows the rule's regions by, where it has some
+  /// @param region  the caller's number for the rule's regions, if any
   /// @throws InputError for more than kMost rules
   void add(const TouchRule& rule, int region = -1);
   Sides sides(std::string_view name) const;
-  /// Two bodies never touch, whatever the rules say.
+  /// Keeps two bodies from touching, whatever the rules say.
   void keep_apart(int body_a, int body_b) { apart_.insert(std::minmax(body_a, body_b)); }
   void clear_apart() { apart_.clear(); }
 
@@ -55,15 +55,15 @@ class TouchRules {
     return about == 0 || rules_[last_of(about)].touch;
   }
 
-  /// The rules about parts of two bodies that come after the last one about the whole pair, as bits.
+  /// The rules about parts of two bodies that follow the last one about the whole pair, as bits.
   std::uint64_t about_parts(const Sides& x, const Sides& y) const {
     const std::uint64_t about = (x.a & y.b) | (x.b & y.a), whole = about & ~about_parts_;
     if ((about & about_parts_) == 0) return 0;
     return whole == 0 ? about : about & about_parts_ & ~((std::uint64_t{2} << last_of(whole)) - 1);
   }
-  /// Whether a contact of two bodies counts.
-  /// @param inside  (region, exchanged): whether it lies in both regions of a rule, body x being its side a; its side b
-  ///                where they are exchanged
+  /// True when a contact of two bodies counts.
+  /// @param inside  (region, exchanged): true when the contact lies in both regions of a rule, with body x on its side
+  ///                a, or on side b if exchanged
   template <class Inside>
   bool touch_there(const Sides& x, const Sides& y, const Inside& inside) const {
     for (std::uint64_t left = (x.a & y.b) | (x.b & y.a); left != 0;) {

@@ -10,26 +10,26 @@
 
 namespace brim {
 
-/// True when q are positions of nodes and v their velocities, with spins where nodes are balls that turn.
+/// True when q are node positions and v their velocities, with spins for nodes that are spinning balls.
 bool has_nodes(const Body& body);
-/// True when the nodes are what the display shows: vertex i lies at q[3i ...].
+/// True when the display shows the nodes: vertex i lies at q[3i ...].
 bool shows_nodes(const Body& body);
-/// [kg] of each node, its share of the mass matrix: row sums; shape (q / 3).
+/// [kg] lumped mass per node: row sums of the mass matrix; shape (q / 3).
 std::vector<double> node_masses(const Body& body);
 
-/// Air that flows past what a body shows (AppliedForce::Wind), with c the air's velocity against the matter:
+/// Wind on a body's display geometry (AppliedForce::Wind), with c the air's velocity relative to the material:
 ///   triangles  f = ½ ρ A |c|² (ĉ·n) (D (ĉ·n) ĉ + L (n − (ĉ·n) ĉ)), on both sides of a sheet, on the windward side of
-///              solids and of a surface that changes, where it meets air (ChangingSurface)
-///   lines      f = ½ ρ D 2r l |c⊥| c⊥, c⊥ across the line: a cylinder in cross flow, half at either end
+///              solids and, where it meets air, of a changing surface (ChangingSurface)
+///   lines      f = ½ ρ D 2r l |c⊥| c⊥, c⊥ perpendicular to the line: a cylinder in cross flow, half at either end
 ///   points     f = ½ ρ D π r² |c| c: a ball
-/// No force brings light matter beyond the speed of the air in one step.
+/// The force accelerates no light matter beyond the air's speed in one step.
 /// Tests: tests/world/wind_test.cpp
 class WindOnBody {
  public:
   /// @param parts  those of the body, which is at its last update  @param q  of the body
-  /// @throws InputError  for matter that no force can act on
+  /// @throws InputError  for matter that cannot take forces
   WindOnBody(std::span<const WorldPart> parts, std::span<const double> q, double ramp_voxels);
-  /// True where nothing is shown that air could push.
+  /// True when the display has nothing that air could push.
   bool empty() const { return faces_.empty() && nodes_.empty() && !changing_; }
   /// Adds the generalised force, [N]. @param scale  of the air's velocity  @param q, v, Q  of the body
   void add_force(const AppliedForce::Wind& wind, double scale, std::span<const WorldPart> parts,
@@ -52,7 +52,7 @@ class WindOnBody {
   std::vector<Faces> faces_;
   std::vector<double> nodes_;  ///< [kg] of lines and points
   std::size_t per_node_ = 3;   ///< velocities
-  bool changing_ = false;      ///< its triangles come and go
+  bool changing_ = false;      ///< its triangles appear and disappear
 };
 
 }  // namespace brim

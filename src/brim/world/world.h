@@ -20,20 +20,20 @@ struct Attachment;    // brim/world/attachment.h
 struct Pose;          // brim/raster/shape.h
 class Watcher;        // brim/world/watcher.h
 
-/// What a pair of materials has instead of what follows from the two.
+/// Parameters of a pair of materials that override those derived from the two.
 struct PairMaterial {
-  double friction = -1.0;                 ///< [-] Coulomb coefficient; negative: the geometric mean of the two
+  double friction = -1.0;                 ///< [-] Coulomb coefficient; negative: geometric mean of the two
   double stiffness = 0.0;                 ///< [Pa] k; 0: chosen from the loads and the softer of the two
   double restitution = -1.0;              ///< [-] e of the constraint response; negative: the larger of the two
-  Response response = Response::Inherit;  ///< Inherit: what the bodies say, then the world
+  Response response = Response::Inherit;  ///< Inherit: as the bodies say, then the world
   double rolling_resistance = -1.0;       ///< [m] of rigid bodies; negative: the larger of the two
 };
 
-/// How the world steps. docs/numerics.md says what the choices rest on.
+/// Options of stepping. docs/numerics.md gives the reasons.
 struct WorldOptions {
   Environment environment;
   double time_step = 1.0 / 60.0;   ///< [s] of one call of step()
-  double voxel_size = 0.0;         ///< [m] h0, the finest step; 0: the finest that a part asks for
+  double voxel_size = 0.0;         ///< [m] h0, the finest step; 0: the finest that a part requests
   double ramp_voxels = 3.0;        ///< ramp width over h, 2 to 4
   double stiffness = 0.0;          ///< [Pa] k; 0: chosen pair by pair, from the loads and the softer of the two
   double damping_steps = 2.0;      ///< β over dt, stiffness-proportional damping of contact
@@ -42,27 +42,27 @@ struct WorldOptions {
   int min_substeps = 1;
   double cg_tolerance = 1e-4;  ///< relative residual
   int cg_max_iterations = 2000;
-  int max_passes = 4;  ///< solves of a sub-step while contacts let go or friction changes
+  int max_passes = 4;  ///< maximum number of solves per sub-step, while contacts are released or friction changes
   double friction_speed =
       0.0;  ///< [m/s] ε of the regularised friction; 0: 0.001 g dt, g of the earth where there is none
-  Response response = Response::Penalty;  ///< of pairs whose materials and bodies say nothing
+  Response response = Response::Penalty;  ///< for pairs whose materials and bodies set none
   double constraint_tolerance = 1e-4;     ///< change of velocity by the last sweep, over that of a free fall in a step
-  int constraint_sweeps = 200;            ///< most sweeps of projected Gauss-Seidel in a sub-step
-  bool constraint_every_node = false;     ///< a row for every node instead of a few per patch: dear, for comparison
-  bool sleep = false;         ///< leaves islands of bodies at rest out of the step until they are touched (Sleep)
-  double memory_limit = 8e9;  ///< [bytes] of samples, contacts, rows and pairs, each; more is refused
+  int constraint_sweeps = 200;            ///< maximum number of projected Gauss-Seidel sweeps per sub-step
+  bool constraint_every_node = false;     ///< one row per node instead of a few per patch: expensive, for comparison
+  bool sleep = false;                     ///< leaves resting islands of bodies out of the step until touched (Sleep)
+  double memory_limit = 8e9;              ///< [bytes] of samples, contacts, rows and pairs, each; above it InputError
   std::map<std::pair<std::string, std::string>, PairMaterial> pair_materials;  ///< by material names, sorted
   std::vector<TouchRule> touch_rules;  ///< which bodies touch; the last rule about a pair decides
 };
 
-/// The mutable truth of a world: flat arrays in body order.
+/// The mutable state of a world: flat arrays in body order.
 struct State {
   double time = 0.0;      ///< [s]
   std::int64_t step = 0;  ///< number of steps taken
   std::vector<double> q;  ///< generalised coordinates, shape (nq)
   std::vector<double> v;  ///< generalised velocities, shape (nv)
-  /// What the next step starts from besides: impulses of constraint rows, references of solids, who sleeps, links that
-  /// broke, edits, levels of detail, and what watchers keep.
+  /// Further state for the next step: impulses of constraint rows, references of solids, sleeping bodies, broken links,
+  /// edits, levels of detail, and the states of watchers.
   std::vector<double> warm_start;
 };
 
@@ -78,8 +78,8 @@ class World {
   ~World();
   World(World&&) noexcept;
 
-  /// Takes a body in; its name must be unique. @return its number
-  /// @throws InputError, and what the body throws; the world is then as it was
+  /// Adds a body; its name must be unique. @return its number
+  /// @throws InputError, and exceptions of the body; the world is then unchanged
   int add(std::unique_ptr<Body> body);
   int body_count() const;
   const Body& body(int b) const;
@@ -89,62 +89,62 @@ class World {
   std::span<const double> q(int b) const;
   std::span<const double> v(int b) const;
 
-  /// Holds a body to another one or to space, as they are now (docs/links.md). May be called between steps; a run that
-  /// is resumed must have the same attachments in the same order. @return its number  @throws InputError
+  /// Attaches a body to another one or to space, at their present positions (docs/links.md). May be called between
+  /// steps; a resumed run must have the same attachments in the same order. @return its number  @throws InputError
   int attach(const Attachment& attachment);
   int attachment_count() const;
   const Attachment& attachment(int i) const;
-  /// True once it broke or was taken off; part of the state.
+  /// True once it broke or was detached; part of the state.
   bool detached(int i) const;
   void detach(int i);
-  /// What the drive of a joint aims at from the next step on, [rad, m] and [rad/s, m/s]; no part of the state.
-  /// @throws InputError where it has none
+  /// Target of a joint's drive from the next step on, [rad, m] and [rad/s, m/s]; not part of the state.
+  /// @throws InputError when it has no drive
   void set_drive(int i, double position, double velocity);
-  /// Adds what acts on bodies from outside, as they are now. @throws InputError  @return its number
+  /// Adds an external action on bodies, at their present positions. @throws InputError  @return its number
   int apply(const AppliedForce& force);
 
-  /// Takes hold of a body by a spring to a place in space, where its matter is now: of what gives way by the matter
-  /// within two voxels. Whatever was held is let go. No part of the state, of reports and of records: a hand is not of
-  /// the world. @param at  [m]  @param stiffness  [N/m]; 0: 3 Hz with the body's mass
-  /// @param damping  [N s/m]; 0: half of critical with that mass  @throws InputError
+  /// Grabs a body by a spring to a point in space, at the material that is there now (a deformable body: all material
+  /// within two voxels). Releases the previous grab. Not part of the state, reports or records: the hand is not in the
+  /// world. @param at  [m]  @param stiffness  [N/m]; 0: 3 Hz with the body's mass
+  /// @param damping  [N s/m]; 0: half of critical damping with that mass  @throws InputError
   void grab(int b, const Vec3& at, double stiffness = 0.0, double damping = 0.0);
-  /// Where the place that was taken hold of is to be from the next step on, [m]. @throws InputError
+  /// Moves the target of the grabbed point from the next step on, [m]. @throws InputError
   void pull(const Vec3& to);
   void release();
-  /// The body that is held so, or −1.
+  /// The grabbed body, or −1.
   int grabbed() const;
 
   // ---- editing, between steps (docs/editing.md): part of the state, so that a run that was edited resumes right -----
-  /// Takes a body out of the world. Its number and name stay its own and those of others stay as they are; its q and v
-  /// are kept as they were last. What holds to it is detached; forces on it end. @throws InputError
+  /// Removes a body. Its number and name stay reserved and those of others stay as they are; its q and v keep their
+  /// last values. Its attachments are detached; forces on it end. @throws InputError
   void remove(int b);
   bool removed(int b) const;
-  /// Makes a body stay where it is, as an obstacle would, or lets it go again, at rest.
-  /// @throws InputError  for one that keyframes move
+  /// Fixes a body in place, like an obstacle, or releases it again, at rest.
+  /// @throws InputError  for a body moved by keyframes
   void freeze(int b, bool frozen = true);
   bool frozen(int b) const;
-  /// Sets all matter of a body from x to R x + t, and turns its velocities by R.
-  /// @throws InputError  for kinds that cannot be elsewhere, what is attached, and what keyframes move
+  /// Moves all of a body from x to R x + t, and rotates its velocities by R.
+  /// @throws InputError  for kinds that cannot be moved, attached bodies, and bodies moved by keyframes
   void move(int b, const Pose& by);
-  /// Gives a body the motion of a rigid one: of its centre of mass [m/s], and about it [rad/s]. @throws InputError
+  /// Gives a body a rigid velocity: of its centre of mass [m/s], and about it [rad/s]. @throws InputError
   void set_velocity(int b, const Vec3& velocity, const Vec3& angular_velocity);
-  /// How the surface of all parts of a body behaves from now on. @throws InputError
+  /// Sets the surface material of all parts of a body from now on. @throws InputError
   void set_material(int b, const Material& material);
-  /// Of one part, as it is now.
+  /// Present material of one part.
   Material material(int b, int part = 0) const;
-  /// Replaces what a pair of materials has, by their names. @throws InputError
+  /// Replaces the parameters of a pair of materials, by their names. @throws InputError
   void set_pair_material(const std::string& a, const std::string& b, const PairMaterial& pair);
-  /// [Pa] contact stiffness of all pairs without one of their own. @throws InputError
+  /// [Pa] contact stiffness of all pairs without a stiffness of their own. @throws InputError
   void set_stiffness(double stiffness);
-  /// Calls the edit at the start of the first step that begins at `at` [s] or later; no part of the state: what goes on
-  /// from a later state has been edited by then. What the edit throws becomes the warning "edit_refused".
+  /// Calls the edit at the start of the first step that begins at `at` [s] or later. Not part of the state: a state
+  /// from after that time contains the edit. An exception of the edit becomes the warning "edit_refused".
   void schedule(double at, std::function<void(World&)> edit);
-  /// Says whether bodies touch, from the next step on, over all that was said before. @throws InputError
+  /// Sets whether bodies touch, from the next step on; overrides earlier rules. @throws InputError
   void set_touch(const TouchRule& rule);
-  /// From the next step on. @throws InputError
+  /// Sets gravity from the next step on. @throws InputError
   void set_gravity(const Vec3& gravity);
 
-  /// Tells a watcher of all steps from the next one on, and keeps it.
+  /// Registers a watcher of all steps from the next one on, and owns it.
   void watch(std::unique_ptr<Watcher> watcher);
   std::span<const std::unique_ptr<Watcher>> watchers() const;
 
@@ -153,17 +153,17 @@ class World {
   /// Replaces the state (resume); sizes must match. @throws InputError
   void set_state(State state);
 
-  /// Advances by options().time_step. Never throws for numerical trouble: the report says it.
+  /// Advances by options().time_step. Never throws for numerical failure: the report shows it.
   StepReport step();
-  /// True while a body sleeps. Only where options().sleep is set.
+  /// True while a body sleeps. Only if options().sleep is set.
   bool asleep(int b) const;
-  /// Wakes a body and what sleeps with it: before something acts on it that the world does not see.
+  /// Wakes a body and its island: to be called before an action on it that the world does not see.
   void wake(int b);
   /// Contact nodes of the last sub-step, in a fixed order.
   std::span<const ContactSample> contacts() const;
   /// Tiles that were rasterized for two parts or more in the last sub-step: key and step h.
   std::span<const std::pair<TileKey, double>> active_tiles() const;
-  /// Contact stiffness given, or the largest that the loads ask for between parts that do not deform, [Pa].
+  /// Contact stiffness given, or the largest required by the loads between parts that do not deform, [Pa].
   double stiffness() const;
   /// [m] grid step at which a part is sampled by itself.
   double voxel_size(int part) const;

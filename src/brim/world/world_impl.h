@@ -31,12 +31,11 @@
 
 namespace brim {
 
-/// What a world is made of. Its functions lie where their idea does: world.cpp holds bodies and state, world_wiring.cpp
-/// how they are wired up, world_editing.cpp what is changed between steps, world_step.cpp a step, world_substep.cpp a
-/// sub-step.
+/// Data of a world. Its functions are sorted by topic: world.cpp bodies and state, world_wiring.cpp how they are
+/// connected, world_editing.cpp changes between steps, world_step.cpp a step, world_substep.cpp a sub-step.
 struct World::Impl {
   WorldOptions options;  ///< as edited
-  WorldOptions given;    ///< as the world was made
+  WorldOptions given;    ///< as constructed
   std::vector<std::unique_ptr<Body>> bodies;
   std::unordered_set<std::string> names;
   std::vector<WorldPart> parts;
@@ -47,34 +46,34 @@ struct World::Impl {
   ContactParameters laws;
   Sleep sleep;
   TouchRules rules;
-  PartFilter filter;  ///< of the rules with regions: those of the options first, then as set_touch was told
+  PartFilter filter;  ///< rules with regions: those of the options first, then those of set_touch
   Links links;
-  std::shared_ptr<Vec3> grab_goal;  ///< [m] where what is grabbed is pulled
+  std::shared_ptr<Vec3> grab_goal;  ///< [m] target of the grabbed point
   OuterActions actions;
   bool has_space = false;  ///< the last body and part stand for space
   Levels levels;
   Edits edits;
-  /// A body that was removed, or that came back: what stands in its place, and its own coordinates meanwhile.
+  /// A body that was removed, or brought back: the object in its place, and its own coordinates meanwhile.
   struct Absence {
     std::unique_ptr<Body> other;
     std::vector<double> q, v;
     bool out = false;
   };
   std::map<std::size_t, Absence> absences;
-  State whole;  ///< with what was removed, where something was
+  State whole;  ///< including removed bodies, if there are any
   struct Scheduled {
     double at = 0.0;
     std::function<void(World&)> edit;
   };
   std::vector<Scheduled> scheduled;
   std::vector<std::unique_ptr<Watcher>> watchers;
-  const World* self = nullptr;  ///< whom watchers look at
+  const World* self = nullptr;  ///< the world shown to watchers
 
   ContactStage stage;
   SelfContact self_contact;
   FillStage fill;
   FluidCoupling coupling;
-  BoxSweep motion_sweep;  ///< of what chooses sub-steps
+  BoxSweep motion_sweep;  ///< for the choice of sub-steps
   FreeFlight flight;
   ContactMaps maps;
   Penalty response;
@@ -82,7 +81,7 @@ struct World::Impl {
   ConstraintStep constraints;
   std::vector<Vec3> velocity_a, velocity_b, normal_force, friction_force;
   std::vector<double> delta, before_q, before_v, advance_v;
-  // The state that bodies were last updated to, and which have not been advanced since.
+  // State of the last update of the bodies, from which they have not been advanced since.
   std::vector<double> updated_q, updated_v;
   double updated_time = 0.0;
   std::vector<std::uint8_t> fresh;
@@ -92,58 +91,59 @@ struct World::Impl {
   std::span<double> v(std::size_t b) { return std::span(state.v).subspan(first_v[b], first_v[b + 1] - first_v[b]); }
 
   void start();
-  /// [Pa] told, or chosen from the loads.
+  /// [Pa] given, or chosen from the loads.
   double stiffness() const { return options.stiffness > 0.0 ? options.stiffness : laws.stiffness(); }
-  /// Appends a body that is whole: what it throws has been thrown.
+  /// Appends a complete body: its exceptions have been thrown before.
   void append(std::unique_ptr<Body> body, std::span<const double> q0, std::span<const double> v0);
   void show_space();
   void hide_space();
-  std::size_t count() const { return bodies.size() - has_space; }  ///< of bodies that others see
+  std::size_t count() const { return bodies.size() - has_space; }  ///< number of bodies visible to others
   int find(const std::string& name) const;
   Links::Side side_of(int body);
-  /// State of links and sleep comes out of memory, and goes back before all else in it.
+  /// take_memory reads the state of links, sleep and others from memory; keep_memory writes it back in front.
   void take_memory();
   void keep_memory();
-  /// The body that was added, even where another object stands for it now.
+  /// The body that was added, even if another object stands in its place now.
   const Body& own(std::size_t b) const;
   bool out(std::size_t b) const;
   bool is_frozen(std::size_t b) const { return !edits.frozen.empty() && edits.frozen.contains(static_cast<int>(b)); }
-  /// @throws InputError  for a number of no body, or of one that was removed
+  /// @throws InputError  when the number is not that of a body, or the body was removed
   void need(int b, const char* what) const;
-  /// Changes the edits, and all that follows from them.
+  /// Changes the edits, and everything derived from them.
   void edit(const std::function<void(Edits&)>& change);
-  /// Brings all removed bodies back for a moment, so that the state is that of all; leave_out takes them out again.
+  /// Brings all removed bodies back temporarily, so that the state contains all; leave_out takes them out again.
   void bring_back();
   void leave_out();
-  bool bases_moved = false;  ///< some base may lie elsewhere than at the start
+  bool bases_moved = false;  ///< some base may differ from the start
   void set_bases();
-  /// Takes the edits over into options, rules and parts.
+  /// Applies the edits to options, rules and parts.
   void follow_edits();
-  /// Joins the state with what was removed, for others to see.
+  /// Merges the state with that of removed bodies, for others to see.
   void show_whole();
   void count_state();
   PartInfo info_of(const WorldPart& p) const;
-  /// Wakes what a change of a body concerns: those that sleep with it; all, where it is fixed.
+  /// Wakes bodies affected by a change of a body: its island; all bodies, if it is fixed.
   void wake_around(World& world, int b);
   void run_scheduled(World& world, StepReport& report);
   void keep_apart();
   void update_bodies();
-  /// Those that sleep are as they were; all others must be updated.
+  /// Marks sleeping bodies as unchanged; all others must be updated.
   void stir();
   void prescribe(double dt);
-  /// Chooses the levels of a step, and eases over what changes with them.
+  /// Chooses the levels of a step and smooths the change of contact.
   void choose_levels(StepReport& report);
   void find_contacts(double dt, StepReport& report);
-  /// Wakes what something awake has contacts with. @return true where there was something
+  /// Wakes bodies in contact with an awake one. @return true when there were any
   bool wake_touched();
-  /// Wakes what fluids flow around, which push it at any time.
+  /// Wakes bodies in fluids, which push them at any time.
   void wake_in_fluids();
-  /// Tells bodies whose surface yields where it is touched where that is.
+  /// Tells bodies whose surface yields to contact where they are touched.
   void tell_touched();
-  /// Tells bodies with walls of their own what acted on them in a sub-step. @param mapped  [N] (n_v) contact forces on
-  /// the coordinates of all bodies; empty: found here, where somebody asks
+  /// Tells bodies with walls of their own the forces on them in a sub-step. @param mapped  [N] (n_v) contact forces on
+  /// the coordinates of all bodies; empty: computed here if needed
   void tell_walled(double dt, std::span<const double> mapped);
-  /// Sub-steps that motion at these velocities asks for in a time, [s]. @param change  [m/s] of any of them, at most
+  /// Number of sub-steps required by motion at these velocities in a time, [s]. @param change  [m/s] largest change of
+  /// any
   double motion_pieces(std::span<const double> velocities, double time, double change);
   double substep(double left, StepReport& report);
   bool solve_substep(double dt, StepReport& report);

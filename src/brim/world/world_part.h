@@ -9,29 +9,29 @@
 
 namespace brim {
 
-/// A part as the world numbers it.
+/// A part with its global number.
 struct WorldPart {
   const Body* body = nullptr;
   int body_index = 0;
   int index = 0;   ///< within the body
   double h = 0.0;  ///< [m] its own grid step, h0 2^l
   PartInfo info;
-  int level = 0;        ///< at which contact sees its body (Levels)
-  bool still = false;   ///< as Sleep marks it: asleep, or fixed and not moving; nothing is, where bodies do not sleep
-  bool frozen = false;  ///< its body was told to stay where it is (World::freeze)
-  TouchRules::Sides sides{};          ///< of the body's name
-  const TouchRules* rules = nullptr;  ///< nothing: all may touch
+  int level = 0;              ///< level of detail of its body in contact (Levels)
+  bool still = false;         ///< set by Sleep: asleep, or fixed and not moving; always false when bodies do not sleep
+  bool frozen = false;        ///< its body is frozen (World::freeze)
+  TouchRules::Sides sides{};  ///< of the body's name
+  const TouchRules* rules = nullptr;  ///< null: all may touch
 };
 
-/// True when nothing can move the part: no contact gives it a velocity.
+/// True when nothing can move the part: no contact changes its velocity.
 inline bool is_fixed(const WorldPart& p) { return p.frozen || p.body->immobile(); }
 
-/// False for pairs that the scene or a link keeps from touching.
+/// False for pairs that rules or a link keep from touching.
 inline bool rules_allow(const WorldPart& a, const WorldPart& b) {
   return a.rules == nullptr || a.rules->touch(a.sides, a.body_index, b.sides, b.body_index);
 }
 
-/// False for pairs that are not looked at: nothing moves, or their body or the rules say that they do not touch.
+/// False for pairs that are not searched: nothing moves, or their body or the rules exclude contact.
 inline bool may_touch(const WorldPart& a, const WorldPart& b) {
   if (a.body == b.body && !a.body->parts_collide(a.index, b.index)) return false;
   return !(a.still && b.still) && !(is_fixed(a) && is_fixed(b)) && rules_allow(a, b);

@@ -6,14 +6,14 @@
 
 namespace brim {
 
-/// Area of a patch of contact nodes, [m²]: that of the squares of side h, in the plane across the mean normal, that
-/// hold a node. Right to half a square along the border; where contact is held by rows at a few points, these alone
-/// count. Tests: tests/world/sense/force_sensor_test.cpp
+/// Area of a patch of contact nodes, [m²]: total of the squares of side h, in the plane perpendicular to the mean
+/// normal, that contain a node. Accurate to half a square along the border; for contact held by rows at a few points
+/// only these count. Tests: tests/world/sense/force_sensor_test.cpp
 class ContactArea {
  public:
   /// @param normal_force  [N] on either side  @param h  [m] voxel at which the two parts meet
   void add(const Vec3& position, const Vec3& normal_force, double h);
-  /// The area of what was added; begins anew.
+  /// Returns the area of the points added and clears them.
   double take();
 
  private:

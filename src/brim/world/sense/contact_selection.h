@@ -15,23 +15,23 @@ namespace brim {
 class Body;
 class World;
 
-/// The contacts that a sensor is about, seen from the side of its bodies.
+/// The contacts that a sensor considers, seen from the side of its bodies.
 class ContactSelection {
  public:
   /// @throws InputError where no body has one of the names
   ContactSelection(const SensorModel& model, const World& world);
   void find_bodies(const World& world);
-  /// The bodies have moved since the last call of `side`.
+  /// To be called when the bodies have moved since the last call of `side`.
   void moved();
 
-  /// A contact of the selection: sign times the forces of the sample are those on body a.
+  /// Side of a contact: sign times the sample's forces are those on body a.
   struct Side {
-    double sign = 0.0;  ///< 0: no contact of the selection
+    double sign = 0.0;  ///< 0: contact not selected
     int body_a = 0, body_b = 0;
-    bool within = false;  ///< both bodies are the sensor's
+    bool within = false;  ///< both bodies belong to the sensor
   };
   Side side(const ContactSample& sample);
-  /// True where contacts of the two bodies may be of the selection.
+  /// True when contacts of the two bodies may be selected.
   bool concerns(int body_a, int body_b) const;
 
  private:
@@ -41,7 +41,7 @@ class ContactSelection {
   std::vector<std::uint8_t> own_, other_;                                ///< per body
   std::vector<int> body_of_, index_of_;                                  ///< per part
   std::vector<const Body*> bodies_;                                      ///< per body
-  std::unordered_map<const Body*, std::unique_ptr<StartPlaces>> start_;  ///< of those with a region that follows
+  std::unordered_map<const Body*, std::unique_ptr<StartPlaces>> start_;  ///< of bodies with a region that follows
 };
 
 }  // namespace brim

@@ -8,9 +8,9 @@
 
 namespace brim {
 
-/// Tells when pairs of bodies begin to touch, how long they do, and with which impulse. A pair touches in a sub-step in
-/// which its normal forces sum to more than `least_force`; it has ended after a pause of more than `gap`. What touches
-/// is part of the world's state.
+/// Detects when pairs of bodies begin to touch, for how long, and with which impulse. A pair touches in a sub-step if
+/// its normal forces sum to more than `least_force`; contact has ended after a pause of more than `gap`. Present
+/// contacts are part of the world's state.
 /// Tests: tests/world/sense/contact_sensor_test.cpp
 class ContactSensor : public Sensor {
  public:
@@ -20,7 +20,7 @@ class ContactSensor : public Sensor {
   void begin_step(const World& world) override;
   void substep(const SensedContacts& contacts, std::vector<ContactEvent>& events) override;
   void read(const World& world, const StepReport& report, std::span<double> values, std::span<double> map) override;
-  /// body a, body b, since, until, impulse, peak of every pair that touches
+  /// body a, body b, since, until, impulse, peak of every touching pair
   void keep(std::vector<double>& memory) const override;
   void take(std::span<const double> memory) override;
 

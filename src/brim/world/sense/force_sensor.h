@@ -6,10 +6,10 @@
 
 namespace brim {
 
-/// A force plate: what other bodies press on the sensor's bodies, or on a region of them.
+/// A force plate: forces of other bodies on the sensor's bodies, or on a region of them.
 ///   force = Σ dt F / T,  torque = Σ dt (x − about) × F / T,  impulse = Σ dt F,   over the sub-steps dt of a step T
 ///   center = Σ |N| x / Σ |N|,  N normal forces;  peak: largest |ΣF| of a sub-step
-/// What the sensor's bodies press on each other is left out: it sums to nothing.
+/// Forces between the sensor's own bodies are left out: they cancel.
 /// Tests: tests/world/sense/force_sensor_test.cpp
 class ForceSensor : public Sensor {
  public:

@@ -5,9 +5,9 @@
 
 namespace brim {
 
-/// A gauge on an upright line: where matter of the sensor's bodies begins and ends along it, by their densities.
-/// `level` is the top of the longest run of density above 1/2, `depth` the length of all runs. Not-a-number and 0 where
-/// there is none. Reads any kind of body: fluids, grains, a soft body that is pressed down. Tests:
+/// A gauge on a vertical line: intervals of material of the sensor's bodies along it, from their densities. `level` is
+/// the top of the longest interval of density above 1/2 (NaN when there is none), `depth` the length of all intervals.
+/// Works for any kind of body: fluids, grains, a compressed soft body. Tests:
 /// tests/world/sense/level_sensor_test.cpp
 class LevelSensor : public Sensor {
  public:

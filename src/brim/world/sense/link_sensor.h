@@ -4,7 +4,7 @@
 
 namespace brim {
 
-/// What an attachment or joint carries in the last sub-step (LinkReport).
+/// Force and coordinate of an attachment or joint in the last sub-step (LinkReport).
 /// Tests: tests/world/sense/sensors_test.cpp
 class LinkSensor : public Sensor {
  public:

@@ -7,9 +7,9 @@
 
 namespace brim {
 
-/// Position, velocity and acceleration of a point of matter, or of a whole body: then the mean of the vertices it shows
-/// and the velocity of its centre of mass. Acceleration is the change of velocity over a step, by its length. On solids
-/// it has the spin ω besides: u(x + e) − u(x) = ω × e.
+/// Position, velocity and acceleration of a material point, or of a whole body: then the mean of its display vertices
+/// and the velocity of its centre of mass. Acceleration is the change of velocity over a step divided by its length. On
+/// solids also the spin ω: u(x + e) − u(x) = ω × e.
 /// Tests: tests/world/sense/motion_sensor_test.cpp
 class MotionSensor : public Sensor {
  public:
@@ -25,7 +25,7 @@ class MotionSensor : public Sensor {
   State now(const World& world);
 
   const Body* body_ = nullptr;
-  int number_ = -1;  ///< −1: taken away
+  int number_ = -1;  ///< −1: removed
   bool solid_ = false;
   std::optional<SensedPoints> points_;  ///< nothing: the whole body
   Vec3 before_ = Vec3::Zero();          ///< [m/s] at the start of the step

@@ -8,11 +8,11 @@
 
 namespace brim {
 
-/// A map of contact pressure over a plane of a body, or of space:
+/// A map of contact pressure on a plane of a body, or of space:
 ///   p(cell) = −Σ share · F·n / A,   n = x × ŷ / |x|,  A area of a cell,  F force on the sensor's bodies
-/// A contact spreads over a square of its voxel's side, cut at the border of the grid, so that Σ p A is the force along
-/// −n of what presses within it. Means over the sub-steps of a step. The grid follows the pose of the first of the
-/// bodies where that is a solid; elsewhere it stays in space.
+/// Each contact is spread over a square with its voxel's side, clipped at the border of the grid, so that Σ p A is the
+/// total force along −n within the grid. Mean over the sub-steps of a step. The grid follows the pose of the first of
+/// the bodies if that is a solid; otherwise it is fixed in space.
 /// Tests: tests/world/sense/pressure_sensor_test.cpp
 class PressureSensor : public Sensor {
  public:

@@ -11,7 +11,7 @@ namespace brim {
 
 class World;
 
-/// Points of matter of one body that a sensor follows, with their velocities.
+/// Material points of one body that a sensor follows, with their velocities.
 /// Tests: tests/world/sense/motion_sensor_test.cpp
 class SensedPoints {
  public:

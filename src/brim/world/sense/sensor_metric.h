@@ -12,14 +12,14 @@ namespace brim {
 /// Tests: tests/world/sense/sensor_metric_test.cpp
 class SensorMetric {
  public:
-  /// @throws InputError  when a sensor or reading that is named is not there
+  /// @throws InputError  when a named sensor or reading does not exist
   SensorMetric(const World& world, const Expectation& expectation);
 
-  /// The two readings of the frame that ended last; the second is 1 where there is no ratio.
+  /// The two readings of the last frame; the second is 1 when there is no ratio.
   using Pair = std::array<double, 2>;
   Pair now(const World& world) const;
 
-  /// The metric over the frames of a window, taken in one after another.
+  /// The metric accumulated over the frames of a window.
   class Fold {
    public:
     Fold(NumberFold::Take take, bool ratio) : reading_(take), over_(take), ratio_(ratio) {}
@@ -30,7 +30,7 @@ class SensorMetric {
     NumberFold reading_, over_;
     bool ratio_;
   };
-  /// Over no frame yet.
+  /// An empty accumulation.
   Fold fold() const { return {take_, ratio_}; }
 
  private:

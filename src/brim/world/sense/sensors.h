@@ -12,22 +12,22 @@
 
 namespace brim {
 
-/// What a sensor reads over a frame: its steps taken together as its channels say (Taking).
+/// Readings of a sensor over a frame: its steps combined per channel (Taking).
 struct SensorFrame {
   std::vector<double> values;  ///< one per channel
   std::vector<double> map;     ///< [Pa] mean over the frame, shape (map_size)
-  /// Of sensors of every step: time [s] and values, step by step, shape (steps, 1 + channels).
+  /// For sensors recorded every step: time [s] and values, step by step, shape (steps, 1 + channels).
   std::vector<double> rows;
 };
 
-/// The sensors of a world. They read it after every step and change nothing; what contacts do is summed over all
-/// sub-steps, so that impulses are whole. What touches, and the contacts of bodies that sleep, are part of the world's
+/// The sensors of a world. They read it after every step and change nothing; contact forces are summed over all
+/// sub-steps, so impulses are complete. Present contacts, and the contacts of sleeping bodies, are part of the world's
 /// state, in its memory:
 ///   memory: [−1/32, n, n numbers: (hash of a sensor's name, m, m numbers ...) ..., others ...]
 /// Same bits for any number of threads.  Tests: tests/world/sense/sensors_test.cpp
 class Sensors : public Watcher {
  public:
-  /// Takes a sensor in, of the world as it is now. @return its number
+  /// Adds a sensor, for the world as it is now. @return its number
   /// @throws InputError  "sensor 'name': what is wrong and what is allowed"
   int add(const SensorModel& model, const World& world);
   std::size_t size() const { return entries_.size(); }
@@ -37,22 +37,22 @@ class Sensors : public Watcher {
   /// The number of a channel of a sensor, or −1.
   int channel(std::size_t i, const std::string& name) const;
 
-  /// Readings of the last step, one per channel; before the first one of the state.
+  /// Readings of the last step, one per channel; before the first step those of the state.
   std::span<const double> values(std::size_t i) const { return entries_[i].values; }
   /// [Pa] of the last step, row by row, shape (map_size).
   std::span<const double> map(std::size_t i) const { return entries_[i].map; }
   /// Contacts that began or ended in the last step.
   std::span<const ContactEvent> events() const { return events_; }
-  /// Calls a function after every step, on the thread that steps. What it throws comes out of World::step.
+  /// Registers a function called after every step, on the stepping thread. World::step passes on its exceptions.
   void listen(std::function<void(const World&, const Sensors&)> listener) { listeners_.push_back(std::move(listener)); }
 
-  /// Begins a frame, which all steps until the next call belong to. Without frames a step is one, and its events and
-  /// rows are not kept.
+  /// Begins a frame, to which all steps until the next call belong. Without frames each step is a frame, and its events
+  /// and rows are not kept.
   void begin_frame();
   void end_frames();
   const SensorFrame& frame(std::size_t i) const { return entries_[i].frame; }
   std::span<const ContactEvent> frame_events() const { return frame_events_; }
-  /// Takes over the readings of a frame that was recorded. @param values  one per channel
+  /// Restores the readings of a recorded frame. @param values  one per channel
   void restore_frame(std::size_t i, std::span<const double> values);
 
   void begin_step(const World& world) override;
@@ -68,21 +68,21 @@ class Sensors : public Watcher {
     std::vector<double> values, map;
     SensorFrame frame;
   };
-  /// A body as the sensors knew it.
+  /// A body as last seen by the sensors.
   struct Known {
     const Body* body;
     std::string name;
     bool operator==(const Known&) const = default;
   };
   void find_bodies(const World& world);
-  /// True where neither side of a contact moves, so that the step leaves it out.
+  /// True when neither side of a contact moves, so that the step leaves it out.
   bool held(const World& world, const ContactSample& s) const;
   void join_frame(Entry& entry, const StepReport& report);
 
   std::vector<Entry> entries_;
   std::vector<Known> bodies_;
   std::vector<PartRef> parts_;
-  std::vector<ContactSample> last_;  ///< contacts of interest of the last sub-step, where bodies may sleep
+  std::vector<ContactSample> last_;  ///< contacts of interest of the last sub-step, if bodies may sleep
   std::vector<ContactSample> all_;
   std::vector<ContactEvent> events_, frame_events_;
   std::vector<std::function<void(const World&, const Sensors&)>> listeners_;
@@ -90,9 +90,9 @@ class Sensors : public Watcher {
   bool frames_ = false;
 };
 
-/// The sensors of a world; those that may be added to are made where there are none.
+/// The sensors of a world, created if there are none.
 Sensors& sensors_of(World& world);
-/// The same, or nothing.
+/// The same, or null.
 Sensors* find_sensors(World& world);
 const Sensors* find_sensors(const World& world);
 /// Adds a sensor to a world. @return its number  @throws InputError  as Sensors::add
