@@ -19,39 +19,40 @@ namespace brim {
 
 struct BlockSystem;  // brim/math/block_matrix.h
 
-/// How contacts act: by stiff forces, or by rows that no motion may violate (docs/constraint.md).
+/// Contact response: by stiff forces, or by rows that no motion may violate (docs/constraint.md).
 enum class Response { Inherit, Penalty, Constraint };
 
-/// How the surface of a part behaves in contact.
+/// Contact behaviour of a part's surface.
 struct Material {
   std::string name = "default";
   double friction = 0.5;  ///< Coulomb coefficient, [-], >= 0; a pair uses the geometric mean unless overridden
   /// Newton's coefficient e, [-], 0 to 1, for the constraint response; a pair uses the larger unless overridden.
   double restitution = 0.0;
-  Response response = Response::Inherit;  ///< a pair is constrained when either says so, else as the world says
-  /// b, [m], >= 0: torque over load that keeps rigid bodies from rolling; a pair uses the larger unless overridden.
+  Response response =
+      Response::Inherit;  ///< a pair is constrained when either material says so, else by the world's choice
+  /// b, [m], >= 0: lever arm of the rolling resistance of rigid bodies; a pair uses the larger unless overridden.
   double rolling_resistance = 0.0;
 };
 
-/// What contact needs to know of a part besides its density.
+/// Parameters of a part for contact besides its density.
 struct PartInfo {
-  double voxel_size = 0.0;  ///< [m] grid step that fits the part's detail; the world rounds it to h0 2^l
-  double areal_mass = 0.0;  ///< [kg/m²] mass behind a unit of contact surface, for the choice of stiffness; 0 if fixed
-  /// [m] Smallest extent: what is thick may move farther in a sub-step, what is thin is not seen in coarser voxels.
+  double voxel_size = 0.0;  ///< [m] grid step that resolves the part's detail; the world rounds it to h0 2^l
+  double areal_mass = 0.0;  ///< [kg/m²] mass per contact area, for the choice of stiffness; 0 if fixed
+  /// [m] Smallest extent: thick parts may move farther in a sub-step, thin parts are not resolved by coarser voxels.
   double thickness = std::numeric_limits<double>::infinity();
-  /// [Pa] Young's modulus of the matter behind the surface: contact need not be much stiffer than what it presses.
+  /// [Pa] Young's modulus of the material behind the surface: contact need not be much stiffer.
   double modulus = std::numeric_limits<double>::infinity();
   bool conforming =
-      false;  ///< takes the shape of what holds it, as fluids do: contact normals are the other side's own
+      false;  ///< conforms to the other surface, as fluids do: contact normals are those of the other side
   Material material;
 };
 
-/// What acts on every body from outside.
+/// External actions on all bodies.
 struct Environment {
   Vec3 gravity = Vec3(0, 0, -9.81);  ///< [m/s²]
 };
 
-/// What viewers and files show of a body: its topology is constant, its positions follow the state.
+/// Display geometry of a body for viewers and files: constant topology, positions that follow the state.
 struct Display {
   enum class Kind { Triangles, Lines, Points };
   Kind kind = Kind::Triangles;
@@ -62,46 +63,46 @@ struct Display {
   double radius = 0.0;                             ///< [m] of lines and points
 };
 
-/// A simulated thing with generalised coordinates q and velocities v (paper, section 5). Everything that the world,
-/// contact and the solver know of a body is said here; none of them knows its kind.
+/// A simulated object with generalised coordinates q and velocities v (paper, section 5). This is the whole interface
+/// for the world, contact and the solver; none of them knows the body's kind.
 ///
 /// Order of calls in a sub-step:
-///   prescribe, update             state and prescribed velocities, as the sub-step starts
-///   presence, rasterize, make_map contacts; these are const, and may be called whenever the last update holds
+///   prescribe, update             state and prescribed velocities at the start of the sub-step
+///   presence, rasterize, make_map contacts; these are const, and may be called at any time after an update
 ///   begin_solve                   then add_forces and the other const operators
 ///   prepare_preconditioner        before a solve whose contacts have changed; several solves are usual
 ///   advance, finish_step
-/// A sub-step that moves too far is taken back before it advances, and begins again with prescribe. The speeds by which
-/// its length is chosen, and energies at the end of a step, are asked for after an update alone.
+/// A sub-step that moves too far is undone before it advances, and begins again with prescribe. The speeds that
+/// determine its length, and energies at the end of a step, are queried after an update alone.
 class Body {
  public:
   virtual ~Body() = default;
 
   const std::string& name() const { return name_; }
   void set_name(std::string name) { name_ = std::move(name); }
-  /// The word for this kind in scenes and reports ("rigid", "cloth", ...).
+  /// The keyword of this kind in scenes and reports ("rigid", "cloth", ...).
   virtual std::string_view kind() const = 0;
 
   // ---- state -----------------------------------------------------------------------------------------------------
   virtual std::size_t q_size() const = 0;
   virtual std::size_t v_size() const = 0;
   virtual void initial_state(std::span<double> q, std::span<double> v) const = 0;
-  /// Sets the velocities that are prescribed (fixed and animated directions) so that the body arrives where it must be
-  /// at time + dt. @param q, v  at time
+  /// Sets the prescribed velocities (fixed and animated directions) so that the body reaches its prescribed position at
+  /// time + dt. @param q, v  at time
   virtual void prescribe(double time, double dt, std::span<const double> q, std::span<double> v) const {
     (void)time, (void)dt, (void)q, (void)v;
   }
-  /// Takes the state in: everything below refers to the last update.
+  /// Reads the state: everything below refers to the last update.
   virtual void update(double time, std::span<const double> q, std::span<const double> v) = 0;
   /// q ← q ⊕ dt v on the body's own manifold.
   virtual void advance(double dt, std::span<double> q, std::span<const double> v) const = 0;
-  /// Work of the body's own after the common solve (for example the pressure projection of a fluid).
+  /// The body's own work after the common solve (for example the pressure projection of a fluid).
   virtual void finish_step(double time, double dt, std::span<double> q, std::span<double> v) {
     (void)time, (void)dt, (void)q, (void)v;
   }
 
   // ---- dynamics --------------------------------------------------------------------------------------------------
-  /// Q += Q(q, v): inner and outer forces without contact, [N, N·m], shape (nv).
+  /// Q += Q(q, v): internal and external forces without contact, [N, N·m], shape (nv).
   virtual void add_forces(const Environment& env, std::span<double> Q) const = 0;
   /// y += M x.
   virtual void apply_mass(std::span<const double> x, std::span<double> y) const = 0;
@@ -113,14 +114,14 @@ class Body {
   virtual void begin_solve(double dt) { dt_ = dt; }
   /// y += A x.
   virtual void apply_system(std::span<const double> x, std::span<double> y) const;
-  /// A as sparse 3x3 blocks, after begin_solve, for preconditioners; the kinds that have no such matrix give nothing.
+  /// A as sparse 3x3 blocks, after begin_solve, for preconditioners; empty for kinds without such a matrix.
   /// Tests: tests/body/block_system_test.cpp
   virtual std::optional<BlockSystem> block_system() const;
   /// Sizes of the diagonal blocks of A, in order; they sum to v_size().
   virtual std::vector<int> block_sizes() const = 0;
   /// Adds the diagonal blocks of A. @param first  index of the body's first block in D
   virtual void add_system_diagonal(std::size_t first, BlockDiagonal& D) const = 0;
-  /// An approximate inverse of the body's part of the step, A with its contacts, for the solver: symmetric, positive
+  /// Approximate inverse of the body's part of the system, A plus its contacts, for the solver: symmetric, positive
   /// definite, the same linear map until the next prepare. The default is the inverse of the diagonal blocks.
   /// @param D      diagonal blocks of all bodies, contact included; inverted in precondition, not yet in prepare
   /// @param first  index of the body's first block in D
@@ -128,30 +129,30 @@ class Body {
   virtual void prepare_preconditioner(std::size_t first, const BlockDiagonal& D) { (void)first, (void)D; }
   virtual void precondition(std::size_t first, const BlockDiagonal& D, std::span<const double> r,
                             std::span<double> z) const;
-  /// Sets to zero the directions of x in which the velocity is prescribed (filtered CG, Baraff and Witkin 1998).
+  /// Sets the prescribed directions of x to zero (filtered CG, Baraff and Witkin 1998).
   virtual void filter(std::span<double> x) const { (void)x; }
 
   // ---- contact ---------------------------------------------------------------------------------------------------
   virtual int part_count() const { return 1; }
   virtual PartInfo part(int p) const = 0;
-  /// False for two parts of this body that never touch each other, such as links that a joint connects.
+  /// False for two parts of this body that never touch each other, such as links with a common joint.
   virtual bool parts_collide(int p, int q) const { return p != q; }
-  /// True when no part moves and none can be moved; pairs of two such bodies are skipped.
+  /// True when no part moves or can be moved; pairs of two such bodies are skipped.
   virtual bool immobile() const { return false; }
-  /// Box that holds all matter of the part (without ramp), may be infinite.
+  /// Bounding box of the part (without ramp), may be infinite.
   virtual Aabb bounds(int p) const = 0;
-  /// Velocity with which the part as a whole travels (its mean), [m/s].
+  /// Mean velocity of the part, [m/s].
   virtual Vec3 mean_velocity(int p, std::span<const double> v) const = 0;
-  /// Largest speed of any matter of the part relative to mean_velocity(p, v), [m/s]; an upper bound.
+  /// Upper bound of the speed of the part's material relative to mean_velocity(p, v), [m/s].
   virtual double relative_speed_bound(int p, std::span<const double> v) const = 0;
-  /// Tiles of step h whose block (halo included) may hold density of the part, within the region: never too few.
+  /// Tiles of step h in the region whose block (halo included) may hold density of the part; none may be missing.
   /// @param w    [m] ramp width
   /// @param out  appended to; order and repetition do not matter
   virtual void presence(int p, double h, double w, const Aabb& region, std::vector<TileKey>& out) const = 0;
-  /// Writes the part's density on the given tiles; out says which octants of each will be looked at (DensityBlock).
+  /// Writes the part's density on the given tiles; out contains the requested octants of each (DensityBlock).
   virtual void rasterize(int p, double h, double w, std::span<const TileKey> tiles,
                          std::span<DensityBlock> out) const = 0;
-  /// Makes (or refills) the map of the part at the given points, each near the node whose source it was.
+  /// Makes (or refills) the map of the part at the given points, each near the node with the given source.
   virtual void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
                         std::unique_ptr<Map>& map) const = 0;
 
@@ -164,8 +165,8 @@ class Body {
   virtual Vec3 linear_momentum(std::span<const double> v) const = 0;
   /// About the world's origin, [kg m²/s].
   virtual Vec3 angular_momentum(std::span<const double> v) const = 0;
-  /// The generalised velocities of the rigid motion u(x) = t + w × x of all matter, for measuring resultants:
-  /// v·Q is then the power of the forces Q in that motion. @return false when the body has no such motion
+  /// Generalised velocities of the rigid motion u(x) = t + w × x of the whole body, for measuring resultants: v·Q is
+  /// then the power of the forces Q in that motion. @return false when the body has no such motion
   virtual bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const {
     (void)t, (void)w, (void)v;
     return false;

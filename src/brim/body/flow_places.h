@@ -6,13 +6,13 @@
 
 namespace brim {
 
-/// Optional interface of bodies whose matter moves through places that stay, as a fluid on a grid does: velocity i is
-/// along axis i modulo 3 at a place of its own. A region is then one of space, and what is in it at the time is meant.
+/// Optional interface of bodies whose matter flows through fixed places, as a fluid on a grid does: velocity i is along
+/// axis i modulo 3 at a place of its own. A region then means the fluid inside it at the time.
 /// Tests: tests/world/wind_test.cpp
 class FlowPlaces {
  public:
   virtual ~FlowPlaces() = default;
-  /// Of each velocity, [m]; shape (v_size()).
+  /// [m] place of each velocity; shape (v_size()).
   virtual void velocity_places(std::span<Vec3> x) const = 0;
 };
 

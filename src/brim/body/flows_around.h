@@ -7,32 +7,31 @@
 
 namespace brim {
 
-/// Optional interface of fluids on a grid that flow through what solids leave of its cells (immersed bodies: Batty,
-/// Bertails and Bridson 2007). No wet cell gains or loses volume,
+/// Optional interface of fluids on a grid that flow through the space left by solids in its cells (immersed bodies:
+/// Batty, Bertails and Bridson 2007). Every wet cell conserves volume,
 ///   D v = Σ_f ± dx² ((1 − α_f) v_f + Σ_s α_fs (J_s v_s)·e_f) = 0
-/// with α_fs the share of the cube about face f that is solid s. So the pressure of the common solve pushes fluid and
-/// solids, and their momentum is exact: D has both, and Dᵀ gives each what the other does not take.
+/// with α_fs the fraction of the cube about face f taken by solid s. The pressure of the common solve pushes fluid and
+/// solids, and momentum is exact: D contains both, and Dᵀ gives them opposite impulses.
 class FlowsAround {
  public:
   virtual ~FlowsAround() = default;
 
   virtual const MacGrid& flow_grid() const = 0;
-  /// False for what is too thin to be seen as a share of cells, and what the fluid sticks to: that meets it by contact.
+  /// False for parts too thin for volume fractions, and for parts that the fluid sticks to: these meet it by contact.
   virtual bool flows_around(const PartInfo& other) const = 0;
 
-  /// Takes in what solids leave, after update.
-  /// @param octant  share that is solid of each eighth of a cell, more than 1 counting as 1, shape (2 nx, 2 ny, 2 nz),
-  /// x fastest; empty:
-  ///                there are none, and the fluid solves its pressure by itself
-  /// @param v       [m/s] of the body: keeps its momentum where masses of faces change; or empty
+  /// Sets the solids, after update.
+  /// @param octant  solid fraction of each eighth of a cell, values above 1 count as 1, shape (2 nx, 2 ny, 2 nz), x
+  ///                fastest; empty: no solids, and the fluid solves its pressure by itself
+  /// @param v       [m/s] of the body: changed to keep its momentum where face masses change; or empty
   virtual void set_solids(std::span<const float> octant, std::span<double> v) = 0;
 
-  /// True while that holds of what the body was updated to.
+  /// True while set_solids is valid for the last update.
   virtual bool has_taken_solids() const = 0;
 
-  // ---- of the solve, after prepare_preconditioner; cells that are not wet count for nothing
+  // ---- of the solve, after prepare_preconditioner; cells that are not wet are ignored
   virtual bool is_wet(int cell) const = 0;
-  /// Share of face f that is fluid, [0, 1]; 0 where it is closed.
+  /// Fluid fraction of face f, [0, 1]; 0 when it is closed.
   virtual double open_share(int face) const = 0;
   /// out_c = D_f u of wet cells, [m³/s]; others are left alone.
   virtual void add_flow(std::span<const double> u, std::span<double> out) const = 0;
@@ -40,10 +39,10 @@ class FlowsAround {
   virtual void add_push(std::span<const double> pressure, std::span<double> impulse) const = 0;
   /// z = M⁻¹ r of free faces, zero elsewhere.
   virtual void divide_by_mass(std::span<const double> r, std::span<double> z) const = 0;
-  /// y = D_f M⁻¹ D_fᵀ x, and z about its inverse of r; symmetric.
+  /// y = D_f M⁻¹ D_fᵀ x, and z ≈ its inverse times r; symmetric.
   virtual void apply_poisson(std::span<const double> x, std::span<double> y) = 0;
   virtual void invert_poisson(std::span<const double> r, std::span<double> z) = 0;
-  /// Takes the pressure that the solve has found, [Pa s] per cell.
+  /// Sets the pressure found by the solve, [Pa s] per cell.
   virtual void take_pressure(std::span<const double> pressure) = 0;
 };
 

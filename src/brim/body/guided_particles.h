@@ -5,18 +5,17 @@
 
 namespace brim {
 
-/// Optional interface of bodies of particles whose matter carries tension. The forces of a step are known where it
-/// starts: Q + dt ∂Q/∂q v would turn the tension of what slides along a curve with it, by v dt/R, while the normals of
-/// what guides it, found at the start too, do not turn. The two are then out of balance by T v dt/R per radian, a brake
-/// (docs/numerics.md, Tension along curves). So between particles that are guided the rate at the start counts strain
-/// alone.
+/// Optional interface of bodies of particles under tension. Forces are evaluated at the start of a step: Q + dt ∂Q/∂q v
+/// would rotate the tension of matter sliding along a curve by v dt/R, while the normals of the guiding surface, also
+/// from the start, do not rotate. The imbalance T v dt/R per radian acts as a brake (docs/numerics.md, Tension along
+/// curves). So between guided particles the rate at the start includes strain only.
 class GuidedParticles {
  public:
   virtual ~GuidedParticles() = default;
-  /// Of the coming step; the next update forgets it. @param guided  nonzero for particles that lie on something fixed,
+  /// For the coming step; the next update clears it. @param guided  nonzero for particles that lie on a fixed part,
   /// shape (particles)
   virtual void set_guided(std::span<const std::uint8_t> guided) = 0;
-  /// y += (∂Q/∂q) x, less what only turns tension between guided particles. @param x  [m/s]  @param y  [N/s]
+  /// y += (∂Q/∂q) x, without the rotation of tension between guided particles. @param x  [m/s]  @param y  [N/s]
   virtual void apply_start_stiffness(std::span<const double> x, std::span<double> y) const = 0;
 };
 

@@ -6,8 +6,8 @@
 
 namespace brim {
 
-/// Optional interface of bodies that take forces from outside besides gravity, along their own velocities. They are set
-/// between steps and act in every sub-step, as gravity does, until they are set again.
+/// Optional interface of bodies that accept external forces besides gravity, along their own velocities. Set between
+/// steps, they act in every sub-step, like gravity, until set again.
 /// Tests: tests/body/outer_forces_test.cpp
 class OuterForces {
  public:

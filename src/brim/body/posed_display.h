@@ -8,9 +8,9 @@
 namespace brim {
 
 /// Optional interface of bodies whose display moves in rigid pieces. The display's vertices are those of the pieces'
-/// surfaces, piece after piece, each at
+/// surfaces, concatenated, each at
 ///   x = R_i r + t_i,   r: vertex of piece i in its shape's frame, (R_i, t_i): its pose in the last updated state
-/// Records keep r once and the poses of every frame, and measures need not visit every vertex.
+/// Records store r once and the poses of every frame, and measures need not visit every vertex.
 /// Tests: tests/record/posed_display_test.cpp
 class PosedDisplay {
  public:
@@ -19,7 +19,7 @@ class PosedDisplay {
   virtual const PosedShape& piece(std::size_t i) const = 0;
 };
 
-/// The body's pieces, or nothing where its display deforms.
+/// The body's pieces, or null when its display deforms.
 const PosedDisplay* posed_display(const Body& body);
 
 /// x = R r + t, rounded to float. @param x  [m], shape (rest.size())

@@ -10,7 +10,7 @@
 
 namespace brim {
 
-/// A solid with its place in the world: what rigid bodies, obstacles and the links of trees have in common.
+/// A solid with its pose in the world: common part of rigid bodies, obstacles and links of trees.
 class PosedShape {
  public:
   /// @param surface  of the solid, for display, shape's frame; may be empty
@@ -18,21 +18,21 @@ class PosedShape {
 
   const Shape& shape() const { return *shape_; }
   const TriMesh& surface() const { return *surface_; }
-  /// Its triangles, which all bodies of this surface share.
+  /// Its triangles, shared by all bodies with this surface.
   SharedList<Triangle> triangles() const { return surface_.list(&TriMesh::triangles); }
   const Pose& pose() const { return pose_; }
-  /// How the shape tells its distances; null where its density is not a ramp of them.
+  /// The shape's distance function; null when its density is not a ramp of a distance.
   const KnownDistance* known_distance() const { return known_; }
-  /// Which shapes are averaged over the ramp: those with detail, for coarse voxels, or all.
+  /// Shapes to average over the ramp: those with detail, for coarse voxels, or all.
   enum class Averaged { Detailed, All };
-  /// The same as the means over balls as wide as the ramp. @param w  [m] ramp width
+  /// The same, averaged over balls as wide as the ramp. @param w  [m] ramp width
   const KnownDistance* known_distance_averaged(double w, Averaged which) const;
   void place(const Pose& pose) { pose_ = pose; }
 
   /// Distance from a point to the farthest corner of the solid's box, [m]; 0 when the box is infinite.
   /// @param center  [m] shape's frame
   double box_reach(const Vec3& center) const;
-  /// The same to the farthest vertex of the surface, which is tighter; to the box without a surface.
+  /// The same to the farthest vertex of the surface, which is tighter; to the box if there is no surface.
   double reach(const Vec3& center) const;
 
   Aabb bounds() const { return shape_->placed_bounds(pose_); }

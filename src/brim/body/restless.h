@@ -2,8 +2,8 @@
 
 namespace brim {
 
-/// Optional interface of bodies that may begin to move without being touched, as fluids and driven joints do: while
-/// they are restless they never sleep (WorldOptions::sleep). What is prescribed (Body::prescribe) wakes by itself.
+/// Optional interface of bodies that may begin to move without being touched, such as fluids and driven joints: while
+/// restless they never sleep (WorldOptions::sleep). Prescribed motion (Body::prescribe) wakes by itself.
 class Restless {
  public:
   virtual ~Restless() = default;

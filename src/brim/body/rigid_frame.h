@@ -4,13 +4,13 @@
 
 namespace brim {
 
-/// Optional interface of bodies whose matter moves as one rigid frame, v = (o', ω) in the world's axes, with
-/// A = diag(m 1, I): contact rows between two of them need no maps, but lever arms and these numbers.
+/// Optional interface of bodies that move as one rigid frame, v = (o', ω) in world axes, with A = diag(m 1, I): contact
+/// rows between two of them need no maps, only lever arms and these numbers.
 class RigidFrame {
  public:
   struct Frame {
     Vec3 center = Vec3::Zero();           ///< [m] o
-    double inverse_mass = 0.0;            ///< [1/kg] of A, damping included; zero where every direction is prescribed
+    double inverse_mass = 0.0;            ///< [1/kg] of A, damping included; zero when prescribed
     Mat3 inverse_inertia = Mat3::Zero();  ///< [1/(kg m²)] likewise
   };
 

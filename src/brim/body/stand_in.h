@@ -4,8 +4,7 @@
 
 namespace brim {
 
-/// A body without coordinates of its own, for what stands in the place of one: nothing of it moves by itself, has mass
-/// or is shown.
+/// A body without coordinates, mass or display, to take the place of another.
 class StandIn : public Body {
  public:
   std::size_t q_size() const override { return 0; }

@@ -7,15 +7,15 @@
 
 namespace brim {
 
-/// Optional interface of bodies whose surface moves otherwise where others touch it: a grid fluid's keeps to what
-/// contact was told there, and follows its matter everywhere else.
+/// Optional interface of bodies whose surface moves differently where touched: a grid fluid's moves there with the
+/// velocity used by contact, and follows its material elsewhere.
 class TouchedSurface {
  public:
   virtual ~TouchedSurface() = default;
-  /// Told once a sub-step, after contacts have been found and before the body is advanced.
-  /// @param points  [m] nodes of its contacts, waiting ones among them; empty: nothing is near
-  /// @param by_fluid  nonzero where it is a fluid that touches: both have no direction along which alone they give way,
-  ///                  and each must take all of a force; shape (points)
+  /// Called once per sub-step, after contacts have been found and before the body advances.
+  /// @param points  [m] nodes of its contacts, inactive ones included; empty: nothing is near
+  /// @param by_fluid  nonzero when the other side is a fluid: then neither side has a single direction of force, and
+  ///                  each must accept any; shape (points)
   virtual void note_contacts(std::span<const Vec3> points, std::span<const std::uint8_t> by_fluid) = 0;
 };
 

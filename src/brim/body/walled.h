@@ -6,16 +6,16 @@
 
 namespace brim {
 
-/// What a body also is when it has walls of its own that no other body knows, such as the box of a grid.
+/// Optional interface of bodies with walls of their own that no other body sees, such as the box of a grid.
 class Walled {
  public:
   virtual ~Walled() = default;
-  /// True when the walls keep the body from moving as a rigid whole: such motions are none of its own.
+  /// True when the walls keep the body from moving as a rigid whole: rigid motions are then not available.
   virtual bool confined() const = 0;
-  /// Told before finish_step: what contact, gravity and other forces gave in this sub-step to all of the body's
-  /// coordinates, walls or not, [N s] (n_v). What acts where walls hold the body, they take.
+  /// Called before finish_step with the impulse of contact, gravity and other forces in this sub-step on all of the
+  /// body's coordinates, walls or not, [N s] (n_v). Walls take the part on coordinates that they hold.
   virtual void note_impulse(std::span<const double> impulse) = 0;
-  /// Momentum that the body took from its walls in its last sub-step, and that left through openings, [N s].
+  /// Momentum that the body received from its walls in its last sub-step, and that left through openings, [N s].
   virtual Vec3 wall_impulse() const = 0;
 };
 

@@ -14,11 +14,11 @@
 
 namespace brim {
 
-/// Links joined to a tree, in the coordinates of its joints (JointKind says how many each has), link after link. Every
-/// solid on a link is a part. Links that a joint connects never touch each other.
+/// Links connected to a tree, in the coordinates of its joints (JointKind gives their numbers), link after link. Every
+/// solid on a link is a part. Links connected by a joint never touch each other.
 ///
-/// The forces of the common solve are weight, drives, limits, damping and friction; what turning links do to each other
-/// (Coriolis and centrifugal terms) acts in finish_step, where the tree moves freely for the step (TreeFlow).
+/// The common solve handles weight, drives, limits, damping and friction; Coriolis and centrifugal terms act in
+/// finish_step, where the tree moves freely for the step (TreeFlow).
 class ArticulatedBody final : public Body,
                               public DistanceBound,
                               public PosedDisplay,
@@ -27,7 +27,7 @@ class ArticulatedBody final : public Body,
                               public Movable,
                               public MovableBase {
  public:
-  /// @throws InputError for what Tree refuses, and for a joint that moves nothing with mass
+  /// @throws InputError as Tree does, and for a joint that moves no mass
   explicit ArticulatedBody(ArticulatedModel model);
 
   std::string_view kind() const override { return "articulated"; }
@@ -35,10 +35,10 @@ class ArticulatedBody final : public Body,
   std::size_t v_size() const override { return tree_.v_size(); }
   void initial_state(std::span<double> q, std::span<double> v) const override;
   void update(double time, std::span<const double> q, std::span<const double> v) override;
-  /// Along straight joint coordinates; finish_step replaces it by the free motion, and keeps what is not along v.
+  /// Along straight joint coordinates; finish_step replaces it by the free motion, and keeps displacements not along v.
   void advance(double dt, std::span<double> q, std::span<const double> v) const override { tree_.move(dt, v, q); }
   void finish_step(double time, double dt, std::span<double> q, std::span<double> v) override;
-  /// The free root takes all links along: its coordinates are the first, and the world's own.
+  /// The free root carries all links: its coordinates are the first, in the world frame.
   void move(const Pose& by, std::span<double> q, std::span<double> v) const override { move_frame(by, q, v); }
   const char* bound() const override { return tree_.floating() ? "" : "is fixed to the world by its base"; }
   const char* refuses_turn(const Mat3&) const override {
@@ -52,10 +52,10 @@ class ArticulatedBody final : public Body,
   void apply_damping(std::span<const double> x, std::span<double> y) const override;
   void begin_solve(double dt) override;
   void apply_system(std::span<const double> x, std::span<double> y) const override;
-  /// One block per joint that moves.
+  /// One block per movable joint.
   std::vector<int> block_sizes() const override { return tree_.block_sizes(); }
   void add_system_diagonal(std::size_t first, BlockDiagonal& D) const override;
-  /// The exact inverse of A with the contacts of each link by themselves: the articulated-body algorithm.
+  /// Exact inverse of A plus the contacts of each link taken separately: the articulated-body algorithm.
   void prepare_preconditioner(std::size_t first, const BlockDiagonal& D) override;
   void precondition(std::size_t first, const BlockDiagonal& D, std::span<const double> r,
                     std::span<double> z) const override;
@@ -89,7 +89,7 @@ class ArticulatedBody final : public Body,
   std::size_t piece_count() const override { return parts_.size(); }
   const PosedShape& piece(std::size_t i) const override { return parts_[i].solid; }
 
-  /// Where a joint has a motor.
+  /// True when a joint has a motor.
   bool restless() const override { return joints_.driven(); }
 
   const Tree& tree() const { return tree_; }
@@ -104,8 +104,8 @@ class ArticulatedBody final : public Body,
     int link;
     Pose local;  ///< from the shape's to the link's frame
     PartInfo info;
-    Vec3 middle;       ///< [m] of its box, link's frame: what carries it
-    double reach = 0;  ///< [m] farthest matter from there
+    Vec3 middle;       ///< [m] centre of its box, link's frame: its velocity is the part's mean
+    double reach = 0;  ///< [m] distance of the farthest point from there
     std::size_t first_vertex = 0;
   };
   struct Scratch {
@@ -125,7 +125,7 @@ class ArticulatedBody final : public Body,
   Display display_;
   std::vector<double> start_q_, start_v_;
   bool self_collision_;
-  std::vector<int> group_;                  ///< of each link: links with fixed joints between them are one
+  std::vector<int> group_;                  ///< per link: links connected by fixed joints form a group
   std::vector<std::pair<int, int>> apart_;  ///< groups that never touch, sorted
   std::unique_ptr<TreeContact> contact_ = std::make_unique<TreeContact>();  ///< written by the maps
   mutable WorkspacePool<Scratch> scratch_;

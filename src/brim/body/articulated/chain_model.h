@@ -4,7 +4,7 @@
 
 namespace brim {
 
-/// A chain of equal capsules along +x, each joined to the one before at its end.
+/// A chain of equal capsules along +x, each connected to the end of the one before.
 struct ChainOptions {
   int links = 10;
   double length = 0.1;                ///< [m] from joint to joint
@@ -12,18 +12,18 @@ struct ChainOptions {
   double density = 1000.0;            ///< [kg/m³]
   JointKind joint = JointKind::Ball;  ///< Ball or Revolute
   Vec3 axis = Vec3(0, 1, 0);          ///< of Revolute
-  bool alternate = false;             ///< every second axis turned by 90° about the chain, as in a roller chain
-  bool floating = false;              ///< nothing holds its first link; else a joint does
+  bool alternate = false;             ///< every second axis rotated by 90° about the chain, as in a roller chain
+  bool floating = false;              ///< the first link is free; else a joint holds it
   Vec3 position = Vec3::Zero();       ///< [m] of the chain's start
   Quat rotation = Quat::Identity();
   Vec3 velocity = Vec3::Zero();          ///< [m/s] of a floating chain's start
   Vec3 angular_velocity = Vec3::Zero();  ///< [rad/s]
-  /// Limits, damping, friction and drive of every joint; its place, kind and axis are ignored.
+  /// Limits, damping, friction and drive of every joint; its position, kind and axis are ignored.
   JointModel each;
   PartInfo part;  ///< areal_mass and thickness are set from the links
 };
 
-/// @throws InputError for sizes that make no chain
+/// @throws InputError for invalid sizes
 ArticulatedModel chain_model(const ChainOptions& options);
 
 }  // namespace brim

@@ -6,18 +6,18 @@
 
 namespace brim {
 
-/// Drives, limits, damping and dry friction of all joints, with derivatives that an implicit step may use.
+/// Drives, limits, damping and dry friction of all joints, with derivatives for an implicit step.
 ///   drive     τ = s (kp (target − q) + kd (target' − q')),  s = min(1, force_limit / |τ at s = 1|)
 ///   limit     τ = −k (q − upper) beyond upper, likewise below lower; it already acts when q + dt q' is beyond
 ///   damping   τ = −d q'
-///   friction  τ = −f q' / max(|q'|, ε),  ε = 0.01 f dt / m: a hundredth of what friction stops in a step
-/// m is the inertia that the joint feels. A ball joint has them along its rotation vector from rest.
+///   friction  τ = −f q' / max(|q'|, ε),  ε = 0.01 f dt / m: a hundredth of the speed that friction stops in a step
+/// m is the inertia felt by the joint. For a ball joint they act along its rotation vector from rest.
 class JointForces {
  public:
   explicit JointForces(const ArticulatedModel& model);
 
-  /// Takes the state in. @param time  [s] at which drives are to be met, the end of the step
-  /// @param dt  [s] of the step ahead, 0 when none is @param mass  of TreeInverse::pivot
+  /// Reads the state. @param time  [s] for which drive targets are evaluated, the end of the step
+  /// @param dt  [s] of the step ahead, 0 for none @param mass  from TreeInverse::pivot
   void update(const Tree& tree, double time, double dt, std::span<const double> q, std::span<const double> v,
               const TreeInverse& mass);
 
@@ -30,12 +30,12 @@ class JointForces {
   void add_system(const Tree& tree, double dt, std::span<const double> x, std::span<double> y) const;
   /// dt C + dt² K of one link's joint.
   Mat3 system(std::size_t link, double dt) const { return dt * term_[link].C + dt * dt * term_[link].K; }
-  /// Energy of drives within their force limit, and of limits, [J].
+  /// Energy of limits and of drives within their force limit, [J].
   double energy() const { return energy_; }
 
-  /// Drive of a joint, by its link's number; to be changed between steps.
+  /// Drive of a joint, by its link's number; may be changed between steps.
   JointDrive& drive(std::size_t link) { return joint_[link].drive; }
-  /// True when some joint has a drive that acts.
+  /// True when some joint has an active drive.
   bool driven() const {
     return std::any_of(joint_.begin(), joint_.end(),
                        [](const Joint& j) { return j.drive.stiffness > 0.0 || j.drive.damping > 0.0; });

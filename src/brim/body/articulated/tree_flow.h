@@ -4,12 +4,12 @@
 
 namespace brim {
 
-/// The motion of a tree that nothing acts on: M(q) v' + C(q, v) = 0, over a time. Kinetic energy is an invariant, and
-/// so is the momentum of a floating tree. Forces act before it, as impulses, so that one step of a pendulum is
-/// symplectic (Lie-Trotter splitting) and velocity products of fast links never meet the linear solve.
+/// Force-free motion of a tree over a time: M(q) v' + C(q, v) = 0. Kinetic energy is an invariant, and so is the
+/// momentum of a floating tree. Forces act before it, as impulses, so that one step of a pendulum is symplectic
+/// (Lie-Trotter splitting) and velocity products of fast links never enter the linear solve.
 ///
-/// Fourth-order Runge-Kutta, in as many pieces as it takes until kinetic energy is kept to kEnergyTolerance (64 at
-/// most); then a floating tree's momentum is restored to rounding, and energy is never let grow.
+/// Fourth-order Runge-Kutta, with as many pieces as needed to keep kinetic energy to kEnergyTolerance (at most 64);
+/// then a floating tree's momentum is restored to rounding, and any growth of energy is removed.
 /// Tests: tests/body/tree_flow_test.cpp
 class TreeFlow {
  public:
@@ -19,7 +19,7 @@ class TreeFlow {
   /// @param q, v  moved in place @return the number of pieces
   int run(const Tree& tree, double dt, std::span<double> q, std::span<double> v);
 
-  /// Takes a tree along a way that is no velocity. Joint velocities stay; a floating tree keeps its momentum and its
+  /// Displaces a tree without changing velocities. Joint velocities stay; a floating tree keeps its momentum and its
   /// spin about its centre of mass.
   /// @param way  in the coordinates of v  @param q, v  moved in place
   void shift(const Tree& tree, std::span<const double> way, std::span<double> q, std::span<double> v);
@@ -29,7 +29,7 @@ class TreeFlow {
   /// rate_ = −M⁻¹ C at (stage_q_, stage_v_)
   void acceleration(const Tree& tree);
   double kinetic_energy(const Tree& tree, std::span<const double> q, std::span<const double> v);
-  /// [m] as placed last
+  /// [m] at the last placement
   Vec3 center_of_mass(const Tree& tree) const;
   void restore_momentum(const Tree& tree, const Vec6& wanted, const Vec3& point);
 

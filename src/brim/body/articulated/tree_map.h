@@ -5,8 +5,8 @@
 
 namespace brim {
 
-/// What the contacts of a tree's links resist: JᵀKJ of each link at its origin, left by the maps when they make the
-/// block diagonal and taken by the tree's own preconditioner. The blocks of the joints alone would lose it.
+/// Contact stiffness of a tree's links, Jᵀ K J of each link at its origin: written by the maps when they make the block
+/// diagonal, read by the tree's preconditioner. The blocks of single joints do not contain it.
 struct TreeContact {
   std::vector<Mat6> inertia;  ///< [kg, kg m, kg m²], shape (links)
 };
@@ -17,20 +17,20 @@ struct TreeContact {
 /// Costs O(path + points).
 class TreeMap final : public Map {
  public:
-  /// @param contact  where add_block_diagonal leaves the link's share; may be null
+  /// @param contact  receives the link's share from add_block_diagonal; may be null
   void reset(const Tree& tree, const TreePose& pose, int link, std::span<const Vec3> points, TreeContact* contact);
 
   std::size_t points() const override { return arm_.size(); }
   void apply(std::span<const double> v, std::span<Vec3> u) const override;
   void apply_transpose(std::span<const Vec3> f, std::span<double> Q) const override;
-  /// Arms, axes and origins of the joints turn with what they hang on.
+  /// Arms, axes and origins of the joints rotate with the links they are attached to.
   void add_geometric(std::span<const Vec3> f, std::span<const double> dq, std::span<double> Q) const override;
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
 
  private:
   struct Joint {
     std::size_t v0;  ///< row in v
-    int column;      ///< in J_
+    int column;      ///< index in J_
     int dof, block;
     Vec3 offset;  ///< [m] of its origin from the link's
   };

@@ -17,9 +17,9 @@ namespace brim {
 ///                       2006, section 3)
 ///   curved rest shape   E = ½ B |e|²/(A₁+A₂) (θ − θ⁰)²,  θ: dihedral angle (Grinspun et al., Discrete shells, 2003);
 ///                       stiffness k ∇θ ∇θᵀ without the curvature of θ, hence positive semi-definite
-/// The quadratic form is taken when no rest angle exceeds 1e-6 rad. Both papers have 3/(A₁+A₂); a third of it gives a
-/// rolled sheet the energy of a plate, ½ B ∫ κ² dA, on square and on equilateral meshes (for these it is the constant
-/// of Seung and Nelson, Defects in flexible membranes with crystalline order, 1988).
+/// The quadratic form is used when no rest angle exceeds 1e-6 rad. Both papers have 3/(A₁+A₂); a third of it gives a
+/// rolled sheet the energy of a plate, ½ B ∫ κ² dA, on square and on equilateral meshes (for the latter it is the
+/// constant of Seung and Nelson, Defects in flexible membranes with crystalline order, 1988).
 class BendingElements {
  public:
   /// @param B  bending stiffness [N·m], >= 0
@@ -39,9 +39,9 @@ class BendingElements {
     double stiffness;  // B/(A1+A2), times |e|² for angles
     double weight[4];  // c_i, flat only
     double angle;      // θ⁰
-    double size2;      // (A1 + A2)², below which a folded-away triangle is left alone
+    double size2;      // (A1 + A2)², scale below which a collapsed triangle is skipped
   };
-  /// Dihedral angle and its gradient; false where a triangle has collapsed.
+  /// Dihedral angle and its gradient; false when a triangle has collapsed.
   static bool angle(std::span<const Vec3> x, const std::int32_t* n, double size2, double& theta, Vec3 gradient[4]);
 
   bool flat_ = true;

@@ -6,7 +6,7 @@
 
 namespace brim {
 
-/// What a sheet is made of.
+/// Material and options of a sheet.
 struct ClothOptions : ParticleOptions {
   double areal_density = 0.2;  ///< [kg/m²]
   double thickness = 0.01;     ///< [m] for contact only; the voxel size follows it (thickness / 2)
@@ -14,10 +14,10 @@ struct ClothOptions : ParticleOptions {
   double bending = 1e-5;  ///< B [N·m], >= 0 (E t³ / (12 (1 − ν²)) for a homogeneous plate)
 };
 
-/// Cloth, paper or shell: triangles with membrane and bending stiffness (docs/bodies/cloth.md). A flat rest shape bends
-/// by the quadratic model, a curved one keeps its rest angles.
+/// Cloth, paper or shell: triangles with membrane and bending stiffness (docs/bodies/cloth.md). A flat rest shape uses
+/// the quadratic bending model, a curved one keeps its rest angles.
 /// Contact: density of a slab of the given thickness (raster_triangles) with shell weights, exact in linear and angular
-/// momentum. A sheet wants a thickness of two voxels.
+/// momentum. The thickness should be at least two voxels.
 /// Tests: tests/body/cloth_body_test.cpp
 class ClothBody final : public ParticleBody {
  public:

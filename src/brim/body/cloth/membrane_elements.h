@@ -11,7 +11,7 @@
 
 namespace brim {
 
-/// Resistance of a sheet to stretch and shear in its plane, orthotropic (warp and weft), per metre of width.
+/// Membrane stiffness of a sheet, orthotropic (warp and weft), per metre of width.
 struct MembraneMaterial {
   double young = 1000.0;      ///< [N/m] along the warp, E1 > 0 (Young's modulus times thickness)
   double young_weft = 0.0;    ///< [N/m] across, E2; 0: as the warp
@@ -23,15 +23,15 @@ struct MembraneMaterial {
   struct Moduli {
     double c11, c22, c12, g;
   };
-  /// @throws InputError  when a modulus is not positive or the material would give energy
+  /// @throws InputError  when a modulus is not positive or the material is not stable (could release energy)
   Moduli moduli() const;
 };
 
 /// Constant-strain triangles in space, St. Venant and Kirchhoff's law:
 ///   F = Σ_i x_i g_iᵀ (3x2),  E = (FᵀF − I)/2,  S = C : E,  energy = A S:E/2
 ///   f_i = −A F S g_i,   K_ij = A [ (g_iᵀ S⁺ g_j) I + F D_ij Fᵀ ],   D_ij(a,b) = C_acbd g_i(c) g_j(d)
-/// S⁺ is S without its compression: the stiffness is then positive semi-definite, exact in tension, and a compressed
-/// sheet buckles freely. The law softens when compressed below 1/√3 of its length.
+/// S⁺ is S without its compressive part: the stiffness is then positive semi-definite, exact in tension, and a
+/// compressed sheet buckles freely. The law softens when compressed below 1/√3 of its length.
 class MembraneElements {
  public:
   /// @throws InputError  when a triangle has no area or names a missing vertex
@@ -40,8 +40,8 @@ class MembraneElements {
   void find_pairs(const BlockMatrix& matrix);
   /// force += −∂E/∂x, stiffness += ∂²E/∂x² with S⁺. Same bits for any number of threads.
   void add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness) const;
-  /// y += G v, the part of the stiffness by which tension turns with triangles all of
-  /// whose vertices are chosen: G_ij = A (g_iᵀ S⁺ g_j) I.
+  /// y += G v, the geometric stiffness (rotation of the tension) of triangles whose vertices are all chosen: G_ij = A
+  /// (g_iᵀ S⁺ g_j) I.
   /// @param x  [m] positions  @param v, y  shape (3 vertices)
   void add_turning(std::span<const Vec3> x, std::span<const double> v, std::span<const std::uint8_t> chosen,
                    std::span<double> y) const;
@@ -49,7 +49,7 @@ class MembraneElements {
 
   std::size_t size() const { return element_.size(); }
   double area() const;
-  /// A third of each triangle's mass to each of its corners, [kg], shape (vertices).
+  /// A third of each triangle's mass at each of its corners, [kg], shape (vertices).
   std::vector<double> lumped_mass(std::size_t vertices, double areal_density) const;
   const std::vector<std::int32_t>& nodes() const { return node_; }
 

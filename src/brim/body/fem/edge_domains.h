@@ -9,12 +9,12 @@
 
 namespace brim {
 
-/// Stiffness of the sixths of a tetrahedron that lie nearest to its edges 01, 02, 03, 12, 13 and 23, over that of the
-/// material, [-]. Nearest: where the weights of the edge's two ends are the largest of the four.
+/// Stiffness of the sixths of a tetrahedron nearest to its edges 01, 02, 03, 12, 13 and 23, relative to that of the
+/// material, [-]. A point is nearest to an edge when the weights of the edge's ends are the largest of the four.
 using EdgeShares = std::array<double, 6>;
 
-/// Domains of edges, whose mean deformation gradient stores energy (edge-based smoothed strain: Liu, Nguyen-Thoi and
-/// Lam 2009, in space Cazes and Meschke 2013): the sixth of every tetrahedron about the edge,
+/// Edge domains, whose mean deformation gradient stores energy (edge-based smoothed strain: Liu, Nguyen-Thoi and Lam
+/// 2009, in space Cazes and Meschke 2013). A domain consists of the sixth of every adjacent tetrahedron about the edge,
 ///   V = Σ_e s_e V_e / 6,   F̄ = Σ_e s_e V_e F_e / 6V = Σ_k x_k ḡ_kᵀ,   ḡ_k = Σ_e s_e V_e g_e,k / 6V
 /// with V_e the volume, s_e the stiffness of its sixth and g_e,k the gradient of corner k's barycentric weight in
 /// tetrahedron e.

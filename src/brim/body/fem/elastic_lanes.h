@@ -6,10 +6,10 @@
 #include "brim/core/simd.h"
 #include "brim/math/svd3.h"
 
-/// The elastic laws for eight deformation gradients at a time: forces in double and stiffness in single precision.
-/// F = R S is taken apart by Newton's iteration X ← (X + X⁻ᵀ)/2 for R (Higham 1986) and Jacobi's for the principal
-/// frame of F Rᵀ; what is nearly flat or turned inside out by svd3. Each has the same bits whatever the others are and
-/// with any instructions. For files with functions that are BRIM_WIDE (TetLanes, SampleLanes).
+/// The elastic laws for eight deformation gradients at a time: forces in double and stiffness in single precision. F =
+/// R S is decomposed by Newton's iteration X ← (X + X⁻ᵀ)/2 for R (Higham 1986) and Jacobi's method for the principal
+/// frame of F Rᵀ; nearly flat or inverted elements use svd3. The bits of an element do not depend on the others or on
+/// the instruction set. For files with BRIM_WIDE functions (TetLanes, SampleLanes).
 namespace brim::elastic_lanes {
 
 inline constexpr int kCount = kWideLanes;
@@ -17,7 +17,7 @@ static_assert(kCount == 2 * kLanes);
 
 /// det F over |F|³ below which an element is too flat for Newton's iteration.
 inline constexpr double kFlat = 0.02;
-/// Change of an entry of R after which the next iteration would change the last bit: its square is below it.
+/// Change of an entry of R at which the iteration ends: the next change, its square, is below the last bit.
 inline constexpr double kSettled = 1e-8;
 inline constexpr int kMostIterations = 12;
 inline constexpr int kJacobiSweeps = 4;
@@ -47,7 +47,7 @@ BRIM_INLINE bool any(const Flags& flags) {
 
 BRIM_INLINE Lanes absolute(const Lanes& x) { return x < 0.0 ? -x : x; }
 
-/// R of F = R S, proper also where F is not.
+/// R of F = R S, proper also when F is inverted.
 BRIM_INLINE void nearest_rotation(const Mat3L& F, Mat3L& R) {
   Mat3L C;
   cofactor(F, C);
@@ -58,7 +58,7 @@ BRIM_INLINE void nearest_rotation(const Mat3L& F, Mat3L& R) {
   LaneFlags hard = ~((det > 0.0) & (det * det > kFlat * kFlat * n * n * n));
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) R[r][c] = hard ? (r == c ? Lanes{} + 1.0 : Lanes{}) : F[r][c];
-  // An element that has settled stays, so that its bits do not depend on the others.
+  // A converged element no longer changes, so that its bits do not depend on the others.
   LaneFlags moving = ~hard;
   for (int k = 0; k < kMostIterations && any(moving); ++k) {
     cofactor(R, C);
@@ -107,7 +107,7 @@ BRIM_INLINE void stress(ElasticLaw law, const Lame& lame, const Mat3L& F, const 
     for (int c = 0; c < 3; ++c) P[r][c] = shear * F[r][c] + bulk * C[r][c];
 }
 
-/// Turns coordinates p and q so that S(p, q) vanishes; Q takes the same turn.
+/// Rotates coordinates p and q so that S(p, q) vanishes; Q gets the same rotation.
 BRIM_INLINE void jacobi(Mat3W& S, Mat3W& Q, int p, int q) {
   const WideFloats off = 2.0f * S[p][q], gap = S[q][q] - S[p][p];
   WideFloats root = gap * gap + off * off, c, s;
@@ -141,7 +141,7 @@ struct PrincipalLanes {
 
 BRIM_INLINE WideFloats positive(const WideFloats& x) { return x > 0.0f ? x : WideFloats{}; }
 
-/// Clamps those matrices that are not positive definite.
+/// Clamps the matrices that are not positive definite.
 BRIM_INLINE void clamp(Mat3W& A) {
   const WideFloats m2 = A[0][0] * A[1][1] - A[0][1] * A[0][1];
   Mat3W C;
@@ -220,7 +220,7 @@ BRIM_INLINE WideFloats narrow(const double* x) {
   return f;
 }
 
-/// Energy density of the corotational law. @param R  of F
+/// Energy density of the corotational law. @param R  rotation of F
 BRIM_INLINE Lanes turned_density(const Lame& lame, const Mat3L& F, const Mat3L& R) {
   Lanes trace = Lanes{} - 3.0, gap = {};
   for (int r = 0; r < 3; ++r)
@@ -250,13 +250,13 @@ BRIM_INLINE Lanes density(ElasticLaw law, const Lame& lame, const Mat3L& F) {
   return 0.5 * n.mu * (ic - 3.0 - log) + 0.5 * n.lambda * (volume * volume - rest * rest);
 }
 
-/// ∂P/∂F of eight elements in their principal frames, and what turns blocks and gradients: K = Q B Qᵀ, a = W g.
+/// ∂P/∂F of eight elements in their principal frames, with the transforms of blocks and gradients: K = Q B Qᵀ, a = W g.
 struct PrincipalFrame {
   PrincipalLanes response;
   Mat3W Q, W;
 };
 
-/// @param rotation, left  R and F Rᵀ, by entry
+/// @param rotation, left  R and F Rᵀ, entry by entry
 BRIM_INLINE void principal_frame(ElasticLaw law, const Lame& lame, bool project, const double (&rotation)[3][3][kCount],
                                  const double (&left)[3][3][kCount], const double (&volume)[kCount],
                                  PrincipalFrame& out) {
@@ -279,7 +279,7 @@ BRIM_INLINE void principal_frame(ElasticLaw law, const Lame& lame, bool project,
           Q[0][i] * narrow(rotation[0][j]) + Q[1][i] * narrow(rotation[1][j]) + Q[2][i] * narrow(rotation[2][j]);
 }
 
-/// R and F Rᵀ of one half of the elements, and P.
+/// R and F Rᵀ of one half of the elements, and the stress P.
 BRIM_INLINE void split(ElasticLaw law, const Lame& lame, const Mat3L& F, int at, double (&rotation)[3][3][kCount],
                        double (&left)[3][3][kCount], Mat3L& R, Mat3L& P) {
   nearest_rotation(F, R);

@@ -4,12 +4,12 @@
 
 namespace brim {
 
-/// How a solid answers to deformation F = U diag(s) Vᵀ (isotropic, energy density per rest volume, [J/m³ = Pa]).
+/// Isotropic elastic law for a deformation F = U diag(s) Vᵀ (energy density per rest volume, [J/m³ = Pa]).
 enum class ElasticLaw {
   /// µ |F − R|² + λ/2 (Σs − 3)²: linear stress in stretch, exact rotations; forgiving, recovers from inversion.
   /// (Sifakis and Barbic, FEM simulation of 3D deformable solids, 2012.)
   CorotationalLinear,
-  /// µ'/2 (|F|² − 3) + λ'/2 (det F − α)² − µ'/2 log(|F|² + 1) + const: keeps volume, stiffens, survives inversion.
+  /// µ'/2 (|F|² − 3) + λ'/2 (det F − α)² − µ'/2 log(|F|² + 1) + const: preserves volume, stiffens, survives inversion.
   /// µ' = 4µ/3, λ' = λ + 5µ/6, α = 1 + 3µ'/(4λ') (Smith, de Goes and Kim, Stable neo-Hookean flesh simulation, 2018,
   /// eq. 14, and section 3.4 for the constants).
   StableNeoHookean

@@ -8,14 +8,14 @@
 
 namespace brim {
 
-/// What an elastic solid is made of.
+/// Material and options of an elastic solid.
 struct FemOptions : ParticleOptions {
   double density = 1000.0;  ///< [kg/m³]
   double young = 1e5;       ///< Young's modulus E [Pa]
   double poisson = 0.3;     ///< Poisson's ratio ν [-], in (−1, 0.5); above 0.45 linear tetrahedra lock
   ElasticLaw law = ElasticLaw::CorotationalLinear;
-  /// [-] in [0, 1): share of the energy that the mean F about each edge stores (AveragedElements). Locks less in
-  /// bending; a step costs more. 0: each tetrahedron for itself
+  /// [-] in [0, 1): share of the energy stored by the mean F about each edge (AveragedElements). Reduces locking in
+  /// bending at a higher cost per step. 0: plain linear tetrahedra
   double averaging = 0.0;
   TriMesh display;  ///< fine surface carried by the elements, for viewers only; empty: the boundary itself
 };
@@ -47,7 +47,7 @@ class FemBody final : public ParticleBody {
 
   TetMesh mesh_;
   AveragedElements elements_;
-  std::optional<double> energy_;       ///< of x_, where it came with the forces
+  std::optional<double> energy_;       ///< of x_, if computed with the forces
   std::span<const Triangle> surface_;  // owned by the contact
   std::optional<TetDisplay> shown_;
 };

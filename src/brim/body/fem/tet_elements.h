@@ -16,21 +16,21 @@ namespace brim {
 /// Elastic forces and stiffness of linear tetrahedra.
 ///   F = Σ_i x_i g_iᵀ,  E = Σ_e V_e Ψ(F),  f_i = −V P g_i,  K_ij = V g_iᵀ (∂P/∂F) g_j
 /// with g_i the gradients of the barycentric weights in the rest shape and V the rest volume. ∂P/∂F is projected to be
-/// positive semi-definite in the principal frame, where it is sparse, and turned back block by block. Eight elements
-/// are worked on at a time (TetLanes).
+/// positive semi-definite in the principal frame, where it is sparse, and transformed back block by block. Eight
+/// elements are processed at a time (TetLanes).
 class TetElements {
  public:
   /// @throws InputError  when a tetrahedron has no positive volume or names a missing vertex
   TetElements(const TetMesh& rest, ElasticLaw law, const Lame& lame);
 
-  /// Makes elements stiffer by factors, for good: forces, stiffness and energy are proportional to Young's modulus.
-  /// @param factor  [-] by tetrahedron of the rest mesh, positive; shape (tets)
+  /// Permanently scales the stiffness of elements: forces, stiffness and energy are proportional to Young's modulus.
+  /// @param factor  [-] per tetrahedron of the rest mesh, positive; shape (tets)
   void scale_stiffness(std::span<const double> factor);
-  /// Finds the places of the elements' blocks in a matrix whose pattern holds them.
+  /// Looks up the slots of the elements' blocks in a matrix whose pattern contains them.
   void find_pairs(const BlockMatrix& matrix);
-  /// force += −∂E/∂x, stiffness += ∂²E/∂x². The blocks above the diagonal only:
-  /// the caller closes the matrix. Parallel, same bits for any number of threads. About 0.15 µs an element.
-  /// @return E, [J], where the law gives it along the way
+  /// force += −∂E/∂x, stiffness += ∂²E/∂x², only the blocks above the diagonal: the caller closes the matrix. Parallel,
+  /// same bits for any number of threads. About 0.15 µs per element.
+  /// @return E, [J], if the law gives it as a by-product
   std::optional<double> add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness,
                             bool project = true) const;
   /// E, [J].
@@ -38,17 +38,17 @@ class TetElements {
 
   std::size_t size() const { return volume_.size(); }
   double volume() const;
-  /// A quarter of each element's mass to each of its corners, [kg], shape (vertices).
+  /// A quarter of each element's mass at each of its corners, [kg], shape (vertices).
   std::vector<double> lumped_mass(std::size_t vertices, double density) const;
   /// Corners of all elements in order of evaluation, shape (4 size).
   const std::vector<std::int32_t>& nodes() const { return node_; }
 
  private:
-  /// Lanes of the elements of a chunk that starts at a place; the last lanes of a chunk may repeat its last element.
+  /// Index of the first lanes of a chunk; the last lanes of a chunk may repeat its last element.
   static std::size_t first_lanes(std::size_t place) { return (place + TetLanes::kCount - 1) / TetLanes::kCount; }
   /// Edges of the elements at, at + 1, ... of a chunk that ends at `end`, in lanes.
   void take_edges(std::size_t at, std::size_t end, std::span<const Vec3> x, double edge[3][3][TetLanes::kCount]) const;
-  /// @param energy  of each element, or empty
+  /// @param energy  per element, or empty
   void add_chunk(std::size_t begin, std::size_t end, std::span<const Vec3> x, std::span<Vec3> force,
                  BlockMatrix& stiffness, bool project, std::span<double> energy) const;
 

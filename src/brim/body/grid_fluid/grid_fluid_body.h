@@ -21,7 +21,7 @@
 
 namespace brim {
 
-/// What a grid fluid is made of.
+/// Material, grid and initial state of a grid fluid.
 struct GridFluidModel {
   MacGrid grid;
   std::array<bool, 6> open{};  ///< sides −x, +x, −y, +y, −z, +z of the box through which fluid may leave
@@ -35,12 +35,12 @@ struct GridFluidModel {
 };
 
 /// Incompressible fluid on a staggered grid in a box, with a free surface at zero pressure.
-///   q = level set at the cells, then the volume that is to be kept [m³];   v = face velocities [m/s]
-/// Volume is kept twice. In the common solve: the body's preconditioner maps any impulse to velocities that keep the
-/// volume of every wet cell, so conjugate gradients never leave these, and pressure, contact and all solids are solved
-/// together. After it: the level set is moved, and shifted along its normal by what moving it has lost. It moves with
-/// the matter at the surface; where it is touched with the velocity that contact was told: were they to differ there,
-/// contact would do work on a surface that does not move. The box's closed sides let fluid slip.
+///   q = level set at the cells, then the volume to be kept [m³];   v = face velocities [m/s]
+/// Volume is conserved twice. In the common solve the body's preconditioner maps any impulse to velocities that
+/// conserve the volume of every wet cell, so conjugate gradients stay in that space, and pressure, contact and all
+/// solids are solved together. After it the level set is advected, and shifted along its normal by the volume lost. It
+/// moves with the material at the surface; where touched, with the velocity used by contact: if the two differed,
+/// contact would do work on a surface that does not move. Fluid slips at the box's closed sides.
 class GridFluidBody final : public Body,
                             public Walled,
                             public ChangingSurface,
@@ -50,7 +50,7 @@ class GridFluidBody final : public Body,
                             public FlowsAround,
                             public MovableBase {
  public:
-  /// @throws InputError for a grid without cells, or numbers out of range
+  /// @throws InputError for a grid without cells, or values out of range
   explicit GridFluidBody(GridFluidModel model);
 
   std::string_view kind() const override { return "grid_fluid"; }
@@ -128,30 +128,30 @@ class GridFluidBody final : public Body,
   double volume() const;
   /// [Pa] per cell, found by the last solve; zero in dry cells.
   double pressure(int cell) const { return dt_ > 0.0 ? impulse_[cell] / dt_ : 0.0; }
-  /// Largest flow out of a wet cell over its size, [1/s].
+  /// Largest flow out of a wet cell divided by its size, [1/s].
   double divergence(std::span<const double> v) const;
-  /// Conjugate gradient iterations on the pressure, last prepare until now.
+  /// Conjugate gradient iterations on the pressure since the last prepare.
   int pressure_iterations() const { return pressure_iterations_; }
 
  private:
   void take_level_set(std::span<const double> q);
-  /// Finds what is wet of phi_, and all that follows.
+  /// Finds the wet cells of phi_ and derived data.
   void find_wet();
-  /// Continues phi_ into solids, along which the surface stands upright, and closes what is thinner than half a cell
+  /// Continues phi_ into solids, with the surface perpendicular to theirs, and closes gaps thinner than half a cell
   /// between the two.
   void extend_into_solids();
-  /// Takes what lies within solids out of what contact sees of the fluid: seen_ = max(phi_, depth in solids).
+  /// Removes the inside of solids from the fluid as seen by contact: seen_ = max(phi_, depth in solids).
   void hide_in_solids();
   bool among_solids() const { return !left_.empty(); }
   std::span<const double> seen() const { return among_solids() ? seen_ : phi_; }
-  /// A face weighs as much of its share θ as makes all faces across an axis weigh what the volume does. What θ alone
-  /// leaves out is cells cut by the surface whose centres are dry.
+  /// Sets face masses proportional to their share θ, scaled so that all faces across an axis have the mass of the fluid
+  /// volume. θ alone misses cells that the surface cuts and whose centres are dry.
   void weigh_faces();
-  /// How contact takes the surface's motion.
+  /// SurfaceMotion of contact in a cell.
   SurfaceMotion touched_motion(int cell) const {
     return model_.material.friction == 0.0 && !touched_.has_fluid(cell) ? SurfaceMotion::Slips : SurfaceMotion::Sticks;
   }
-  /// [m³] that leaves through the open sides in a step. phi and v are those of its start and its end.
+  /// [m³] leaving through the open sides in a step. phi is that of its start and v that of its end.
   double leaving(double dt, std::span<const double> phi, std::span<const double> v) const;
 
   GridFluidModel model_;
@@ -162,7 +162,7 @@ class GridFluidBody final : public Body,
   Display display_;
 
   // Of the last update:
-  std::vector<double> taken_, phi_;  ///< level set as it was given, and as solids continue it
+  std::vector<double> taken_, phi_;  ///< level set as given, and as continued into solids
   double volume_ = 0.0;              ///< [m³] to be kept
   WetFaces wet_;
   Aabb bounds_;
@@ -171,22 +171,21 @@ class GridFluidBody final : public Body,
 
   // Of the solve:
   mutable PressureProjection solver_;
-  PressureProjection* acting_ =
-      &projection_;                      ///< the one that is of what is wet now: of the solve, or before and after
-  mutable std::vector<double> impulse_;  ///< [Pa s] pressure, the first guess of the next
+  PressureProjection* acting_ = &projection_;  ///< the one for the present wet cells: of the solve, or before and after
+  mutable std::vector<double> impulse_;        ///< [Pa s] pressure, initial guess of the next solve
   mutable int pressure_iterations_ = 0;
   std::vector<double> mass_;
-  Vec3 wall_impulse_ = Vec3::Zero();  ///< [N s] by the walls, in the last sub-step
-  Vec3 held_ = Vec3::Zero();          ///< [N s] what acted on faces that walls hold, in this one
+  Vec3 wall_impulse_ = Vec3::Zero();  ///< [N s] from the walls, in the last sub-step
+  Vec3 held_ = Vec3::Zero();          ///< [N s] impulses on faces held by walls, in this sub-step
 
   TouchedCells touched_;
 
   // Of the solids in it:
-  std::vector<double> left_;  ///< part of each cell that they leave; empty: there are none
+  std::vector<double> left_;  ///< open fraction of each cell; empty: no solids
   std::vector<double> left_of_face_;
-  std::vector<double> seen_;       ///< phi_ as contact sees it, [m]
-  bool solids_taken_ = false;      ///< since phi_ was last taken
-  std::vector<Vec3> left_moment_;  ///< [m] that part times the way to its centre
+  std::vector<double> seen_;       ///< phi_ as seen by contact, [m]
+  bool solids_taken_ = false;      ///< set since phi_ was last updated
+  std::vector<Vec3> left_moment_;  ///< [m] open fraction times the offset of its centre
 
   // Workspace:
   mutable LevelSet level_;

@@ -10,25 +10,25 @@ namespace brim {
 
 /// Solves symmetric positive (semi-)definite systems with the seven-point pattern of a box of cells (GridMatrix) by
 /// conjugate gradients in double precision, preconditioned with one V-cycle in single precision (GridMultigrid). Cells
-/// with d = 0 take no part. Memory is kept. Same bits for any number of threads.
+/// with d = 0 have no unknown. Memory is kept. Same bits for any number of threads.
 /// Tests: tests/body/grid_poisson_test.cpp
 class GridPoisson {
  public:
-  /// Makes room and sets the matrix to zero; fill finest(), then call finish().
+  /// Allocates and sets the matrix to zero; fill finest(), then call finish().
   void reset(const Vec3i& n) { matrix_.reset(n); }
   GridMatrix& finest() { return matrix_; }
-  /// Takes the matrix and makes the coarse levels.
+  /// Processes the matrix and builds the coarse levels.
   void finish();
 
-  /// @param x          first guess on entry, solution on return
-  /// @param tolerance  of the largest residual, in the units of b
+  /// @param x          initial guess on entry, solution on return
+  /// @param tolerance  for the largest residual, in the units of b
   /// @return number of iterations
   int solve(std::span<const double> b, double tolerance, int max_iterations, std::span<double> x);
 
-  // For solvers that add something to A; values of cells that take no part are neither read nor written.
+  // For solvers that add terms to A; values of cells without unknown are neither read nor written.
   /// y = A x.
   void multiply(std::span<const double> x, std::span<double> y);
-  /// z = one cycle of r: symmetric, positive.
+  /// z = one cycle applied to r: symmetric, positive.
   void cycle(std::span<const double> r, std::span<double> z);
 
  private:

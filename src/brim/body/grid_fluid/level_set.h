@@ -17,14 +17,14 @@ class LevelSet {
   /// ∇φ at a cell by central differences, one-sided at the sides of the box, [-].
   Vec3 gradient(std::span<const double> phi, int i, int j, int k) const;
 
-  /// Makes φ a distance again without moving its zero: cells next to the surface take φ/|∇φ|, the others solve the
-  /// Eikonal equation by fast sweeping (Zhao 2005). O(cells).
+  /// Restores φ to a distance function without moving its zero: cells next to the surface get φ/|∇φ|, the others solve
+  /// the Eikonal equation by fast sweeping (Zhao 2005). O(cells).
   void redistance(std::span<double> phi);
 
-  /// φ ← φ where the matter was a time dt ago (semi-Lagrangian, tricubic). Only within `band` of the surface.
+  /// φ ← φ at the material's position a time dt ago (semi-Lagrangian, tricubic). Only within `band` of the surface.
   /// @param velocity  [m/s] of a cell, whose centre is x: Vec3 velocity(int cell, const Vec3& x), called from any
   /// thread
-  /// @param open      sides of the box (−x, +x, −y, ...) beyond which there is air
+  /// @param open      sides of the box (−x, +x, −y, ...) with air beyond
   template <class Velocity>
   void advect(std::span<double> phi, double dt, double band, const std::array<bool, 6>& open,
               const Velocity& velocity) {
@@ -43,24 +43,24 @@ class LevelSet {
     std::copy(scratch_.begin(), scratch_.end(), phi.begin());
   }
 
-  /// Takes over that the box lies elsewhere. @param origin  [m] its low corner
+  /// Moves the box. @param origin  [m] its low corner
   void set_origin(const Vec3& origin) { grid_.origin = origin; }
 
-  /// Volume inside, [m³]: each cell near the surface counts the part of it behind the plane φ + s + ∇φ·(x − c) = 0.
+  /// Volume inside, [m³]: each cell near the surface counts with the part behind the plane φ + s + ∇φ·(x − c) = 0.
   /// @param s  [m] added to φ  @param area  [m²] of the surface, −dV/ds
-  /// @param left  part of each cell that solids leave, shape (cells); empty: all
+  /// @param left  fraction of each cell not taken by solids, shape (cells); empty: all
   double volume(std::span<const double> phi, double s, double& area, std::span<const double> left = {}) const;
-  /// The part of a cell that is fluid, [0, 1].
+  /// Fluid fraction of a cell, [0, 1].
   double fraction(std::span<const double> phi, int i, int j, int k, double s = 0.0) const;
-  /// Share of a cell that is fluid times the way from the cell's centre to that of its fluid, [m].
+  /// Fluid fraction of a cell times the offset of the fluid's centre from the cell's centre, [m].
   Vec3 moment(std::span<const double> phi, int i, int j, int k) const;
 
-  /// Moves the surface along its normal, by at most `most`, so that the volume becomes the wanted one.
+  /// Moves the surface along its normal, by at most `most`, to the wanted volume.
   /// @return the shift, [m], positive outwards
   double correct_volume(std::span<double> phi, double wanted, double most, std::span<const double> left = {}) const;
 
  private:
-  /// Calls f(share that is fluid, its centre in the cell's own frame [cells]) for each eighth of a cell that has some.
+  /// Calls f(fluid fraction, its centre in the cell's own frame [cells]) for each eighth of a cell with fluid.
   template <class F>
   void for_eighths(std::span<const double> phi, int i, int j, int k, double s, const F& f) const;
   void find_near(std::span<const double> phi);

@@ -18,8 +18,8 @@ namespace brim {
 ///
 ///        v(i,j+1)            cells (i, j, k), 0 <= i < n.x and so on, x fastest
 ///      +----^----+           face (a, i, j, k): the low face of cell (i, j, k) across axis a
-///  u(i)>  p(i,j) >u(i+1)     faces are kept for (n.x+1)(n.y+1)(n.z+1) places, three a place, so that all components
-///      +----^----+           have one numbering; a few of them lie outside of the box and are never used
+///  u(i)>  p(i,j) >u(i+1)     faces are stored for (n.x+1)(n.y+1)(n.z+1) places, three a place, so that all components
+///      +----^----+           have one numbering; a few of them lie outside the box and are never used
 ///         v(i,j)
 struct MacGrid {
   Vec3 origin = Vec3::Zero();  ///< [m] low corner of the box
@@ -32,9 +32,9 @@ struct MacGrid {
   int cell(const Vec3i& c) const { return cell(c.x(), c.y(), c.z()); }
   int face(int a, int i, int j, int k) const { return 3 * (i + (n.x() + 1) * (j + (n.y() + 1) * k)) + a; }
   int face(int a, const Vec3i& c) const { return face(a, c.x(), c.y(), c.z()); }
-  /// Step of the cell number along an axis.
+  /// Stride of the cell number along an axis.
   int cell_stride(int axis) const { return axis == 0 ? 1 : axis == 1 ? n.x() : n.x() * n.y(); }
-  /// Step of the face number along an axis.
+  /// Stride of the face number along an axis.
   int face_stride(int axis) const { return 3 * (axis == 0 ? 1 : axis == 1 ? n.x() + 1 : (n.x() + 1) * (n.y() + 1)); }
   /// Number of faces across axis a along x, y, z.
   Vec3i face_count(int a) const { return n + Vec3i::Unit(a); }
@@ -42,7 +42,7 @@ struct MacGrid {
   Vec3 cell_center(int i, int j, int k) const { return origin + dx * Vec3(i + 0.5, j + 0.5, k + 0.5); }
   Vec3 face_offset(int a) const { return Vec3::Constant(0.5) - 0.5 * Vec3::Unit(a); }
   Vec3 face_position(int a, int i, int j, int k) const { return origin + dx * (Vec3(i, j, k) + face_offset(a)); }
-  /// Cell that x lies in, or the nearest one.
+  /// Cell that contains x, or the nearest one.
   int cell_at(const Vec3& x) const {
     return cell(((x - origin) / dx)
                     .array()
@@ -57,7 +57,7 @@ struct MacGrid {
   bool inside(const Vec3i& c) const { return (c.array() >= 0).all() && (c.array() < n.array()).all(); }
 };
 
-/// Calls f(i, j, k) for all places of a box of counts; parallel over planes, f must write only what belongs to it.
+/// Calls f(i, j, k) for all places of a box of counts; parallel over planes, f may write only data of its own place.
 template <class F>
 void for_places(const Vec3i& count, const F& f) {
   parallel_for(static_cast<std::size_t>(count.z()), [&](std::size_t k) {
@@ -66,10 +66,10 @@ void for_places(const Vec3i& count, const F& f) {
   });
 }
 
-/// Where a coordinate falls between samples 0 .. count−1, held at the ends.
+/// Position of a coordinate between samples 0 .. count−1, clamped at the ends.
 struct SamplePlace {
   int low;   ///< lower sample
-  int step;  ///< to the upper: 1, or 0 when there is but one sample
+  int step;  ///< to the upper one: 1, or 0 when there is only one sample
   double t;  ///< [0, 1]
   BRIM_INLINE SamplePlace(double s, int count) {
     s = std::clamp(s, 0.0, static_cast<double>(count - 1));
@@ -79,7 +79,7 @@ struct SamplePlace {
   }
 };
 
-/// Trilinear value of cell samples at x, held constant outside of the centres.
+/// Trilinear value of cell samples at x, constant beyond the outermost centres.
 BRIM_INLINE double sample_cells(const MacGrid& g, std::span<const double> f, const Vec3& x) {
   const Vec3 s = (x - g.origin) / g.dx - Vec3::Constant(0.5);
   const SamplePlace X(s.x(), g.n.x()), Y(s.y(), g.n.y()), Z(s.z(), g.n.z());
@@ -114,7 +114,7 @@ inline Vec3 sample_velocity(const MacGrid& g, std::span<const double> u, const V
   return Vec3(sample_face(g, u, 0, x), sample_face(g, u, 1, x), sample_face(g, u, 2, x));
 }
 
-/// Where matter at x was a time dt ago, by the midpoint rule.
+/// Position of the material at x a time dt ago, by the midpoint rule.
 inline Vec3 trace_back(const MacGrid& g, std::span<const double> u, const Vec3& x, double dt) {
   const Vec3 middle = x - 0.5 * dt * sample_velocity(g, u, x);
   return x - dt * sample_velocity(g, u, middle);

@@ -8,25 +8,25 @@
 
 namespace brim {
 
-/// Keeps the linear momentum of a fluid whose velocities and surface are carried along by interpolation, which loses
-/// some. Every piece of connected fluid keeps its own: a piece is what hangs together in the cells that were wet before
-/// or are wet after, and all of its faces get the same change of velocity,
+/// Restores the linear momentum of a fluid whose velocities and surface are advected by interpolation, which loses
+/// some. It is restored for every connected piece of fluid: a piece is connected through cells that were wet before or
+/// are wet after, and all of its faces get the same change of velocity,
 ///   v_f += (P − Σ m_f v_f)/Σ m_f      along each axis, P the piece's momentum before, m_f after
-/// What a piece has lost in mass takes its share of P along; that goes to all fluid, as its volume does. Nor does being
-/// carried along give energy: where a piece would have more than before, its velocities are drawn towards their mean,
+/// A piece that lost mass loses the corresponding share of P; that share is distributed over all fluid, as its volume
+/// is. Advection must not add energy either: if a piece has more than before, its velocities are contracted towards
+/// their mean,
 ///   v_f ← u + s (v_f − u)      u = P/Σ m_f, s² = (E − ½ P·u)/(E' − ½ P·u), E before and E' after
-/// All in a fixed order: the same bits always.  Tests: tests/body/momentum_keeper_test.cpp
+/// All in a fixed order, so the bits are reproducible.  Tests: tests/body/momentum_keeper_test.cpp
 class MomentumKeeper {
  public:
-  /// Notes what there is. @param mass  [kg] per face, 0 where dry  @param v  [m/s]
+  /// Stores the state before. @param mass  [kg] per face, 0 where dry  @param v  [m/s]
   void note(const WetFaces& wet, std::span<const double> mass, std::span<const double> v);
-  /// Gives v the momentum that was noted. @param wet, mass, v  after
-  /// @param keep  no fluid may leave: all of its momentum stays
-  /// @return what left with the fluid that did, [N s]
+  /// Gives v the stored momentum. @param wet, mass, v  after
+  /// @param keep  no fluid can leave: all of its momentum stays
+  /// @return momentum of the fluid that left, [N s]
   Vec3 restore(const MacGrid& grid, const WetFaces& wet, std::span<const double> mass, bool keep, std::span<double> v);
-  /// The same where fluid stays in its place and solids come and go: mass that faces lose takes its momentum along, to
-  /// faces of its piece that gain some, which mix it with their own. So no energy is won, as mixing wins none; what was
-  /// noted is that of v.
+  /// The same when the fluid stays and solids appear and disappear: mass lost by faces carries its momentum to faces of
+  /// its piece that gain mass, which mix it with their own. Mixing adds no energy. The stored state is that of v.
   void hand_over(const MacGrid& grid, const WetFaces& wet, std::span<const double> mass, std::span<double> v);
 
  private:
@@ -41,7 +41,7 @@ class MomentumKeeper {
   };
   std::vector<unsigned char> wet_before_;
   std::vector<double> mass_before_, momentum_before_;  ///< per face
-  std::vector<std::int32_t> piece_;                    ///< per cell, −1 where always dry
+  std::vector<std::int32_t> piece_;                    ///< per cell, −1 when always dry
   std::vector<std::int32_t> queue_;
   std::vector<Sum> before_, after_;  ///< per piece
 };

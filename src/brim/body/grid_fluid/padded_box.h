@@ -9,8 +9,8 @@
 
 namespace brim {
 
-/// Places of a box of cells in memory with a cell of air around it, so that kernels need not ask where the box ends and
-/// may work on eight cells of a row at a time: past each row there is a gap whose numbers are zero and stay so.
+/// Layout of a box of cells in memory with one cell of padding around it, so that kernels need no boundary tests and
+/// may process eight cells of a row at a time: the padding after each row holds zeros and is never changed.
 ///
 ///   ........ | row of n.x cells, gap | ... |   rows of a plane, then those of the next; one row and one plane of gaps
 struct PaddedBox {
@@ -18,7 +18,7 @@ struct PaddedBox {
 
   Vec3i n = Vec3i::Zero();
   std::size_t row = 0, plane = 0;  ///< strides along y and z
-  std::size_t size = 0;            ///< numbers of an array, gaps included
+  std::size_t size = 0;            ///< length of an array, padding included
 
   PaddedBox() = default;
   explicit PaddedBox(const Vec3i& cells) : n(cells) {
@@ -30,13 +30,13 @@ struct PaddedBox {
     return kLanes + static_cast<std::size_t>(i) + row * static_cast<std::size_t>(j + 1) +
            plane * static_cast<std::size_t>(k + 1);
   }
-  /// Start of the row in which a place lies, and the row's (j, k).
+  /// Start of the row that contains a place, and the row's (j, k).
   std::size_t row_of(std::size_t place) const { return place - (place - kLanes) % row; }
   std::pair<int, int> place_of(std::size_t first) const {
     const std::size_t r = (first - kLanes) / row, rows = static_cast<std::size_t>(n.y()) + 2;
     return {static_cast<int>(r % rows) - 1, static_cast<int>(r / rows) - 1};
   }
-  /// Calls f(place, cell): the number of a cell in a padded array, and in one without gaps, x fastest.
+  /// Calls f(place, cell): the index of a cell in a padded array, and in one without padding, x fastest.
   template <class F>
   void for_cells(const F& f) const {
     std::size_t c = 0;

@@ -11,23 +11,23 @@
 
 namespace brim {
 
-/// Takes out of a field of impulses what a pressure can resist, so that no wet cell gains or loses volume:
+/// Removes from a field of impulses the part balanced by a pressure, so that every wet cell conserves its volume:
 ///   z = M⁻¹ (r + Dᵀ π),   D z = 0   =>   D M⁻¹ Dᵀ π = −D M⁻¹ r
 /// with π the impulse of the pressure [Pa s], zero in dry cells, D the flow out of each wet cell [m³/s] and M any
-/// positive mass per free face: the inverse of M among the velocities that keep volume, symmetric and positive there.
+/// positive mass per free face: the inverse of M on volume-conserving velocities, symmetric and positive there.
 class PressureProjection {
  public:
   /// @param mass  [kg] per face, > 0 on free faces
   void prepare(const MacGrid& grid, const WetFaces& wet, std::span<const double> mass);
   /// @param r          [N s] per face; only free faces count
-  /// @param tolerance  of the flow that remains out of a cell, over that which the first guess of the pressure leaves:
-  ///                   within a solve, whose right-hand sides shrink while the pressure in them stays, the answers
+  /// @param tolerance  for the remaining flow out of a cell, relative to the flow left by the initial guess of the
+  ///                   pressure: within a solve, whose right-hand sides shrink while their pressure stays, results
   ///                   become exact as they become small
   /// @param z          [m/s], overwritten, zero on all others
-  /// @param pressure   π, [Pa s] per cell: first guess, then solution
+  /// @param pressure   π, [Pa s] per cell: initial guess, then solution
   /// @return number of iterations
   int project(std::span<const double> r, double tolerance, std::span<double> z, std::span<double> pressure);
-  /// What the closed sides of the box push with, [N s]. @param pressure  π, [Pa s] per cell
+  /// Impulse of the closed sides of the box, [N s]. @param pressure  π, [Pa s] per cell
   Vec3 wall_impulse(std::span<const double> pressure) const;
   /// Flow out of each wet cell, D u, [m³/s]; the others are left alone.
   void flow(std::span<const double> u, std::span<double> out) const;
@@ -40,11 +40,11 @@ class PressureProjection {
   double divergence(std::span<const double> u) const;
 
  private:
-  /// A free face, and the wet cells on its two sides; where there is none, a place of pressure zero.
+  /// A free face and the wet cells on its two sides; without one, an index with pressure zero.
   struct Push {
     std::int32_t face, low, high;
     double inverse_mass;  ///< [1/kg]
-    double area;          ///< [m²] that is open
+    double area;          ///< [m²] open area
   };
 
   const MacGrid* grid_ = nullptr;

@@ -7,15 +7,17 @@
 
 namespace brim {
 
-/// Which cells and faces of a grid hold fluid, and how much fluid each face moves.
+/// The cells and faces of a grid that hold fluid, and the amount of fluid each face moves.
 ///   wet cell   φ < 0 at its centre
-///   free face  between a wet cell and another cell, or the air beyond an open side; it can move
+///   free face  between a wet cell and another cell, or the air beyond an open side; may have a velocity
 ///   wall face  between a wet cell and a closed side of the box; its velocity is zero
-///   share θ    of the distance between two centres that is fluid: 1 between two wet cells, φ_in/(φ_in − φ_out) at the
-///              surface, so that the pressure is zero at the surface and not at a centre (Gibou et al. 2002); 1/2 at
-///              sides
-///   open       part of a face that no solid takes; cells all of whose faces are closed are not wet
-/// The mass of a face is in proportion to its share, θ times what is open.
+///   share θ    fraction of the distance between two centres that is fluid: 1 between two wet cells, φ_in/(φ_in −
+///   φ_out)
+///              at the surface, so that the pressure is zero at the surface and not at a centre (Gibou et al. 2002);
+///              1/2
+///              at sides
+///   open       fraction of a face not taken by solids; cells whose faces are all closed are not wet
+/// The mass of a face is proportional to its share, θ times open.
 struct WetFaces {
   enum class Kind : unsigned char { Dry, Free, Wall };
   std::vector<unsigned char> cell;  ///< 1 where wet, shape (cells)
@@ -23,10 +25,10 @@ struct WetFaces {
   std::vector<double> share;        ///< [-], 0 where dry, shape (faces)
   std::vector<double> open;         ///< [-], shape (faces)
   std::size_t wet_cells = 0;
-  bool touches_walls = false;  ///< some face is a wall's
+  bool touches_walls = false;  ///< some face is a wall face
 
-  /// @param open  sides −x, +x, −y, +y, −z, +z beyond which there is air
-  /// @param left  part of a face that solids leave, shape (faces); empty: all
+  /// @param open  sides −x, +x, −y, +y, −z, +z with air beyond
+  /// @param left  fraction of a face not taken by solids, shape (faces); empty: all
   void find(const MacGrid& grid, std::span<const double> phi, const std::array<bool, 6>& open,
             std::span<const double> left = {});
 };

@@ -8,19 +8,19 @@
 
 namespace brim {
 
-/// What a body of springs is made of; the units of density and stiffness are those of a solid, a sheet or a net.
+/// Options of a body of springs; the units of density and stiffness are those of a solid, a sheet or a net.
 struct MassSpringOptions : ParticleOptions {
   double density = 1000.0;  ///< [kg/m³], [kg/m²] of a sheet, [kg/m] of a net
   double stiffness = 1e5;   ///< Y [Pa], [N/m] of a sheet, [N] of a net (SpringMesh)
   double thickness = 0.01;  ///< [m] of a sheet, diameter of the lines of a net; for contact
-  bool slack = false;       ///< springs resist stretch only, as strings do
+  bool slack = false;       ///< springs resist stretch only, like strings
   TriMesh display;          ///< of a solid: fine surface carried by it, for viewers only; empty: the boundary
 };
 
-/// Particles joined by springs (docs/bodies/mass_spring.md): a solid of tetrahedra, a sheet of triangles or a net of
-/// lines, whose edges are the springs. There is no resistance to bending or to a change of volume as such.
+/// Particles connected by springs (docs/bodies/mass_spring.md): a solid of tetrahedra, a sheet of triangles or a net of
+/// lines, whose edges are the springs. There is no separate resistance to bending or change of volume.
 /// Contact (paper, sections 5.2 and 5.4): solids by the band method, sheets by their thickness, nets by the radius of
-/// their lines; exact in linear and angular momentum, but for the spin of the lines of a net about themselves.
+/// their lines; exact in linear and angular momentum, except for the spin of a net's lines about themselves.
 /// Tests: tests/body/mass_spring_body_test.cpp
 class MassSpringBody final : public StrainDampedBody {
  public:

@@ -18,13 +18,13 @@ struct LineMesh {
 /// @throws InputError  when a size is not positive or a count is below 1
 LineMesh square_net(int nx, int ny, double lx, double ly);
 
-/// The springs of a body and what they weigh, from the cells that hold them: tetrahedra, triangles or lines, of measure
-/// m in m³, m² or m. Each edge of a cell is a spring,
+/// Springs and masses of a body from its cells: tetrahedra, triangles or lines, of measure m in m³, m² or m. Each edge
+/// of a cell is a spring,
 ///   k = Y Σ m / L²                                         (Van Gelder, Approximate simulation of elastic membranes by
 ///                                                           triangulated spring meshes, 1998)
 /// over the cells at the edge; each cell gives its mass in equal shares to its corners. For a line k = Y / L.
-/// On equilateral triangles Y is Young's modulus of the sheet and Poisson's ratio 1/3, exactly; springs of a solid have
-/// 1/4 by nature, and Y is met within a factor that the mesh decides (docs/bodies/mass_spring.md).
+/// On equilateral triangles Y is exactly Young's modulus of the sheet, with Poisson's ratio 1/3; springs of a solid
+/// always have 1/4, and match Y up to a factor that depends on the mesh (docs/bodies/mass_spring.md).
 struct SpringMesh {
   std::vector<Spring> springs;  ///< sorted by their ends
   std::vector<double> mass;     ///< [kg] per vertex

@@ -9,17 +9,17 @@
 
 namespace brim {
 
-/// Frames that a constraint holds or leads, and the matter that goes with them.
+/// Frames fixed or moved by a constraint, and the matter that moves with them.
 struct HeldRegion {
   std::vector<std::int32_t> frames;
   std::function<bool(const Vec3&)> inside;  ///< of a point at rest, world frame
 };
 
-/// Ties matter in held regions to the frames that are held there, since shape functions of free neighbours do not
-/// vanish in it:
+/// Ties matter in held regions to the frames held there, since shape functions of free neighbours do not vanish in the
+/// region:
 ///   E = ½ κ Σ_s V_s |Σ_k χ_k(X_s) q_k|² = −½ Σ_{k<l} c_kl |q_k − q_l|²,   χ = φ − ψ,   c_kl = κ Σ_s V_s χ_k χ_l
-/// with φ the shape functions of all frames and ψ those of the region's alone. Σ χ = 0 and Σ χ_k X_k = 0: affine
-/// motions store nothing, and the forces have no resultant. Regions whose frames are fewer than four or lie in a plane
+/// with φ the shape functions of all frames and ψ those of the region's frames alone. Σ χ = 0 and Σ χ_k X_k = 0: affine
+/// motions have no energy, and the forces have no resultant. Regions with fewer than four frames, or all in a plane,
 /// hold only their frames.  Tests: tests/body/held_matter_test.cpp
 class HeldMatter {
  public:
@@ -33,7 +33,7 @@ class HeldMatter {
   HeldMatter(std::span<const HeldRegion> regions, std::span<const Vec3> frames, double reach,
              std::span<const Vec3> points, const ShapeFunctions& shape, std::span<const double> volume, double tension);
 
-  /// The pattern of the stiffness: begin and finish stay with the caller.
+  /// Adds to the pattern of the stiffness; the caller calls begin and finish.
   void add_pattern(BlockMatrix& matrix) const;
   void find_pairs(const BlockMatrix& matrix);
   void add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness) const;
@@ -44,7 +44,7 @@ class HeldMatter {
   struct Tie {
     std::int32_t k, l;       // k < l
     double c;                // [N/m]
-    std::int32_t pair = -1;  // in the matrix
+    std::int32_t pair = -1;  // slot in the matrix
   };
   std::vector<Tie> tie_;
 };

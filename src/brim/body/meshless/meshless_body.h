@@ -9,21 +9,21 @@
 
 namespace brim {
 
-/// What a meshless solid is made from: points at rest, in the body's own frame.
+/// Points of a meshless solid at rest, in the body's own frame.
 struct MeshlessModel {
   std::vector<Vec3> frames;             ///< [m] X_k, three coordinates each
   double reach = 0.0;                   ///< [m] of a frame's shape function
-  std::vector<Vec3> samples;            ///< [m] where the elastic energy is taken
+  std::vector<Vec3> samples;            ///< [m] integration points of the elastic energy
   std::vector<double> sample_volume;    ///< [m³]
-  std::vector<Vec3> particles;          ///< [m] of matter, for mass and density
+  std::vector<Vec3> particles;          ///< [m] of the material, for mass and density
   std::vector<double> particle_volume;  ///< [m³]
-  TriMesh surface;                      ///< for viewers
+  TriMesh surface;                      ///< for display
 };
 
-/// Frames on a cubic lattice of the given spacing that fill a solid, eight samples to a frame, particles of cells.
+/// Frames on a cubic lattice of the given spacing that fill a solid, eight samples per frame, and particles of cells.
 /// @param distance  signed distance to the solid, [m]
 /// @param cell      [m] of the particles, about a voxel of contact
-/// @throws InputError  when the spacing is so wide that fewer than four frames are left
+/// @throws InputError  when the spacing leaves fewer than four frames
 MeshlessModel fill_with_frames(const std::function<double(const Vec3&)>& distance, const Aabb& box, double spacing,
                                double cell);
 
@@ -31,7 +31,7 @@ MeshlessModel fill_with_frames(const std::function<double(const Vec3&)>& distanc
 /// move all matter, elastic energy at samples, density by the volume layer. Tests: tests/body/carried_body_test.cpp
 class MeshlessBody final : public CarriedBody {
  public:
-  /// @param held  matter that goes with frames which the options fix or move
+  /// @param held  matter that moves with frames which the options fix or move
   /// @throws InputError  when a number is out of range or the points do not make a body
   MeshlessBody(const MeshlessModel& model, const Quat& rotation, const Vec3& position, ElasticOptions options,
                std::span<const HeldRegion> held = {});

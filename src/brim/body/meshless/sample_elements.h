@@ -10,7 +10,7 @@ namespace brim {
 
 /// Elastic forces and stiffness at sample points of a field of frames:
 ///   F_s = Σ_k q_k ∇φ_k(X_s)ᵀ,   E = Σ_s V_s Ψ(F_s),   f_k = −Σ_s V_s P ∇φ_k,   K_kl = Σ_s V_s ∇φ_kᵀ (∂P/∂F) ∇φ_l
-/// ∂P/∂F is made positive semi-definite as in TetElements. Eight samples are worked on at a time (SampleLanes).
+/// ∂P/∂F is made positive semi-definite as in TetElements. Eight samples are processed at a time (SampleLanes).
 class SampleElements {
  public:
   /// @param shape   φ and ∇φ at the samples
@@ -19,10 +19,10 @@ class SampleElements {
   SampleElements(ShapeFunctions shape, std::vector<double> volume, ElasticLaw law, const Lame& lame,
                  std::span<const Vec3> frames);
 
-  /// The pattern of the stiffness: begin and finish stay with the caller.
+  /// Adds to the pattern of the stiffness; the caller calls begin and finish.
   void add_pattern(BlockMatrix& matrix) const;
   void find_pairs(const BlockMatrix& matrix);
-  /// Parallel, same bits for any number of threads. About 0.01 to 0.02 µs a pair of frames and sample.
+  /// Parallel, same bits for any number of threads. About 0.01 to 0.02 µs per pair of frames and sample.
   void add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness) const;
   double energy(std::span<const Vec3> x) const;
   std::size_t size() const { return volume_.size(); }
@@ -31,9 +31,9 @@ class SampleElements {
 
  private:
   static constexpr std::size_t kLanes = SampleLanes::kCount;
-  /// Samples of a chunk with about as many frames: those that one lacks repeat its first, with no gradient.
+  /// Samples of a chunk with similar numbers of frames: a sample with fewer repeats its first frame with zero gradient.
   struct Group {
-    std::size_t frames;   ///< n, the most of a sample
+    std::size_t frames;   ///< n, the largest number of a sample
     std::size_t samples;  ///< at most kLanes; the last lanes may repeat the last sample
     std::size_t node;     ///< where node_ starts, and a third of where gradient_ does
     std::size_t pair;     ///< where pair_ starts

@@ -9,7 +9,7 @@
 
 namespace brim {
 
-/// A pose that an animated obstacle must have at a time.
+/// Pose key of an animated obstacle.
 struct PoseKey {
   double time = 0.0;             ///< [s]
   Vec3 position = Vec3::Zero();  ///< [m] of the shape's origin
@@ -18,14 +18,14 @@ struct PoseKey {
 
 struct ObstacleModel {
   std::shared_ptr<const Shape> shape;
-  /// One key: static. More: linear positions and spherical rotations between keys, held outside; times increase.
+  /// One key: static. More: linear positions and spherical rotations between keys, constant outside; times increase.
   std::vector<PoseKey> keys = {PoseKey{}};
   PartInfo part;
   Shared<TriMesh> surface;  ///< for display, shape's frame
 };
 
-/// Static or animated rigid solid of infinite mass. q and v are those of a rigid body (origin of the shape); every
-/// direction of v is prescribed, so the solver has nothing to decide.
+/// Static or animated rigid solid of infinite mass. q and v are those of a rigid body (origin of the shape); all of v
+/// is prescribed, so the solver has no unknowns.
 class ObstacleBody final : public Body, public DistanceBound, public RigidFrame, public PosedDisplay, public Movable {
  public:
   /// @throws InputError when keys are missing or their times do not increase
@@ -76,7 +76,7 @@ class ObstacleBody final : public Body, public DistanceBound, public RigidFrame,
   void display_positions(std::span<Vec3f> x) const override { solid_.display_positions(x); }
   std::size_t piece_count() const override { return 1; }
   const PosedShape& piece(std::size_t) const override { return solid_; }
-  /// True when more than one key moves it.
+  /// True when it has more than one key.
   bool animated() const { return model_.keys.size() > 1; }
 
  private:

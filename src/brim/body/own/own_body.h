@@ -10,64 +10,63 @@
 
 namespace brim {
 
-/// What a body of one's own starts from.
+/// Initial state and material of an own body.
 struct OwnModel {
-  std::vector<double> q;      ///< coordinates at the start, any units, shape (n)
-  std::vector<double> v;      ///< dq/dt at the start, shape (n); empty: at rest
-  TriMesh surface;            ///< [m] at rest, closed: matter, for mass and display
-  double density = 1000.0;    ///< [kg/m³]
-  double mass_spacing = 0.0;  ///< [m] between the pieces of matter whose motion is summed; 0: an eighth of the extent
+  std::vector<double> q;           ///< coordinates at the start, any units, shape (n)
+  std::vector<double> v;           ///< dq/dt at the start, shape (n); empty: at rest
+  TriMesh surface;                 ///< [m] at rest, closed: the material, for mass and display
+  double density = 1000.0;         ///< [kg/m³]
+  double mass_spacing = 0.0;       ///< [m] between the mass points; 0: an eighth of the extent
   double stiffness_damping = 0.0;  ///< [s] Rayleigh damping of stiffness
   double voxel_size = 0.0;         ///< [m] 0: an eighth of the smallest extent
   Material material;
 };
 
-/// A body of a few coordinates q by someone who says only where its matter is, how far its surface is, and what
-/// energy it holds; all that contact and the solver want follows from that (docs/bodies/your_own.md):
+/// Base class for user-defined bodies with a few coordinates q: the author gives only the deformation, the distance to
+/// the surface, and the energy; contact and solver data are derived (docs/bodies/your_own.md):
 ///   J = ∂deform/∂q,  M = Σ m JᵀJ,  Q = −∂E/∂q + Σ m Jᵀ g − Σ m Jᵀ J̇ v,  K = −∂²E/∂q² without its positive part
-/// with derivatives by central differences unless they are overridden, and sums over pieces of the matter at rest.
-/// Differences move matter by 1e-5 to 1e-3 of its extent, whatever the units of q: an energy that bends within that
-/// wants an energy_force of its own.
-/// Every cost grows with n² or n³: for up to some dozens of coordinates.
+/// with derivatives by central differences unless overridden, and sums over mass points of the rest shape. Differences
+/// move matter by 1e-5 to 1e-3 of its extent, whatever the units of q: an energy that varies on that scale needs its
+/// own energy_force.
+/// All costs grow with n² or n³: for up to some dozens of coordinates.
 ///
-/// Momentum of contact is exact in so far as deform() can move as a rigid body can: translations of all matter give
-/// exact linear momentum, rotations exact angular momentum. Where the energy does not change as such a body turns, what
-/// the linear change of its forces over a step would take of its spin is given back (docs/numerics.md, Momentum of
-/// deformable bodies).
+/// Momentum of contact is exact as far as deform() can represent rigid motion: translations give exact linear momentum,
+/// rotations exact angular momentum. If the energy is invariant under rotation, the spin lost by linearising its forces
+/// over a step is given back (docs/numerics.md, Momentum of deformable bodies).
 /// Tests: tests/body/own_body_test.cpp
 class OwnBody : public Body, public OuterForces, public MaterialPoints {
  public:
   using Coordinates = std::span<const double>;
   using Jacobian = DenseMap::Jacobian;
 
-  // ---- what the author says; called from several threads -----------------------------------------------------------
-  /// Where the matter is that is at X at rest, [m].
+  // ---- to be overridden; called from several threads ---------------------------------------------------------------
+  /// Position of the material at X at rest, [m].
   virtual Vec3 deform(Coordinates q, const Vec3& X) const { return place(q, X); }
-  /// The inverse: which matter is at x, [m]; wanted within some voxels of the surface.
+  /// The inverse: rest position of the material at x, [m]; needed within some voxels of the surface.
   virtual Vec3 inverse_deform(Coordinates q, const Vec3& x) const { return rest(q, x); }
-  /// Signed distance from x to the surface, negative inside, [m]; wanted within some voxels of the surface, far from it
+  /// Signed distance from x to the surface, negative inside, [m]; needed within some voxels of the surface, elsewhere
   /// only its sign.
   virtual double distance(Coordinates q, const Vec3& x) const = 0;
-  /// Energy of the body's own forces, [J].
+  /// Elastic or other internal energy, [J].
   virtual double energy(Coordinates q) const { return static_cast<void>(q), 0.0; }
-  /// ∂deform/∂q, shape (3, n). The default takes central differences. At the start it is held against differences at a
+  /// ∂deform/∂q, shape (3, n). The default takes central differences. At the start it is compared with differences at a
   /// few points.
   virtual void jacobian(Coordinates q, const Vec3& X, Eigen::Ref<Jacobian> J) const;
   /// −∂E/∂q, shape (n). The default takes central differences.
   virtual Eigen::VectorXd energy_force(Coordinates q) const;
 
-  /// The former names of deform and inverse_deform, for bodies that were written with them.
-  /// @throws InputError  where a body has neither
+  /// The former names of deform and inverse_deform, for existing bodies.
+  /// @throws InputError  when a body overrides neither
   virtual Vec3 place(Coordinates q, const Vec3& X) const;
   virtual Vec3 rest(Coordinates q, const Vec3& x) const;
 
-  // ---- the same for many points at once, for authors who work on arrays; the defaults go point by point -------------
+  // ---- the same for many points, for authors who work on arrays; the defaults go point by point --------------------
   virtual void deform_all(Coordinates q, std::span<const Vec3> X, std::span<Vec3> x) const;
   virtual void inverse_deform_all(Coordinates q, std::span<const Vec3> x, std::span<Vec3> X) const;
-  /// @param J  made for X.size() points and n coordinates
+  /// @param J  allocated for X.size() points and n coordinates
   virtual void jacobian_all(Coordinates q, std::span<const Vec3> X, DenseMap& J) const;
 
-  // ---- what follows ------------------------------------------------------------------------------------------------
+  // ---- derived -----------------------------------------------------------------------------------------------------
   std::size_t q_size() const override { return model_.q.size(); }
   std::size_t v_size() const override { return model_.q.size(); }
   void initial_state(std::span<double> q, std::span<double> v) const override;
@@ -103,18 +102,18 @@ class OwnBody : public Body, public OuterForces, public MaterialPoints {
   explicit OwnBody(OwnModel model);
   /// Of the last update.
   Coordinates coordinates() const { return q_; }
-  /// [units of q] of a central difference of deform along coordinate i: it moves matter by 1e-4 of its extent.
+  /// [units of q] step of a central difference of deform in coordinate i: it moves matter by 1e-4 of its extent.
   double place_step(std::size_t i) const;
 
  private:
   void measure_scales();
-  /// @throws InputError  where the jacobian at hand is no derivative of deform
+  /// @throws InputError  when the jacobian is not the derivative of deform
   void check_jacobian() const;
   void measure_matter();
   bool measure_turns() const;
-  /// [units of q] by which coordinate i changes for a central difference.
+  /// [units of q] step of coordinate i for a central difference.
   double step_of(std::size_t i, double relative) const;
-  /// [s] in which motion at v moves matter by the same for one.
+  /// [s] time in which motion at v moves matter by such a step.
   double time_step(std::span<const double> v) const;
   void measure_energy();
 
@@ -127,7 +126,7 @@ class OwnBody : public Body, public OuterForces, public MaterialPoints {
   // Of the first update:
   std::vector<double> scale_;  // [units of q] that move matter by the extent at rest
   bool started_ = false;
-  bool turns_freely_ = false;  // coordinates can turn it, and its energy does not mind
+  bool turns_freely_ = false;  // coordinates can rotate it, and its energy is invariant
   // Of the last update:
   std::vector<double> q_, v_;
   std::vector<Vec3> vertex_;

@@ -7,23 +7,23 @@
 
 namespace brim {
 
-/// Surface tension as forces between pairs of particles (form of the force: Akinci, Akinci and Teschner 2013, equation
-/// 2), the derivative of an energy, along the line between the two, so that both momenta are kept:
+/// Surface tension by forces between pairs of particles (form of the force: Akinci, Akinci and Teschner 2013, equation
+/// 2), derived from an energy and along the line between the two, so that both momenta are conserved:
 ///   F_ij = −A c(q) x_ij/r,     q = r/H,  c = q³ (1 − q)³ for q > 1/2;  2 q³ (1 − q)³ − 1/64 below
 ///   E    = Σ over pairs  A H u(q),     u(q) = −∫ c from q to 1
-/// It pulls beyond 0.23 H and pushes nearer, so that particles do not clump. A is such that cutting the lattice of rest
-/// along a plane of it takes twice the surface tension per area.  Tests: tests/body/cohesion_test.cpp
+/// Attractive beyond 0.23 H and repulsive below, so that particles do not clump. A is chosen so that cutting the rest
+/// lattice along a lattice plane takes twice the surface tension per area.  Tests: tests/body/cohesion_test.cpp
 class Cohesion {
  public:
   /// @param support  [m] H   @param spacing  [m] of the lattice at rest   @param tension  [N/m], >= 0
   Cohesion(double support, double spacing, double tension);
 
   bool acts() const { return strength_ > 0.0; }
-  /// Attraction over distance, [N/m]; r > 0
+  /// Attraction divided by distance, [N/m]; r > 0
   double pull_over_r(double r) const;
   /// [J] of a pair; 0 for r >= H
   double energy(double r) const;
-  /// Of all particles, in cell order: y += forces [N]; the energy [J].
+  /// For all particles, in cell order: y += forces [N]; the energy [J].
   void add_forces(std::span<const Vec3> x, const FluidPairs& pairs, std::span<Vec3> y) const;
   double energy(std::span<const Vec3> x, const FluidPairs& pairs) const;
 

@@ -17,19 +17,19 @@ namespace brim {
 
 /// Density and map of a particle fluid on the grid.
 ///   ρ(r) = (Σ_p V_p W(r − x_p) − 0.09) / 0.91 within [0, 1],   V_p = V max(1, 0.7/φ_p)
-/// ρ = 1/2 lies half a spacing outside of the outermost particles of a body of fluid. Particles with few neighbours
-/// count for more than their volume, so that a lone drop is solid to contact as well: at its centre ρ = 0.67.
-/// The kernel is narrow on purpose: the layer at a wall carries what the wall presses with, and the map must see it.
-/// Steps h of half the spacing hold a pool still; at the whole spacing the roughness of the particles against the nodes
+/// ρ = 1/2 lies half a spacing outside the outermost particles of a body of fluid. Particles with few neighbours count
+/// more than their volume, so that contact also sees a single drop as solid: at its centre ρ = 0.67.
+/// The kernel is narrow on purpose: the layer at a wall carries the wall's pressure, and the map must resolve it. With
+/// steps h of half the spacing a pool stays at rest; at the whole spacing the roughness of the particles on the grid
 /// stirs it, above that it leaks.
 class FluidContact {
  public:
   /// @param volume  [m³] of a particle
   FluidContact(const FluidKernel& kernel, double volume) : kernel_(kernel), volume_of_one_(volume) {}
-  /// Refers to the particles from here on. @param fill  φ in cell order
+  /// Sets the particles for the following calls. @param fill  φ in cell order
   void begin(const ParticleCells& cells, std::span<const double> fill);
 
-  /// Forgets the nodes of earlier calls of rasterize; the particles stay.
+  /// Clears the nodes of earlier calls of rasterize; the particles stay.
   void forget_nodes() { batches_.clear(); }
 
   void presence(double h, const Aabb& region, std::vector<TileKey>& out) const;

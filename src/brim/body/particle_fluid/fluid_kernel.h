@@ -8,9 +8,9 @@
 
 namespace brim {
 
-/// Cubic spline kernel of a finite support (Monaghan 1992), normalised in space: ∫ W dV = 1.
+/// Cubic spline kernel of finite support (Monaghan 1992), normalised in space: ∫ W dV = 1.
 ///   W(r) = 8/(π H³) · { 1 − 6 q² + 6 q³ for q <= 1/2;  2 (1 − q)³ for q <= 1 },   q = r/H
-/// With a support of two spacings it has about 33 neighbours and does not let particles pair up.
+/// With a support of two spacings it has about 33 neighbours and causes no pairing of particles.
 class FluidKernel {
  public:
   /// @param support  [m] H, > 0
@@ -33,7 +33,7 @@ class FluidKernel {
     if (q > 0.5) return -6.0 * f * (1.0 - q) * (1.0 - q) / q;
     return f * (18.0 * q - 12.0);
   }
-  /// Both at four distances. @param r  0 <= r < H
+  /// Both for four distances. @param r  0 <= r < H
   BRIM_INLINE std::pair<Lanes, Lanes> value_and_slope(const Lanes& r) const {
     const Lanes q = r * inverse_, u = 1.0 - q;
     const double f = scale_ * inverse_ * inverse_;
@@ -42,7 +42,7 @@ class FluidKernel {
             outer ? -6.0 * f * u * u / q : f * (18.0 * q - 12.0)};
   }
 
-  /// ∫ W over the half space that begins at a distance d from the centre, [-]: 1/2 at 0, 0 for d >= H.
+  /// ∫ W over the half space that begins at distance d from the centre, [-]: 1/2 at 0, 0 for d >= H.
   double beyond(double d) const {
     const double t = std::abs(d) * inverse_;
     if (t >= 1.0) return d > 0.0 ? 0.0 : 1.0;
@@ -53,7 +53,7 @@ class FluidKernel {
     };
     double value = outer(t);
     if (t < 0.5) {
-      // 1 − 6 q² + 6 q³ − 2 (1 − q)³ = −(1 − 2q)³, the cubic that the inner piece adds.
+      // 1 − 6 q² + 6 q³ − 2 (1 − q)³ = −(1 − 2q)³, the extra cubic of the inner piece.
       const double u = 1.0 - 2.0 * t;
       value -= u * u * u * u * u * (1.0 / 160.0 - u / 240.0);
     }

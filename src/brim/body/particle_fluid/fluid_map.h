@@ -16,11 +16,11 @@ namespace brim {
 /// Map of a part whose density is a sum of kernels, ρ_j = Σ_p V_p W(r_j − x_p). With u = ∇ρ/|∇ρ| at the node,
 ///   J v = u Σ_p a_p · v_p + (I − u uᵀ) Σ_p w_p v_p,    a_p = V_p ∇W_jp / g + (1 − |∇ρ|/g) w_p u
 /// g = max(|∇ρ|, least slope), w_p kernel weights, Σ w = 1
-/// Along u the velocity is the rate of the density itself, so that the force of a penalty on the density is the exact
-/// gradient of its energy, particle by particle; Σ a_p = u, so uniform motion is reproduced and linear momentum is
-/// exact. Angular momentum is not: Σ x_p × (Jᵀ f)_p differs from r × f where particles lie unevenly about the node.
+/// Along u the velocity is the rate of the density itself, so that a penalty force on the density is the exact gradient
+/// of its energy, particle by particle; Σ a_p = u, so uniform motion is reproduced and linear momentum is exact.
+/// Angular momentum is not: Σ x_p × (Jᵀ f)_p differs from r × f when particles lie unevenly about the node.
 ///
-/// Values and slopes of the kernel are kept in single precision and divided by their own sums in double: both
+/// Values and slopes of the kernel are stored in single precision and divided by their own sums in double: both
 /// identities hold to rounding, and a product reads a third of the memory. Products are parallel and give the same bits
 /// for any number of threads.  Tests: tests/body/fluid_map_test.cpp
 class FluidMap final : public Map {
@@ -31,7 +31,7 @@ class FluidMap final : public Map {
     float value;  ///< V W, [-]
     float slope;  ///< V W'/r, [1/m²]: its gradient is slope (node − x)
   };
-  /// What is common to the entries of a point.
+  /// Data shared by the entries of a point.
   struct Row {
     Vec3 node;       ///< [m]
     Vec3 direction;  ///< u, unit
@@ -52,7 +52,7 @@ class FluidMap final : public Map {
   void add_block_diagonal(std::span<const Mat3> K, std::size_t first, BlockDiagonal& D) const override;
 
  private:
-  /// The entries in the order of the particles, made when first asked for: many maps only give velocities.
+  /// The entries sorted by particle, built on first use: many maps only give velocities.
   struct ByParticle {
     std::mutex making;
     std::atomic<bool> made = false;
@@ -60,7 +60,7 @@ class FluidMap final : public Map {
     std::vector<Entry> entry;          ///< by particle; `particle` is the point
     RowTranspose transpose;
   };
-  /// What a point's force is to its entries: value · even + slope · along (node − x).
+  /// Force of a point on its entries: value · even + slope · along (node − x).
   struct Push {
     Vec3 even, node;
     double along;

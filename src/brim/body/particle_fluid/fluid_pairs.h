@@ -10,14 +10,14 @@
 
 namespace brim {
 
-/// Every ordered pair of neighbours of a particle fluid, in cell order, and the products of the pressure and viscosity
-/// operators with it. With V the volume of a particle and x_ij = x_i − x_j,
+/// Every ordered pair of neighbours of a particle fluid, in cell order, and products with the pressure and viscosity
+/// operators. With V the volume of a particle and x_ij = x_i − x_j,
 ///   g_ij = V ∇W(x_ij)   [1/m]            φ_i = Σ_j V W(x_ij)   (i itself included; 1 where space is filled)
 ///   dφ_i = Σ_j g_ij · (dx_i − dx_j)
-/// Entries are single precision, computed from differences in double precision; g_ij = −g_ji to the last bit.
+/// Entries are single precision, computed from differences in double precision; g_ij = −g_ji exactly.
 class FluidPairs {
  public:
-  using Vec4 = Eigen::Array4f;  ///< a vector in three lanes; the fourth is 0 unless said
+  using Vec4 = Eigen::Array4f;  ///< a vector in three lanes; the fourth is 0 unless noted
 
   /// @param volume     [m³] of a particle
   /// @param viscosity  [Pa s] dynamic
@@ -33,10 +33,10 @@ class FluidPairs {
     for (std::int32_t e = b.first[i % kBlock]; e < b.first[i % kBlock + 1]; ++e) f(b.neighbour[e], b.gradient[e]);
   }
 
-  /// Lets g of a particle's pair (counted as for_neighbours does) be longer by a factor, and its drag the same as
-  /// before: what an image does along x_ij. Both ways of a pair need it. Counts until the next build or release.
+  /// Multiplies g of a particle's pair (index as in for_neighbours) by a factor and keeps its drag: the effect of an
+  /// image along x_ij. Both directions of a pair need it. Valid until the next build or release.
   void stretch(std::size_t i, std::int32_t pair, float factor);
-  /// Takes all stretching back.
+  /// Undoes all stretching.
   void release();
 
   /// rate_i = Σ_j g_ij · (v_i − v_j), for the particles with weight_i > 0; 0 for others.
@@ -48,7 +48,7 @@ class FluidPairs {
   void add_viscosity(double s, std::span<const Vec4> v, std::span<Eigen::Vector3d> y) const {
     add_viscosity(s, v, {}, y);
   }
-  /// add_viscosity and the rates of all particles in one reading of the pairs.
+  /// add_viscosity and the rates of all particles in one pass over the pairs.
   void add_viscosity(double s, std::span<const Vec4> v, std::span<float> rate, std::span<Eigen::Vector3d> y) const;
 
   /// Particles of one block of memory and work.
@@ -60,7 +60,7 @@ class FluidPairs {
     std::vector<std::int32_t> neighbour;
     std::vector<Vec4> gradient;  ///< g, and a_ij in the fourth lane
   };
-  /// Calls f(first particle, pairs) for all blocks, side by side.
+  /// Calls f(first particle, pairs) for all blocks, in parallel.
   template <class F>
   void for_blocks(const F& f) const;
 
@@ -69,7 +69,7 @@ class FluidPairs {
   struct Stretched {
     std::size_t block;
     std::int32_t entry;
-    Vec4 gradient;  ///< as it was
+    Vec4 gradient;  ///< before stretching
   };
   std::vector<Block> blocks_;
   std::vector<Stretched> stretched_;

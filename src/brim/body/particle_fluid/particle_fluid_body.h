@@ -17,15 +17,15 @@
 
 namespace brim {
 
-/// What a particle fluid is made of.
+/// Material and options of a particle fluid.
 struct ParticleFluidOptions {
   double spacing = 0.05;                 ///< [m] of the particles at rest, > 0: each stands for spacing³ of fluid
   double density = 1000.0;               ///< [kg/m³]
   double viscosity = 0.0;                ///< [Pa s] dynamic, >= 0; implicit, so it does not limit the time step
   double surface_tension = 0.0;          ///< [N/m] >= 0; explicit, see docs for the time step that it allows
-  double bulk_modulus = 0.0;             ///< [Pa] κ; 0: ρ g L / compression, L the diagonal of the fluid as it starts
-  double compression = 0.01;             ///< [-] allowed where κ is chosen, (0, 0.1]
-  Vec3 gravity = Vec3(0, 0, -9.81);      ///< [m/s²] that the choice of κ expects
+  double bulk_modulus = 0.0;             ///< [Pa] κ; 0: ρ g L / compression, L the diagonal of the initial fluid
+  double compression = 0.01;             ///< [-] allowed when κ is chosen, (0, 0.1]
+  Vec3 gravity = Vec3(0, 0, -9.81);      ///< [m/s²] assumed in the choice of κ
   Vec3 initial_velocity = Vec3::Zero();  ///< [m/s]
   Vec3 initial_spin = Vec3::Zero();      ///< [rad/s] about the centre of mass
   double voxel_size = 0.0;               ///< [m] grid step for contact, at most the spacing; 0: half of it
@@ -35,12 +35,12 @@ struct ParticleFluidOptions {
 /// Liquid of particles (smoothed particle hydrodynamics) whose incompressibility is part of the common implicit solve
 /// (docs/bodies/particle_fluid.md): pressure, viscosity and the contact with bodies of every kind are found together.
 ///
-///   E = Σ ½ κ V (φ_i − 1)₊²      φ_i = Σ_j V W(x_i − x_j), the fraction of space filled
-///   K = Σ s_i κ V ∇φ_i ∇φ_iᵀ     s_i from 0 at φ = 0.90 to 1 at 0.98: particles inside of the fluid, full or nearly
+///   E = Σ ½ κ V (φ_i − 1)₊²      φ_i = Σ_j V W(x_i − x_j), the filled fraction of space
+///   K = Σ s_i κ V ∇φ_i ∇φ_iᵀ     s_i from 0 at φ = 0.90 to 1 at 0.98: particles inside the fluid, full or nearly
 ///
-/// K without the sign of φ − 1 keeps the density of the inside from changing either way, which is what the velocity
-/// step of divergence-free SPH does (Bender and Koschier 2017); E takes compression back. Both are linearly implicit
-/// (energy and its treatment: Weiler, Koschier and Bender 2016), so κ does not limit the time step.
+/// K regardless of the sign of φ − 1 keeps the density inside from changing in either direction, like the velocity step
+/// of divergence-free SPH (Bender and Koschier 2017); E removes compression. Both are linearly implicit (energy and its
+/// treatment: Weiler, Koschier and Bender 2016), so κ does not limit the time step.
 /// Tests: tests/body/particle_fluid_test.cpp
 class ParticleFluidBody final : public Body,
                                 public Filling,
@@ -112,7 +112,7 @@ class ParticleFluidBody final : public Body,
   // ---- for tests and tools ---------------------------------------------------------------------------------------
   double bulk_modulus() const { return bulk_modulus_; }
   double particle_mass() const { return particle_mass_; }
-  /// φ of the last updated state in the order of the particles, what is seen of others included, [-].
+  /// φ of the last updated state in the order of the particles, surfaces included, [-].
   std::vector<double> fill() const;
   /// Pressure κ (φ − 1)₊ likewise, [Pa].
   std::vector<double> pressure() const;
@@ -127,8 +127,8 @@ class ParticleFluidBody final : public Body,
   void gather(std::span<const double> x, Product& p) const;
   void scatter(const Product& p, double scale, std::span<double> y) const;
   /// y += scale (pressure_factor κ-part + viscous_factor viscous part) x
-  /// @param rate  of the distances of what is seen, and change = pressure_factor times what it does to the push there;
-  ///              both of shape (seen) or empty
+  /// @param rate  of the distances to surfaces, and change = pressure_factor times the change of push; both of shape
+  ///              (seen) or empty
   void multiply(double pressure_factor, double viscous_factor, std::span<const double> x, std::span<double> y,
                 std::span<const double> rate = {}, std::span<double> change = {}) const;
   void judge_fill();
@@ -150,14 +150,14 @@ class ParticleFluidBody final : public Body,
   FluidContact contact_;
   FluidImages images_;
   std::vector<Seen> seen_;
-  std::vector<std::int32_t> slot_;  ///< place in cell order of each particle
-  std::vector<double> fill_;        ///< φ, cell order, what is seen included
-  std::vector<double> excess_;      ///< φ − 1 that has a pressure, cell order; below 0 where a surface will be met
+  std::vector<std::int32_t> slot_;  ///< index in cell order of each particle
+  std::vector<double> fill_;        ///< φ, cell order, surfaces included
+  std::vector<double> excess_;      ///< φ − 1 that causes pressure, cell order; below 0 where a surface will be met
   std::vector<float> inside_;       ///< s_i, cell order
   mutable WorkspacePool<Product> products_;
 };
 
-/// Centres of the cells of a cubic lattice that lie in a box, [m]: a start for a body of fluid.
+/// Centres of the cells of a cubic lattice in a box, [m]: initial particles of a body of fluid.
 std::vector<Vec3> lattice_in_box(const Vec3& lo, const Vec3& hi, double spacing);
 
 }  // namespace brim

@@ -7,10 +7,10 @@
 
 namespace brim {
 
-/// Particles that a thread takes at a time.
+/// Particles processed by a thread at a time.
 inline constexpr std::size_t kParticleGrain = 1024;
 
-/// Place or velocity of particle i in coordinates of three numbers each.
+/// Position or velocity of particle i in coordinates of three numbers each.
 inline Eigen::Map<const Vec3> particle_at(std::span<const double> a, std::size_t i) {
   return Eigen::Map<const Vec3>(a.data() + 3 * i);
 }

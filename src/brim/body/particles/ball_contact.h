@@ -6,9 +6,9 @@
 
 namespace brim {
 
-/// Balls: everything within a radius of the particles (raster_points). A ball moves with its particle and turns about
-/// it, six velocities each (BallsMap): momentum and angular momentum of contact are exact. It wants a radius of 1.5
-/// voxels.
+/// Balls: everything within a radius of the particles (raster_points). A ball moves with its particle and rotates about
+/// it, six velocities each (BallsMap): momentum and angular momentum of contact are exact. The radius should be at
+/// least 1.5 voxels.
 class BallContact final : public ParticleContact {
  public:
   /// @param radius  [m] one per particle, or a single one for all

@@ -10,23 +10,23 @@
 
 namespace brim {
 
-/// A sheet or a line of particles as its pieces see each other (MeetsItself): part p is piece p, with a density of its
-/// own. Matter of a body of thickness t that lies 2.5 t apart along it, or farther, may touch. Pieces beside each other
-/// are looked at only where they turn by more than 60° from the direction that they have in common: until then what is
-/// 2.5 t apart along the body is apart by t in space (Volino and Magnenat-Thalmann 1994, whose cone is one of 90°).
-/// Within a piece, 3 t wide at most, nothing touches. The density of a piece has that of a border around it, so that
-/// its slope is that of the whole at its rim; what the border is nearest to is left to the piece that it belongs to.
+/// Pieces of a sheet or a line of particles, for its self-contact (MeetsItself): part p is piece p, with a density of
+/// its own. Matter of a body of thickness t may touch matter at least 2.5 t away along the body. Neighbouring pieces
+/// are searched only where their directions deviate by more than 60° from their common mean: up to that, points 2.5 t
+/// apart along the body are t apart in space (Volino and Magnenat-Thalmann 1994, with a cone of 90°). Within a piece,
+/// at most 3 t wide, nothing touches. The density of a piece includes a border around it, so that its slope at the rim
+/// is that of the whole; points nearest to the border are left to the piece that owns it.
 /// Tests: tests/body/body_pieces_test.cpp
 class BodyPieces final : public StandIn, public OctantPresence {
  public:
   /// @param rest   [m] of the particles
   /// @param whole  the body's contact, of elements that are triangles or segments
-  /// @param part   what contact needs to know of the body; its thickness is finite
+  /// @param part   contact parameters of the body; its thickness is finite
   BodyPieces(std::span<const Vec3> rest, const ParticleContact& whole, PartInfo part);
 
-  /// Takes the body's place in. @param x  [m] of its particles; kept by reference
+  /// Sets the body's positions. @param x  [m] of its particles; kept by reference
   void follow(std::span<const Vec3> x);
-  /// MeetsItself has the meaning of both.
+  /// See MeetsItself.
   std::int32_t source_of(int piece, std::int32_t source) const;
   bool may_meet(std::int32_t source, std::int32_t other) const { return !cut_.elements_beside(source, other); }
 
@@ -41,20 +41,20 @@ class BodyPieces final : public StandIn, public OctantPresence {
   void octant_presence(int p, double h, double w, const Aabb& region, std::vector<OctantTile>& out) const override;
   void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
 
-  // ---- what belongs to the whole body is not asked of its pieces
+  // ---- properties of the whole body; not called for its pieces
   void make_map(int, std::span<const Vec3>, std::span<const std::int32_t>, std::unique_ptr<Map>& map) const override;
   double mass() const override { return 0.0; }
 
  private:
   struct Piece {
     std::unique_ptr<const ParticleContact> own, bordered;
-    std::vector<std::int32_t> source;  ///< of each element of bordered: its number in the body, or −1
+    std::vector<std::int32_t> source;  ///< per element of bordered: its number in the body, or −1
     std::vector<std::int32_t> nodes;   ///< of its own elements
     Aabb box;                          ///< [m] of its own matter
     Vec3 axis = Vec3::Zero();          ///< mean direction of its elements
-    double turn = 0.0;                 ///< [rad] by which one of them turns from it at most
+    double turn = 0.0;                 ///< [rad] largest deviation of an element's direction from it
   };
-  /// Normal of a triangle, or direction of a segment; zero where it has none.
+  /// Normal of a triangle, or direction of a segment; zero when degenerate.
   Vec3 direction(const ParticleContact::Elements& elements, std::size_t e) const;
 
   ElementPieces cut_;

@@ -9,12 +9,12 @@
 
 namespace brim {
 
-/// The matter of a body of particles in clusters of neighbouring elements, each of which is cut again into a few finer
-/// ones. An element lies within the hull of its corners, and so do its velocities: the box of a cluster's corners holds
+/// The matter of a body of particles in clusters of neighbouring elements, each divided again into a few finer ones.
+/// Position and velocity of an element lie within the hull of its corners', so the boxes of a cluster's corners contain
 /// both. Tests: tests/body/element_clusters_test.cpp
 class ElementClusters {
  public:
-  /// @param rest  [m] positions that tell neighbours
+  /// @param rest  [m] positions that define neighbours
   void build(std::span<const Vec3> rest, const ParticleContact::Elements& elements);
   /// Appends the bounds of each cluster.
   /// @param x, v   [m], [m/s] of the particles  @param reach  [m] of the matter beyond the particles

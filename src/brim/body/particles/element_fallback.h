@@ -9,8 +9,8 @@
 
 namespace brim {
 
-/// Says which primitive (segment, triangle, tetrahedron) of N vertices carries a point of the density: the nearest,
-/// unless it is squeezed so flat that the point's weights w in it exceed a bound; then the best of those around it,
+/// Chooses the primitive (segment, triangle, tetrahedron) of N vertices that carries a point of the density: the
+/// nearest, unless it is so flat that the point's weights w in it exceed a bound; then the best of its neighbours,
 /// whose weights reproduce linear fields too, so that forces keep their torque. Tests: tests/body/fem_body_test.cpp
 template <std::size_t N>
 class ElementFallback {
@@ -33,8 +33,8 @@ class ElementFallback {
 
   /// @param nearest  primitive next to the point
   /// @param most     bound of Σ|w|
-  /// @param sum      Σ|w| of the point in a primitive, infinite where that has no extent
-  /// @return the nearest also where no primitive around it keeps the bound
+  /// @param sum      Σ|w| of the point in a primitive, infinite when degenerate
+  /// @return the nearest also when no neighbour satisfies the bound
   template <class F>
   std::int32_t choose(std::span<const Primitive> primitives, std::int32_t nearest, double most, const F& sum) const {
     double least = sum(primitives[nearest]);
@@ -47,7 +47,7 @@ class ElementFallback {
   }
 
  private:
-  std::vector<std::int32_t> first_, around_;  // those at vertex i: around_[first_[i]] to around_[first_[i + 1]]
+  std::vector<std::int32_t> first_, around_;  // primitives at vertex i: around_[first_[i]] to around_[first_[i + 1]]
 };
 
 }  // namespace brim

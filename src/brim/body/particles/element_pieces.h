@@ -8,15 +8,15 @@
 
 namespace brim {
 
-/// The elements of a sheet or a line in pieces of neighbours, by ways along the body at rest: from middle to middle of
-/// elements that share a particle (Dijkstra 1959). What is near in space alone, as the layers of a folded sheet, is not
-/// near here.  Tests: tests/body/element_pieces_test.cpp
+/// The elements of a sheet or a line in pieces of neighbours, by path lengths along the body at rest, between centres
+/// of elements that share a particle (Dijkstra 1959). Layers of a folded sheet, near only in space, are not neighbours.
+/// Tests: tests/body/element_pieces_test.cpp
 class ElementPieces {
  public:
   struct Ways {
-    double reach;   ///< [m] of a piece from its first element
-    double beside;  ///< [m] elements between which less is left of a way are beside each other
-    double border;  ///< [m] likewise those of others that a piece has around it; at most `beside`
+    double reach;   ///< [m] radius of a piece from its first element
+    double beside;  ///< [m] elements with a shorter path between them are beside each other
+    double border;  ///< [m] likewise for elements of others in a piece's border; at most `beside`
   };
   /// @param rest  [m] of the particles
   ElementPieces(std::span<const Vec3> rest, const ParticleContact::Elements& elements, const Ways& ways);
@@ -24,10 +24,10 @@ class ElementPieces {
   std::size_t size() const { return first_.size() - 1; }
   /// Elements of a piece, ascending.
   std::span<const std::int32_t> of(std::size_t piece) const { return list(first_, element_, piece); }
-  /// Elements of others around a piece, ascending.
+  /// Elements of others in the border of a piece, ascending.
   std::span<const std::int32_t> border(std::size_t piece) const { return list(first_border_, border_, piece); }
   bool elements_beside(std::int32_t e, std::int32_t f) const;
-  /// True for pieces of which some elements are beside each other.
+  /// True for pieces with some elements beside each other.
   bool pieces_beside(std::int32_t p, std::int32_t q) const;
 
  private:

@@ -9,8 +9,8 @@
 
 namespace brim {
 
-/// The order in which elements (tetrahedra, triangles, hinges, springs) may scatter to the nodes they share, in
-/// parallel and without atomics:
+/// Order in which elements (tetrahedra, triangles, hinges, springs) may scatter to shared nodes, in parallel and
+/// without atomics:
 ///
 ///   elements sorted along a Morton curve -> chunks of neighbours -> chunks coloured so that no two of a colour
 ///   share a node; colours run one after the other, the chunks of a colour in parallel, a chunk in order.
@@ -19,7 +19,7 @@ namespace brim {
 class ElementSchedule {
  public:
   /// @param node_of  nodes of all elements, shape (elements · per_element)
-  /// @param x        positions of the nodes, [m], used to find neighbours
+  /// @param x        positions of the nodes, [m], to find neighbours
   void build(std::span<const std::int32_t> node_of, int per_element, std::span<const Vec3> x);
 
   /// order()[k] is the element at place k. Store element data by place, so that memory is read in order.

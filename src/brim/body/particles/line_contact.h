@@ -9,7 +9,8 @@
 namespace brim {
 
 /// Lines: everything within a radius of segments (raster_segments), with line weights: linear momentum of contact is
-/// exact, angular momentum but for the spin of a line about itself (LineWeightsMap). It wants a radius of one voxel.
+/// exact, angular momentum except for the spin of a line about itself (LineWeightsMap). The radius should be at least
+/// one voxel.
 class LineContact final : public ParticleContact {
  public:
   using Segment = std::array<std::int32_t, 2>;

@@ -7,8 +7,8 @@
 
 namespace brim {
 
-/// Clusters of the matter of loose particles, which mix: those that lie in a cell now, and each particle alone. What
-/// was spilled, and falls by itself, asks for no short steps of the rest.
+/// Motion clusters of loose particles, which mix: those now in a cell; as finer clusters single particles. Spilled
+/// particles that fall by themselves then do not shorten the steps of the rest.
 /// @param x, v   of the particles in the caller's order, as in motion_bounds  @param reach  [m] of their matter
 /// Tests: tests/body/loose_clusters_test.cpp
 void measure_cells(const ParticleCells& cells, std::span<const Vec3> x, std::span<const double> v, double reach,

@@ -18,22 +18,22 @@
 
 namespace brim {
 
-/// Particles whose place is prescribed over time.
+/// Particles with prescribed positions over time.
 struct NodeMotion {
   std::vector<std::int32_t> nodes;
-  /// Where a node that rests at `rest` [m] is at `time` [s].
+  /// Position at `time` [s] of a node whose rest position is `rest` [m].
   std::function<Vec3(double time, const Vec3& rest)> position;
 
-  /// The nodes travel at a constant velocity [m/s] from time 0.
+  /// The nodes move at a constant velocity [m/s] from time 0.
   static NodeMotion constant_velocity(std::vector<std::int32_t> nodes, const Vec3& velocity);
 };
 
-/// What bodies made of particles have in common.
+/// Options common to bodies of particles.
 struct ParticleOptions {
   double mass_damping = 0.0;       ///< [1/s] force −a M v (Rayleigh), >= 0
-  double stiffness_damping = 0.0;  ///< [s] force −b K v (Rayleigh), >= 0; about 2 dt calms contact
+  double stiffness_damping = 0.0;  ///< [s] force −b K v (Rayleigh), >= 0; about 2 dt damps contact well
   std::vector<std::int32_t> fixed;
-  std::vector<NodeMotion> motions;       ///< a node may be in one of them only, and not fixed
+  std::vector<NodeMotion> motions;       ///< a node may be in only one of them, and not fixed
   Vec3 initial_velocity = Vec3::Zero();  ///< [m/s]
   Vec3 initial_spin = Vec3::Zero();      ///< [rad/s] about the centre of mass
   double voxel_size = 0.0;               ///< [m] grid step for contact; 0 lets the body choose
@@ -42,11 +42,11 @@ struct ParticleOptions {
 };
 
 /// Body of particles with three coordinates each: q are positions [m], v velocities [m/s], mass lumped at particles.
-/// Inner forces f(x) and their stiffness K(x) (positive semi-definite) come from the kind of body; this class adds
+/// Internal forces f(x) and their stiffness K(x) (positive semi-definite) come from the derived kind; this class adds
 /// gravity, Rayleigh damping −(a M + b K) v, prescribed nodes, and the system of the implicit step
 ///   A = (1 + dt a) M + (dt b + dt²) K
-/// K in the damping is that of the current state; its own change with q is left out of ∂Q/∂q.
-/// Contact is left to a ParticleContact, which the kind of body gives to set_contact.
+/// K in the damping is that of the current state; its change with q is neglected in ∂Q/∂q. Contact is delegated to a
+/// ParticleContact, which the derived kind passes to set_contact.
 class ParticleBody : public Body,
                      public MotionClusters,
                      public OctantPresence,
@@ -64,7 +64,7 @@ class ParticleBody : public Body,
   void move(const Pose& by, std::span<double> q, std::span<double> v) const override { move_points(by, q, v); }
   bool driven() const override { return !options_.motions.empty(); }
 
-  /// Gives back what the step took from the momentum of free motion (docs/numerics.md, Momentum of deformable bodies).
+  /// Restores the momentum of free motion lost in the step (docs/numerics.md, Momentum of deformable bodies).
   void finish_step(double time, double dt, std::span<double> q, std::span<double> v) override;
 
   void add_forces(const Environment& env, std::span<double> Q) const override;
@@ -103,7 +103,7 @@ class ParticleBody : public Body,
   Vec3 angular_momentum(std::span<const double> v) const override;
   bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
 
-  /// The particles themselves; kinds with another display override both.
+  /// The particles themselves; kinds with another display override both functions.
   const Display& display() const override { return display_; }
   void display_positions(std::span<Vec3f> x) const override;
 
@@ -112,7 +112,7 @@ class ParticleBody : public Body,
   std::span<const Vec3> rest_positions() const { return rest_; }
   std::span<const double> masses() const { return mass_; }
   std::span<const Vec3> positions() const { return x_; }
-  /// Inner elastic forces of the last updated state, [N], shape (particles).
+  /// Internal elastic forces of the last updated state, [N], shape (particles).
   std::span<const Vec3> inner_forces() const { return force_; }
   const BlockMatrix& stiffness() const { return stiffness_; }
   /// Elastic energy of the last updated state, [J].
@@ -122,17 +122,18 @@ class ParticleBody : public Body,
   /// @param rest  [m] positions of the particles  @param mass  [kg] of each
   /// @throws InputError  when an option is out of range or names a node that does not exist
   ParticleBody(std::vector<Vec3> rest, std::vector<double> mass, ParticleOptions options);
-  /// Adds the inner forces of positions_ to force_ and −∂f/∂x, projected to be positive semi-definite, to stiffness_.
+  /// Adds the internal forces of positions_ to force_ and −∂f/∂x, projected to be positive semi-definite, to
+  /// stiffness_.
   virtual void add_inner() = 0;
-  /// y += G x, G the part of the stiffness by which tension turns with the matter, between particles that are both
-  /// guided; of kinds that know it.
+  /// y += G x, G: geometric stiffness (rotation of the tension) between particles that are both guided; for kinds that
+  /// have it.
   virtual void add_turning_stiffness(std::span<const double> x, std::span<const std::uint8_t> guided,
                                      std::span<double> y) const {
     (void)x, (void)guided, (void)y;
   }
-  /// Takes what the body is in contact, and what contact needs to know of it; the options' voxel size and material, and
-  /// an areal mass of 0 for a body without free particles, replace those given.
-  /// @throws InputError  where the body is to touch itself, and is neither a sheet nor a line
+  /// Sets the body's contact and its parameters. The options' voxel size and material override those given, and so does
+  /// an areal mass of 0 for a body without free particles.
+  /// @throws InputError  for self-contact of a body that is neither a sheet nor a line
   void set_contact(std::unique_ptr<const ParticleContact> contact, PartInfo part);
 
   std::vector<Vec3> rest_;
@@ -154,7 +155,7 @@ class ParticleBody : public Body,
   PartInfo part_;
 };
 
-/// One message for a number out of range: "cloth: thickness is -1; it must be positive".
+/// Throws InputError for a number out of range: "cloth: thickness is -1; it must be positive".
 void require_positive(const char* what, const char* name, double value);
 void require_not_negative(const char* what, const char* name, double value);
 

@@ -9,13 +9,13 @@
 
 namespace brim {
 
-/// Particles in the order of the cells they lie in, rows along x first, so that the particles of three cells side by
-/// side are one range. Cells are a sorted list: empty space costs nothing, however far particles fly.
+/// Particles sorted by the cells they lie in, rows along x first, so that the particles of three neighbouring cells are
+/// one range. Cells are a sorted list: empty space costs nothing, however far particles fly.
 /// Cost: O(n log n).  Tests: tests/body/particle_fluid_test.cpp
 class ParticleCells {
  public:
   /// @param x       positions, finite, [m]
-  /// @param radius  [m] side of a cell, > 0: the distance up to which neighbours are found
+  /// @param radius  [m] side of a cell, > 0: distance up to which neighbours are found
   void build(std::span<const Vec3> x, double radius);
 
   std::size_t size() const { return position_.size(); }
@@ -24,7 +24,7 @@ class ParticleCells {
   std::span<const std::int32_t> order() const { return order_; }
   /// Positions in cell order, [m].
   std::span<const Vec3> positions() const { return position_; }
-  /// Cells that hold particles.
+  /// Number of cells with particles.
   std::size_t cells() const { return key_.size(); }
   /// Numbers, in the caller's order, of the particles of a cell.
   std::span<const std::int32_t> of_cell(std::size_t cell) const {
@@ -32,7 +32,7 @@ class ParticleCells {
     return std::span(order_).subspan(begin, end - begin);
   }
 
-  /// Calls f(begin, end) for the ranges, in cell order, that hold every particle within `reach` of x, and some more.
+  /// Calls f(begin, end) for the ranges, in cell order, that contain every particle within `reach` of x, and some more.
   template <class F>
   void near(const Vec3& x, double reach, const F& f) const {
     const Cell lo = cell_of(x - Vec3::Constant(reach)), hi = cell_of(x + Vec3::Constant(reach));
@@ -81,7 +81,7 @@ class ParticleCells {
   std::uint64_t key_of(const Cell& c) const;
   std::size_t lower_bound(std::uint64_t key) const;
   std::size_t cell_holding(std::size_t particle) const;
-  /// Moves the cursor on to the first cell at or after (x − 1, y, z) and reports the range of cells x − 1 to x + 1.
+  /// Advances the cursor to the first cell at or after (x − 1, y, z) and reports the range of cells x − 1 to x + 1.
   template <class F>
   void visit_row(std::int64_t x, std::int64_t y, std::int64_t z, std::size_t& cursor, const F& f) const {
     const std::uint64_t from = key_of({x - 1, y, z}), to = from + 2;
@@ -96,7 +96,7 @@ class ParticleCells {
   std::vector<std::pair<std::uint64_t, std::int32_t>> sorted_;
   std::vector<std::int32_t> order_;
   std::vector<Vec3> position_;
-  std::vector<std::uint64_t> key_;   ///< of each cell that holds particles, ascending
+  std::vector<std::uint64_t> key_;   ///< of each cell with particles, ascending
   std::vector<std::int32_t> first_;  ///< first particle of each cell, and the end
 };
 

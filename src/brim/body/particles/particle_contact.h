@@ -14,23 +14,23 @@
 
 namespace brim {
 
-/// How particles fill space: what a body of particles is in contact. One of TetContact (solids), SheetContact,
-/// LineContact and BallContact; all see the particles' current positions x [m] and nothing of the forces between them.
-/// The functions mean what those of Body mean. Safe to call from several threads at once.
+/// Contact geometry of a body of particles. One of TetContact (solids), SheetContact, LineContact and BallContact; all
+/// use only the particles' current positions x [m], not the forces between them. Functions have the meaning of those of
+/// Body. Thread-safe.
 class ParticleContact {
  public:
   virtual ~ParticleContact() = default;
-  /// How far matter reaches beyond the box of the particles, [m].
+  /// Extent of matter beyond the box of the particles, [m].
   virtual double reach() const = 0;
-  /// Elements that hold all matter: particles of each, one after the other. None where each particle is one by itself.
+  /// Elements that contain all matter: particles of each, concatenated. Empty when each particle is an element.
   struct Elements {
     std::span<const std::int32_t> node;
     int per_element = 1;
   };
   virtual Elements elements() const { return {}; }
-  /// True where the particles lie along a surface or a line: matrices of such bodies are cheap to factor.
+  /// True when the particles lie along a surface or a line: matrices of such bodies are cheap to factor.
   virtual bool thin() const { return false; }
-  /// The same of some elements alone, which it numbers from 0 in that order; null where contact knows no pieces.
+  /// The same for a subset of elements, renumbered from 0 in that order; null when pieces are not supported.
   virtual std::unique_ptr<const ParticleContact> piece(std::span<const std::int32_t> elements) const {
     (void)elements;
     return nullptr;

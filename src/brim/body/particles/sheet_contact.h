@@ -8,7 +8,7 @@
 namespace brim {
 
 /// A sheet: the slab of a given thickness around triangles (raster_triangles), with shell weights: linear and angular
-/// momentum of contact are exact. It wants a thickness of two voxels.
+/// momentum of contact are exact. The thickness should be at least two voxels.
 class SheetContact final : public ParticleContact {
  public:
   /// @param thickness  [m]

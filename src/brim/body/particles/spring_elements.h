@@ -20,9 +20,9 @@ struct Spring {
 /// Springs between pairs of particles, l the length and n the direction of a spring:
 ///   E = Σ ½ k (l − L)²,   f_1 = −f_0 = −k (l − L) n
 ///   K = k [ n nᵀ + max(0, 1 − L/l) (I − n nᵀ) ],   damper: k n nᵀ
-/// K is exact in tension; under compression its negative transverse part is dropped, so that it is positive
-/// semi-definite always (Baraff and Witkin 1998; Choi and Ko 2002). The damper acts along the spring alone and does not
-/// brake rotation. A slack spring (strings, ropes) has no energy when shorter than L. A spring of no length has no
+/// K is exact in tension; under compression its negative transverse part is dropped, so that it is always positive
+/// semi-definite (Baraff and Witkin 1998; Choi and Ko 2002). The damper acts only along the spring and does not brake
+/// rotation. A slack spring (strings, ropes) has no energy when shorter than L. A spring of length zero has no
 /// direction and gives no force.
 class SpringElements {
  public:
@@ -49,7 +49,7 @@ class SpringElements {
   ElementSchedule schedule_;
   std::vector<Spring> spring_;
   std::vector<std::int32_t> node_;
-  std::vector<std::int32_t> pair_;  // of the ends, in the matrix
+  std::vector<std::int32_t> pair_;  // slots of the ends in the matrix
 };
 
 }  // namespace brim

@@ -4,10 +4,10 @@
 
 namespace brim {
 
-/// Particles whose stiffness damping acts on the rate of strain alone: the force is −b D v, where D is the material
-/// part of the stiffness, without the part that tension adds. A spinning, stretched rope is not braked:
+/// Particles whose stiffness damping acts only on the rate of strain: the force is −b D v, D: material part of the
+/// stiffness, without the geometric part from tension. So a spinning, stretched rope is not braked:
 ///   A = (1 + dt a) M + dt² K + dt b D
-/// D comes with the inner forces, in a matrix of the pattern of K.
+/// D is computed with the internal forces, in a matrix with the pattern of K.
 class StrainDampedBody : public ParticleBody {
  public:
   void update(double time, std::span<const double> q, std::span<const double> v) override;
@@ -20,7 +20,7 @@ class StrainDampedBody : public ParticleBody {
 
  protected:
   using ParticleBody::ParticleBody;
-  /// Fixes the pattern of K, D and the system: call matrix.begin, add_elements as many times as wanted, then this.
+  /// Fixes the pattern of K, D and the system: call matrix.begin, add_elements any number of times, then this.
   void share_pattern(BlockMatrix pattern);
 
   void add_turning_stiffness(std::span<const double> x, std::span<const std::uint8_t> guided,

@@ -26,7 +26,7 @@ class TetContact final : public ParticleContact {
                 std::unique_ptr<Map>& map) const override;
 
   std::span<const Triangle> surface() const { return surface_; }
-  /// Voxel size of half a boundary edge, areal mass of the column along the longest extent, thickness.
+  /// Voxel size: half a boundary edge; areal mass: that of the column along the longest extent; and the thickness.
   /// @param volume  [m³]  @param density  [kg/m³]
   PartInfo part_info(std::span<const Vec3> x, double volume, double density) const;
 

@@ -4,7 +4,7 @@
 
 namespace brim {
 
-/// What viewers show of a body of tetrahedra: its boundary, or a fine surface carried by the elements.
+/// Display of a body of tetrahedra: its boundary, or a fine surface carried by the elements.
 class TetDisplay {
  public:
   /// @param boundary  boundary triangles of the mesh, indices into its vertices

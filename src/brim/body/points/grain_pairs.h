@@ -8,18 +8,19 @@
 
 namespace brim {
 
-/// How grains touch each other.
+/// Contact parameters between grains.
 struct GrainMaterial {
-  double young = 1e6;        ///< E [Pa], > 0
-  double friction = 0.5;     ///< Coulomb coefficient of grain on grain, [-], >= 0
-  double rolling = 0.1;      ///< μ_r of rolling resistance, [-], >= 0
-  double damping = 0.0;      ///< b [s], >= 0: normal force −b k (rate of overlap)
-  double gravity = 9.81;     ///< [m/s²] what may press free grains together, >= 0: pairs that part slower are kept
+  double young = 1e6;     ///< E [Pa], > 0
+  double friction = 0.5;  ///< Coulomb coefficient of grain on grain, [-], >= 0
+  double rolling = 0.1;   ///< μ_r of rolling resistance, [-], >= 0
+  double damping = 0.0;   ///< b [s], >= 0: normal force −b k (rate of overlap)
+  double gravity =
+      9.81;  ///< [m/s²] that may press free grains together, >= 0: pairs that separate more slowly are kept
   double slip_speed = 1e-3;  ///< ε [m/s], > 0: below it friction grows linearly, so a heap creeps at less than this
 };
 
 /// Forces between the balls of one body, linear and pairwise; n from b to a, d their distance, δ the overlap,
-/// l_a = d r_a / (r_a + r_b) the lever of a, and so for b; u is the velocity at the contact of a against b:
+/// l_a = d r_a / (r_a + r_b) the lever of a, likewise for b; u is the velocity of a relative to b at the contact:
 ///   u = v_a − v_b − (l_a ω_a + l_b ω_b) × n
 ///   k = 2 E r_a r_b / (r_a + r_b)                 (linear springs in series, each 2 E r)
 ///   normal     f_n = k δ − b k n·u                E = Σ ½ k δ²
@@ -30,36 +31,37 @@ struct GrainMaterial {
 ///   torque     −l_a n × f on a, −l_b n × f on b: with l_a + l_b = d angular momentum is exact
 ///   K = k n nᵀ,  D = b k n nᵀ + μ N / max(|u_t|, ε) (I − n nᵀ), both of u
 /// The transverse part of K, −k δ/d, is negative and dropped. A pair that would touch within the step, δ − dt n·u > 0,
-/// waits: it takes part with its spring alone, so that it stops at the touch. A touching pair is let go when it parts
-/// so fast that it would not push at the end of the step, though gravity and a load like its own press on it:
+/// is included with its spring only, so that it stops at contact. A touching pair is released when it separates so fast
+/// that it would not push at the end of the step even under gravity and a load like its present one:
 ///   δ + (dt + b) (−n·u + dt (g + k δ (1/m_a + 1/m_b))) <= 0
-/// Without these loads in the balance a grain that lies on another bounces for ever.
-/// Velocities have six numbers a grain, v and ω; so have forces, f and torque.
+/// Without these loads in the balance a grain lying on another would bounce for ever.
+/// Velocities have six numbers per grain, v and ω; forces likewise, f and torque.
 class GrainPairs {
  public:
   using Mat6 = Eigen::Matrix<double, 6, 6>;
 
-  /// Finds the pairs near each other. @param gap  [m] how far apart pairs may be that are evaluated later
+  /// Finds the pairs near each other. @param gap  [m] largest gap of pairs that are evaluated later
   void find(std::span<const Vec3> x, std::span<const double> radius, double gap);
   double gap() const { return gap_; }
-  /// Takes in the state: forces, K and D. @param dt  [s] of the step to come; 0: touching pairs only, springs alone
+  /// Reads the state and computes forces, K and D. @param dt  [s] of the step to come; 0: touching pairs only, springs
+  /// alone
   /// @param v, spin  [m/s], [rad/s] one per grain
   void evaluate(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const Vec3> spin,
                 std::span<const double> radius, std::span<const double> mass, const GrainMaterial& material, double dt);
 
-  /// Forces of the last evaluation on each grain added, [N], and torques, [N m].
+  /// Adds the forces of the last evaluation on each grain, [N], and torques, [N m].
   void add_forces(std::span<Vec3> f, std::span<Vec3> torque) const;
   /// y += (a K + b D) x, shape (6 grains). Parallel over grains; same bits for any number of threads.
   void multiply_add(double a, double b, std::span<const double> x, std::span<double> y) const;
-  /// The diagonal block of a grain of a K + b D.
+  /// The diagonal block of a grain in a K + b D.
   Mat6 diagonal(std::size_t grain, double a, double b) const;
-  /// Keeps the blocks of a K + b D between grains, for couplings().
+  /// Stores the blocks of a K + b D between grains, for couplings().
   void couple(double a, double b);
-  /// Those blocks, without what is prescribed. Views: good until the next call of couple.
+  /// Those blocks, without prescribed velocities. Views: valid until the next call of couple.
   SixCouplings couplings() const { return {coupled_first_, coupled_, coupling_, {}}; }
   /// Energy of the springs of touching pairs, [J].
   double energy() const;
-  /// Pairs that touch.
+  /// Number of touching pairs.
   std::size_t touching() const;
   /// Largest overlap over the smaller radius, [-].
   double worst_overlap() const { return worst_overlap_; }
@@ -69,15 +71,15 @@ class GrainPairs {
     Vec3 normal = Vec3::Zero();
     Vec3 force = Vec3::Zero();        // on a
     double arm_a = 0.0, arm_b = 0.0;  // [m] l
-    double k = 0.0;                   // of K; 0: not in contact
+    double k = 0.0;                   // stiffness; 0: not in contact
     double damper = 0.0;              // along n
     double roll = 0.0;                // [N m s] of relative spin
     Vec3 roll_torque = Vec3::Zero();  // on a
-    double drag = 0.0;                // across n
+    double drag = 0.0;                // tangential
     double energy = 0.0;
     Mat3 matrix(double a, double b) const;
     Vec3 times(double a, double b, const Vec3& d) const;
-    /// X of the grain that is a, or of the other: its velocity at the contact is v − X ω.
+    /// X of grain a, or of the other: its velocity at the contact is v − X ω.
     Mat3 arm(bool of_a) const { return skew((of_a ? -arm_a : arm_b) * normal); }
   };
   struct Side {

@@ -8,7 +8,7 @@
 
 namespace brim {
 
-/// Finds the pairs of balls whose surfaces are nearer than a gap: centres sorted into cells, each compared with the 27
+/// Finds the pairs of balls whose surfaces are closer than a gap: centres sorted into cells, each compared with the 27
 /// cells around its own. O(n log n + pairs); memory is kept between calls. Same pairs in the same order for any number
 /// of threads.  Tests: tests/body/points_body_test.cpp
 class NeighbourSearch {

@@ -7,22 +7,22 @@
 
 namespace brim {
 
-/// What grains are made of. stiffness_damping is the damping of grain on grain, with motions and fixed as for all
+/// Material and options of grains. stiffness_damping is the damping between grains; motions and fixed are as for all
 /// bodies of particles.
 struct PointsOptions : ParticleOptions {
   std::vector<double> radius = {0.01};  ///< [m] one per grain, or a single one for all
-  double density = 2500.0;              ///< [kg/m³] of the matter of a grain
+  double density = 2500.0;              ///< [kg/m³] of the material of a grain
   double young = 1e6;                   ///< E [Pa] of grain on grain (GrainMaterial)
   double friction = 0.5;                ///< of grain on grain, [-], >= 0
-  bool turn = true;                     ///< false: no spin, like what interlocks; friction then has no torque
-  double rolling_friction = 0.1;        ///< μ_r of grains that roll on each other and on what is fixed, [-], >= 0
+  bool turn = true;                     ///< false: no spin, like interlocking grains; friction then has no torque
+  double rolling_friction = 0.1;        ///< μ_r of grains that roll on each other and on fixed parts, [-], >= 0
   double gravity = 9.81;                ///< [m/s²] of the world, for the release of pairs (GrainMaterial)
   double slip_speed = 1e-3;             ///< [m/s] width of regularised friction, > 0
 };
 
-/// Grains: balls that move and turn (docs/bodies/points.md). q has a centre a grain, v its velocity and spin ω, with
-/// the inertia 2/5 m r². They push and rub each other as the body's own inner forces (GrainPairs); to everything else
-/// they are one part. Contact (paper, section 5.2): raster_points, BallsMap; momentum and angular momentum are exact.
+/// Grains: balls that move and rotate (docs/bodies/points.md). q has a centre per grain, v its velocity and spin ω,
+/// with the inertia 2/5 m r². Contact between grains is an internal force of the body (GrainPairs); for all others they
+/// are one part. Contact (paper, section 5.2): raster_points, BallsMap; momentum and angular momentum are exact.
 /// Tests: tests/body/points_body_test.cpp
 class PointsBody final : public ParticleBody, public SpinningBalls, public BlocksOfSix {
  public:
@@ -46,7 +46,7 @@ class PointsBody final : public ParticleBody, public SpinningBalls, public Block
   void apply_mass(std::span<const double> x, std::span<double> y) const override;
   std::vector<int> block_sizes() const override { return std::vector<int>(rest_.size(), 6); }
   void filter(std::span<double> x) const override;
-  /// Of the centres: a ball that turns moves no matter elsewhere.
+  /// Of the centres: a spinning ball occupies the same space.
   double relative_speed_bound(int p, std::span<const double> v) const override;
   void motion_clusters(int p, std::span<const double> v, std::vector<MotionCluster>& out) const override;
   void finer_clusters(int p, std::size_t cluster, std::span<const double> v,
@@ -74,12 +74,12 @@ class PointsBody final : public ParticleBody, public SpinningBalls, public Block
 
  private:
   PointsBody(std::vector<Vec3> centers, std::vector<double> radius, const PointsOptions& options);
-  /// y += factor times the resistance of spin to what is fixed.
+  /// y += factor times the rolling resistance on fixed parts.
   void add_rolling(double factor, std::span<const double> x, std::span<double> y) const;
   void filter_spin(std::span<double> x) const;
   /// y += factor M x.
   void add_mass(double factor, std::span<const double> x, std::span<double> y) const;
-  /// How far apart grains may be that can meet within a step, [m].
+  /// Largest gap of grains that can meet within a step, [m].
   double gap_for(double dt) const;
 
   std::vector<double> radius_;  // [m], per grain
@@ -88,8 +88,8 @@ class PointsBody final : public ParticleBody, public SpinningBalls, public Block
   GrainMaterial material_;
   GrainPairs pairs_;
   bool turn_ = true;
-  std::vector<std::int32_t> given_;             // threes that nothing moves, SixCouplings::prescribed
-  std::vector<double> load_, roll_;             // [N] of what is fixed; [N m s] its resistance to spin
+  std::vector<std::int32_t> given_;             // triples with prescribed velocity, SixCouplings::prescribed
+  std::vector<double> load_, roll_;             // [N] from fixed parts; [N m s] their resistance to spin
   std::vector<double> inertia_;                 // [kg m²], per grain
   std::vector<Vec3> spin_;                      // [rad/s], of the last update
   std::vector<Vec3> pair_force_, pair_torque_;  // [N], [N m], with damping and friction

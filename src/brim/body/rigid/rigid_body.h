@@ -10,9 +10,9 @@
 
 namespace brim {
 
-/// What a rigid body is made of. The body's frame has its origin at the centre of mass.
+/// Properties of a rigid body. The body's frame has its origin at the centre of mass.
 struct RigidModel {
-  std::string kind = "rigid";            ///< the body's word in scenes and reports
+  std::string kind = "rigid";            ///< the body's keyword in scenes and reports
   std::shared_ptr<const Shape> shape;    ///< solid, in the shape's own frame
   Vec3 center_of_mass = Vec3::Zero();    ///< [m] in the shape's frame
   double mass = 1.0;                     ///< [kg]
@@ -87,7 +87,7 @@ class RigidBody final : public Body,
   RigidModel model_;
   PosedShape solid_;
   Display display_;
-  double reach_ = 0.0;  ///< [m] farthest matter from the centre of mass
+  double reach_ = 0.0;  ///< [m] distance of the farthest point from the centre of mass
   Mat3 model_inverse_;  ///< of the inertia, shape's axes, [1/(kg m²)]
   // Of the last update:
   Vec3 center_ = Vec3::Zero();                                    ///< [m] centre of mass

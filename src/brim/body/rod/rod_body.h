@@ -8,20 +8,20 @@
 
 namespace brim {
 
-/// What a rod or a rope is made of. For a round rod of solid material: λ = ρ π r², EA = E π r², EI = E π r⁴ / 4.
+/// Material and options of a rod or a rope. For a solid round rod: λ = ρ π r², EA = E π r², EI = E π r⁴ / 4.
 struct RodOptions : ParticleOptions {
   double radius = 0.01;         ///< [m] for contact; the voxel size follows it
   double linear_density = 0.1;  ///< λ [kg/m]
   double stretch = 1e4;         ///< EA [N]
   double bending = 1e-3;        ///< EI [N m²], >= 0
-  bool closed = false;          ///< the last node is joined to the first
-  bool rests_straight = false;  ///< true: a rope, without a bend of its own; false: it rests as bent as it is given
+  bool closed = false;          ///< the last node is connected to the first
+  bool rests_straight = false;  ///< true: a rope, straight at rest; false: its rest shape is the given one
 };
 
 /// A line of particles: rod, rope, chain, ring (docs/bodies/rod.md). Stretch by springs of stiffness EA / L, bending by
 /// the curvature at each node; no twist.
-/// Contact: capsules along the segments (paper, section 5.2), exact in linear and angular momentum but for the spin of
-/// the rod about itself, which it has no coordinate for (LineWeightsMap). A rod wants a radius of one voxel.
+/// Contact: capsules along the segments (paper, section 5.2), exact in linear and angular momentum except for the spin
+/// of the rod about itself, for which it has no coordinate (LineWeightsMap). The radius should be at least one voxel.
 /// Tests: tests/body/rod_body_test.cpp
 class RodBody final : public StrainDampedBody {
  public:

@@ -6,14 +6,14 @@
 
 namespace brim {
 
-/// A surface for viewers that follows the nodes by weights.
+/// A display surface that follows the nodes by weights.
 struct CarriedSurface {
   std::vector<Triangle> triangles;
   WeightRows weights;  ///< one row per vertex
 };
 
-/// Elastic body whose nodes move particles of matter (the volume layer); these make its density and its map. What the
-/// nodes are and how they resist is said by derived kinds.
+/// Elastic body whose nodes move particles of matter (the volume layer), from which density and map are made. Derived
+/// kinds define the nodes and their forces.
 class CarriedBody : public ParticleBody {
  public:
   void update(double time, std::span<const double> q, std::span<const double> v) override;
@@ -39,18 +39,18 @@ class CarriedBody : public ParticleBody {
  private:
   CarriedVolume volume_;
   WeightRows surface_;
-  double largest_row_ = 1.0;  // Σ|φ|: particles may outrun nodes by this
+  double largest_row_ = 1.0;  // Σ|φ|: largest ratio of particle to node speed
   PartInfo part_;
   Display display_;
 };
 
-/// What the matter of a carried body is made of.
+/// Material of a carried body.
 struct ElasticOptions : ParticleOptions {
   double density = 1000.0;   ///< [kg/m³]
   double young = 1e5;        ///< [Pa]
   double poisson = 0.3;      ///< [-], in (−1, 0.5)
-  bool neo_hookean = false;  ///< else corotational
-  double averaging = 0.0;    ///< [-] as that of finite elements (AveragedElements); image volumes only
+  bool neo_hookean = false;  ///< false: corotational
+  double averaging = 0.0;    ///< [-] as for finite elements (AveragedElements); image volumes only
   LayerWeights weights = LayerWeights::DensityRate;
 };
 

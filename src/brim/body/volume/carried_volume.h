@@ -9,14 +9,15 @@
 
 namespace brim {
 
-/// Particles of matter that follow nodes by fixed weights: the volume layer of bodies whose shape is not their mesh.
+/// Particles of matter that follow nodes by fixed weights: the volume layer of bodies whose shape differs from their
+/// mesh.
 ///   x_i = Σ_k φ_ik q_k,   F_i = Σ_k q_k ∇φ_ikᵀ,   V_i = V_i⁰ det F_i
 struct Carriage {
   WeightRows weights;          ///< φ, rows are particles, sources are nodes
   std::vector<Vec3> gradient;  ///< [1/m] ∇φ in the rest shape, per entry
   std::vector<double> volume;  ///< [m³] at rest
   std::vector<double> mass;    ///< [kg]
-  double radius = 0.0;         ///< [m] least radius of influence
+  double radius = 0.0;         ///< [m] smallest radius of influence
 };
 
 /// Tests: tests/body/carried_body_test.cpp
@@ -32,7 +33,7 @@ class CarriedVolume {
   std::span<const Vec3> positions() const { return x_; }
   std::span<const double> volumes() const { return volume_; }
   const Carriage& carriage() const { return carriage_; }
-  /// Box of the matter, [m].
+  /// Bounding box of the matter, [m].
   Aabb bounds() const { return layer_.centers().inflated(spacing_); }
   /// Map of points over nodes. @param nodes  number of nodes
   void make_map(std::size_t nodes, std::span<const Vec3> points, std::span<const std::int32_t> sources,

@@ -9,23 +9,23 @@
 
 namespace brim {
 
-/// What the cells of an image are made of where it differs from cell to cell; each list is empty or of all cells, a
-/// mean over the whole cell (cell_means).
+/// Material of an image's cells that varies from cell to cell; each list is empty or covers all cells, with means over
+/// the whole cell (cell_means).
 struct CellMaterial {
   std::span<const float> density;  ///< [kg/m³] instead of ElasticOptions::density
-  std::span<const float> young;    ///< [Pa] instead of ElasticOptions::young; an element has the mean of its matter
+  std::span<const float> young;    ///< [Pa] instead of ElasticOptions::young; an element gets the mean of its matter
 };
 
-/// Deformable raw volume (paper, section 5.4): voxels of matter ride in a lattice of tetrahedra that deform as finite
-/// elements do; the voxels make the density, and forces go from grid to voxels to lattice.
-/// Each tetrahedron has the stiffness of the matter that it holds: that of a full one times its share of matter, 5 % of
-/// it at least. About edges (AveragedElements) the matter counts that is nearest to each.
+/// Deformable raw volume (paper, section 5.4): voxels of matter are embedded in a lattice of tetrahedra, which deform
+/// as finite elements; the voxels make the density, and forces go from grid to voxels to lattice. The stiffness of a
+/// tetrahedron is that of a full one times its fraction of matter, at least 5 %. For edge domains (AveragedElements)
+/// the matter nearest to each edge counts.
 /// Tests: tests/body/carried_body_test.cpp
 class SoftImageBody final : public CarriedBody {
  public:
   /// @param matter   cells about as wide as a voxel of contact, in the body's own frame
   /// @param spacing  [m] of the lattice
-  /// @param rotation, position  where the body starts
+  /// @param rotation, position  initial pose of the body
   /// @throws InputError  when a number is out of range or there is no matter
   SoftImageBody(const OccupancyGrid& matter, const TriMesh& surface, double spacing, const Quat& rotation,
                 const Vec3& position, ElasticOptions options, const CellMaterial& material = {});
@@ -47,10 +47,10 @@ class SoftImageBody final : public CarriedBody {
     TetMesh mesh;
     Carriage carriage;
     CarriedSurface surface;
-    std::vector<double> stiffness;  ///< [-] of each tetrahedron, over that of one full of ElasticOptions::young
-    std::vector<EdgeShares> edges;  ///< [-] of its sixths, likewise
+    std::vector<double> stiffness;  ///< [-] of each tetrahedron, relative to a full one of ElasticOptions::young
+    std::vector<EdgeShares> edges;  ///< [-] of the sixths, likewise
     double area = 0.0;              ///< [m²] of the surface
-    Aabb box;                       ///< around the matter, in its own frame
+    Aabb box;                       ///< box of the matter, in its own frame
   };
   static Parts build(const OccupancyGrid& matter, const TriMesh& surface, double spacing, const Quat& rotation,
                      const Vec3& position, ElasticOptions& options, const CellMaterial& material);
@@ -58,8 +58,8 @@ class SoftImageBody final : public CarriedBody {
 
   Parts parts_;
   AveragedElements elements_;
-  std::optional<double> energy_;  ///< of x_, where it came with the forces
-  double areal_mass_ = 0.0;       ///< [kg/m²] behind the surface, of what is thinner than the ramp that of its outline
+  std::optional<double> energy_;  ///< of x_, if computed with the forces
+  double areal_mass_ = 0.0;       ///< [kg/m²] behind the surface; for matter thinner than the ramp, of its outline
 };
 
 }  // namespace brim
