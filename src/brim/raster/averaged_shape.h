@@ -10,8 +10,8 @@
 
 namespace brim {
 
-/// A convex shape averaged over balls of diameter w. @tparam Shape  has double operator()(p), its distance, and
-/// double share(p, w), the share of its matter in the ball about p
+/// A convex shape averaged over balls of diameter w. @tparam Shape  has double operator()(p), its distance, and double
+/// share(p, w), the volume fraction of the ball about p
 template <class Shape>
 class AveragedShape final : public KnownDistance {
  public:
@@ -20,13 +20,13 @@ class AveragedShape final : public KnownDistance {
   double slack() const override { return w_; }
   double rough_distance(const Vec3& p) const override {
     const double d = shape_(p), half = 0.5 * w_;
-    // At an edge matter begins to be seen as far from it as half a ramp along each of the two faces.
+    // At an edge the ball may touch matter at distances of up to half a ramp along each of the two faces.
     if (std::abs(d) > 2.0 * half) return d;
     const double share = shape_.share(p, w_);
     if (share > 0.0 && share < 1.0) return ramp_inverse(share, w_);
     return share > 0.0 ? std::min(d, -half) : std::max(d, half);
   }
-  /// Of a convex solid the mean is nowhere less than the distance by half a ramp.
+  /// For a convex solid the averaged distance is at least the distance minus half a ramp.
   double least_distance(const Vec3& p) const override { return shape_(p) - 0.5 * w_; }
   bool by_rows() const override { return false; }
 
@@ -35,7 +35,7 @@ class AveragedShape final : public KnownDistance {
   double w_;
 };
 
-/// Makes the averaged solids of a shape the first time that each width is asked for.
+/// Builds the averaged solids of a shape on the first request for each width.
 template <class Shape>
 class AveragedWidths {
  public:

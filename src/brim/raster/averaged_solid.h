@@ -12,16 +12,16 @@
 
 namespace brim {
 
-/// The density fields of a solid at several ramp widths, each from a level of a pyramid of its matter that has some
-/// three cells to the ball's radius: level 0 is the given grid, each next one the means of 2x2x2 cells (a box filter).
-/// A level of half the size costs an eighth, in memory and to make. Tests: tests/raster/averaged_solid_test.cpp
+/// Density fields of a solid at several ramp widths, each computed from the level of a pyramid of its matter with about
+/// three cells per ball radius: level 0 is the given grid, each next one the means of 2x2x2 cells (a box filter). A
+/// level of half the size costs an eighth of memory and time. Tests: tests/raster/averaged_solid_test.cpp
 class OccupancyPyramid {
  public:
   explicit OccupancyPyramid(OccupancyGrid finest) { levels_.push_back(std::move(finest)); }
   const OccupancyGrid& finest() const { return levels_.front(); }
-  /// The field of a ramp width, [m]; made the first time that it is asked for, by one thread.
+  /// The field of a ramp width, [m]; built by one thread on the first request.
   const BallField& field(double w) const;
-  /// The level that a width is made from.
+  /// The level from which a width is computed.
   int level_of(double w) const;
 
  private:
@@ -30,10 +30,10 @@ class OccupancyPyramid {
   mutable std::map<double, std::unique_ptr<BallField>> fields_;
 };
 
-/// The matter of a sampled distance: cells about its nodes, filled by 1/2 − d / spacing.
+/// The matter of a sampled distance: cells about its nodes, filled to 1/2 − d / spacing.
 OccupancyGrid occupancy_of(const DistanceGrid& grid);
 
-/// A solid of a sampled distance, averaged over balls. Beyond half a ramp from the surface the ball is full or empty
+/// A solid of a sampled distance, averaged over balls. Beyond half a ramp from the surface the ball is full or empty,
 /// and the distance is that of the grid.
 class AveragedSolid final : public KnownDistance {
  public:

@@ -11,20 +11,20 @@
 
 namespace brim {
 
-/// Scratch of one block while primitives are splatted into it, eight nodes of a row at a time and in single precision.
-/// Places are counted in voxels from the block's first node, so that a float resolves them to 1e-6 voxels wherever in
-/// the world the block is; nodes of no wanted octant hold nothing of use.
+/// Scratch of one block while primitives are splatted into it, eight nodes of a row at a time in single precision.
+/// Positions are in voxels from the block's first node, so that a float resolves 1e-6 voxels anywhere in the world;
+/// nodes outside the wanted octants hold undefined values.
 struct BlockScratch {
   alignas(32) float value[kBlockNodes];           ///< squared or signed distance, [voxels² or voxels]
-  alignas(32) std::int32_t nearest[kBlockNodes];  ///< whose it is, −1 where none is near
-  alignas(32) std::int32_t holder[kBlockNodes];   ///< what holds the node, −1 where nothing does
+  alignas(32) std::int32_t nearest[kBlockNodes];  ///< primitive that gives the value, −1 when none is near
+  alignas(32) std::int32_t holder[kBlockNodes];   ///< element that contains the node, −1 for none
 };
 
 BRIM_INLINE WideFloats wide(float x) { return x - WideFloats{}; }
 BRIM_INLINE WideIds wide(std::int32_t x) { return x - WideIds{}; }
 BRIM_INLINE WideFloats wide_max(const WideFloats& a, const WideFloats& b) { return a > b ? a : b; }
 BRIM_INLINE WideFloats wide_min(const WideFloats& a, const WideFloats& b) { return a < b ? a : b; }
-/// True where any lane of a comparison is.
+/// True when any lane of a comparison is true.
 BRIM_INLINE bool any_lane(const WideIds& flags) {
   typedef std::int64_t Pair __attribute__((vector_size(sizeof(LaneIds))));
   const LaneIds half =
@@ -36,7 +36,7 @@ BRIM_INLINE bool any_lane(const WideIds& flags) {
 /// 0 to 7: numbers of the lanes.
 BRIM_INLINE WideFloats lane_numbers() { return WideFloats{0.0f, 1.0f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f, 7.0f}; }
 
-/// Where groups of eight nodes start that hold the nodes lo to hi of a row: at most two, within the block.
+/// Starts of the groups of eight nodes that contain the nodes lo to hi of a row: at most two, within the block.
 struct RowGroups {
   int count, start[2];
 };
@@ -46,7 +46,7 @@ BRIM_INLINE RowGroups row_groups(int lo, int hi) {
   return {hi - first < kWideLanes ? 1 : 2, {first, kLast}};
 }
 
-// Arithmetic of plain loops, to be inlined into functions compiled for wide registers.
+// Arithmetic as plain loops, to be inlined into functions compiled for wide registers.
 BRIM_INLINE Vec3 times(double s, const Vec3& v) { return {s * v[0], s * v[1], s * v[2]}; }
 BRIM_INLINE Vec3 crossed(const Vec3& a, const Vec3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
@@ -58,17 +58,17 @@ BRIM_INLINE Vec3 in_voxels(const Vec3& x, const Vec3& origin, double inverse_h) 
   return {(x[0] - origin[0]) * inverse_h, (x[1] - origin[1]) * inverse_h, (x[2] - origin[2]) * inverse_h};
 }
 
-/// Nodes of a block within the box around some points and what reaches beyond it, clipped to those that are wanted.
+/// Nodes of a block in the bounding box of some points, extended by `reach`, clipped to the wanted nodes.
 /// @param p, reach  in voxels from the first node
 template <int N>
 BRIM_INLINE NodeRange nodes_around(const Vec3 (&p)[N], const Vec3& reach, const NodeRange& clip) {
-  constexpr double kUp = 16.0;  // makes positive what is rounded by conversion to integers
+  constexpr double kUp = 16.0;  // keeps values positive before conversion to integers
   NodeRange r;
   for (int a = 0; a < 3; ++a) {
     double least = p[0][a], most = p[0][a];
     for (int i = 1; i < N; ++i) least = std::min(least, p[i][a]), most = std::max(most, p[i][a]);
     least -= reach[a] + 1e-9, most += reach[a] + 1e-9;
-    // Numbers too large for that, and what is no number, are clipped to the range's ends.
+    // Numbers out of range and NaN are clipped to the range's ends.
     const double lo = least > -1.0 ? std::min(least, double{kBlockSize}) : -1.0;
     const double hi = most < kBlockSize ? std::max(most, -1.0) : double{kBlockSize};
     r.lo[a] = std::max(clip.lo[a], static_cast<int>(kUp) - static_cast<int>(kUp - lo));
@@ -77,8 +77,8 @@ BRIM_INLINE NodeRange nodes_around(const Vec3 (&p)[N], const Vec3& reach, const 
   return r;
 }
 
-/// Calls f(first node) for groups of eight nodes that hold all nodes which the wanted octants and their stencils read,
-/// and maybe others; some nodes twice.
+/// Calls f(first node) for groups of eight nodes that contain all nodes read by the wanted octants and their stencils,
+/// maybe others too; some nodes twice.
 template <class F>
 BRIM_INLINE void for_wanted_groups(Octants wanted, const F& f) {
   constexpr int kHalf = kTileSize / 2, kReach = kHalf + 2 * kHalo;

@@ -18,13 +18,13 @@ struct Capsule {
 };
 
 /// Nearest capsule of each node of a block: lowers scratch.value, the signed distance in voxels, and sets
-/// scratch.nearest where a capsule comes closer than what is there; of equals the first stays. Eight nodes at a time in
-/// single precision: wrong by at most 2e-6 voxels and 2e-7 of the capsule's length.
-/// @param ids     what each of the capsules is called in scratch.nearest, shape (capsules)
-/// @param origin  [m] first node of the block  @param h, w  [m] step, ramp width  @param wanted  octants that count
+/// scratch.nearest where a capsule is closer than the present value; of equals the first stays. Eight nodes at a time
+/// in single precision: error at most 2e-6 voxels and 2e-7 of the capsule's length.
+/// @param ids     number of each capsule in scratch.nearest, shape (capsules)
+/// @param origin  [m] first node of the block  @param h, w  [m] step, ramp width  @param wanted  octants needed
 void splat_capsules(std::span<const Capsule> capsules, std::span<const std::int32_t> ids, const Vec3& origin, double h,
                     double w, Octants wanted, BlockScratch& scratch);
-/// Densities and sources from those distances.
+/// Computes densities and sources from those distances.
 void settle_capsules(const BlockScratch& scratch, double h, double w, DensityBlock& block);
 
 /// The common part of raster_segments and raster_points. @param capsule_of  capsule_of(i): Capsule

@@ -15,16 +15,16 @@ struct CubeFrame {
         dz(cube.h * pose.rotation.row(2)) {}
 };
 
-/// Signed distances, [m], of solids about the origin at all nodes of the rows that have a wanted one, eight nodes at a
-/// time in single precision; sizes as make_sphere and the others take them, but half extents, lengths and heights.
-/// Same bits whichever instructions the machine has.
+/// Signed distances, [m], of solids about the origin at all nodes of the rows that contain a wanted one, eight nodes at
+/// a time in single precision; sizes as for make_sphere and the others, but half extents, lengths and heights. Same
+/// bits for any instruction set.
 void sphere_distances(const CubeFrame& frame, double radius, const NodeMask& wanted, float* d);
 void box_distances(const CubeFrame& frame, const Vec3& half, const NodeMask& wanted, float* d);
 void capsule_distances(const CubeFrame& frame, double radius, double half, const NodeMask& wanted, float* d);
 void cylinder_distances(const CubeFrame& frame, double radius, double half, const NodeMask& wanted, float* d);
 void half_space_distances(const CubeFrame& frame, const NodeMask& wanted, float* d);
 
-/// rho = ramp(d, w) on all nodes of the rows that have a wanted one.
+/// rho = ramp(d, w) on all nodes of the rows that contain a wanted one.
 void cube_ramp(const float* d, double w, const NodeMask& wanted, float* rho);
 
 }  // namespace brim

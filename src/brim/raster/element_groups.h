@@ -9,9 +9,9 @@
 
 namespace brim {
 
-/// Elements that follow one another in a list, 32 to a group, with the vertices of each group without repetition: the
-/// nodes around a group cost a tenth of those around its elements, and a group far from what is asked for is passed by
-/// whole. Good where neighbours stand near each other in the list.  Tests: tests/raster/element_groups_test.cpp
+/// Consecutive elements of a list in groups of 32, with the distinct vertices of each group: the nodes around a group
+/// cost a tenth of those around its elements, and a group far from the query is skipped as a whole. Efficient when
+/// neighbours are close in the list.  Tests: tests/raster/element_groups_test.cpp
 class ElementGroups {
  public:
   static constexpr std::size_t kSize = 32;
@@ -28,7 +28,7 @@ class ElementGroups {
       first_.push_back(static_cast<std::int32_t>(vertex_.size()));
     }
   }
-  /// Nodes in the box of a group's vertices, and `more` around it.
+  /// Nodes in the bounding box of a group's vertices, extended by `more`.
   NodeSpan around(const VertexNodes& nodes, std::size_t group, std::int32_t more) const {
     return nodes.around(std::span(vertex_).subspan(first_[group], first_[group + 1] - first_[group])).grown(more);
   }
@@ -37,17 +37,17 @@ class ElementGroups {
   std::vector<std::int32_t> first_{0}, vertex_;
 };
 
-/// Of a BoxList whose elements are not grouped.
+/// For a BoxList whose elements are not grouped.
 struct Ungrouped {
   NodeSpan operator()(std::size_t) const { return NodeSpan::all(); }
 };
 
-/// The boxes of a list of elements, as TileBins and TileCover take them.
+/// The boxes of a list of elements, for TileBins and TileCover.
 template <class BoxOf, class GroupOf = Ungrouped>
 struct BoxList {
   std::size_t count;
   BoxOf box_of;        ///< box_of(i): Aabb [m] or NodeSpan of all nodes that element i may reach
-  GroupOf group_of{};  ///< group_of(g): NodeSpan that holds those of elements 32 g to 32 g + 31
+  GroupOf group_of{};  ///< group_of(g): NodeSpan that contains those of elements 32 g to 32 g + 31
 
   std::size_t groups() const { return (count + ElementGroups::kSize - 1) / ElementGroups::kSize; }
   /// Calls f(i) for the elements of a group.

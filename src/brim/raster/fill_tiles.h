@@ -9,9 +9,9 @@
 
 namespace brim {
 
-/// Writes the density of a solid that is given by a distance in the world, at every node of every tile; source 0.
+/// Writes the density of a solid given by a distance in world coordinates at every node of every tile; source 0.
 ///   rho(r) = ramp(distance(r), w)
-/// For what cannot tell from few distances which tiles lie wholly inside or outside; rigid shapes can (fill_block).
+/// For distances without a bound on their change; rigid shapes recognise full and empty tiles (fill_block).
 /// @param distance  Vec3 [m] -> [m], negative inside; called from several threads
 /// @param h, w      [m] grid step, ramp width
 /// Same bits for any number of threads.  Tests: tests/raster/fill_tiles_test.cpp

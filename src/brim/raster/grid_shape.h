@@ -7,7 +7,8 @@
 
 namespace brim {
 
-/// Solid given by sampled signed distances: closed, open or messy meshes (paper, section 5.3: a precomputed field).
+/// Solid given by sampled signed distances, from closed, open or defective meshes (paper, section 5.3: a precomputed
+/// field).
 /// @param thickness  [m] smallest extent of the solid, for warnings
 std::shared_ptr<const Shape> make_grid_shape(std::shared_ptr<const DistanceGrid> grid, double thickness);
 

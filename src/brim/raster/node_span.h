@@ -13,7 +13,7 @@
 
 namespace brim {
 
-/// The grid nodes lo <= (i, j, k) <= hi; none where lo > hi along some axis.
+/// The grid nodes lo <= (i, j, k) <= hi; empty when lo > hi along some axis.
 struct NodeSpan {
   std::int32_t lo[3], hi[3];
   bool empty() const { return lo[0] > hi[0] || lo[1] > hi[1] || lo[2] > hi[2]; }
@@ -22,14 +22,14 @@ struct NodeSpan {
     for (int a = 0; a < 3; ++a) apart |= lo[a] > other.hi[a] || hi[a] < other.lo[a];
     return !apart;
   }
-  /// With `more` nodes on each side.
+  /// Extended by `more` nodes on each side.
   NodeSpan grown(std::int32_t more) const {
     return {{lo[0] - more, lo[1] - more, lo[2] - more}, {hi[0] + more, hi[1] + more, hi[2] + more}};
   }
   static constexpr NodeSpan all();
 };
 
-/// Nodes farther than this from the origin are all the same; what is no number is there too.
+/// [voxels] coordinates are clamped to ± this; NaN becomes the lower limit.
 inline constexpr double kFarthestNode = 1e9;
 
 constexpr NodeSpan NodeSpan::all() {
@@ -37,7 +37,7 @@ constexpr NodeSpan NodeSpan::all() {
   return {{-n, -n, -n}, {n, n, n}};
 }
 
-/// Largest node not above a coordinate in voxels, without a call to the library.
+/// Floor of a coordinate in voxels, without a library call.
 inline std::int32_t node_below(double voxels) {
   const double v = voxels > -kFarthestNode ? std::min(voxels, kFarthestNode) : -kFarthestNode;
   const auto n = static_cast<std::int32_t>(v);
@@ -45,7 +45,7 @@ inline std::int32_t node_below(double voxels) {
 }
 inline std::int32_t node_above(double voxels) { return -node_below(-voxels); }
 
-/// The nodes in a box, and up to `slack` voxels around it.
+/// The nodes in a box extended by `slack` voxels.
 inline NodeSpan nodes_in(const Aabb& box, double h, double slack) {
   const double inverse = 1.0 / h;
   NodeSpan s;
@@ -54,11 +54,11 @@ inline NodeSpan nodes_in(const Aabb& box, double h, double slack) {
   return s;
 }
 
-/// The nodes next to each vertex of a mesh, from which those in the boxes of its elements follow by a few comparisons
-/// of integers.  Tests: tests/raster/node_span_test.cpp
+/// The nodes next to each vertex of a mesh, from which the nodes in its elements' boxes follow by a few integer
+/// comparisons.  Tests: tests/raster/node_span_test.cpp
 class VertexNodes {
  public:
-  /// @param slack  [voxels] boxes are taken this much larger on each side
+  /// @param slack  [voxels] extension of the boxes on each side
   void build(std::span<const Vec3> x, double h, double slack) {
     next_.resize(x.size());
     parallel_blocks(x.size(), 4096, [&](std::size_t begin, std::size_t end) {

@@ -22,7 +22,7 @@ void raster_points(std::span<const Vec3> x, std::span<const double> radius, std:
 /// Tiles whose block, halo included, may hold density, within a region; appended to out, each once.
 void presence_points(std::span<const Vec3> x, std::span<const double> radius, double h, double w, const Aabb& region,
                      std::vector<TileKey>& out, RasterWorkspace& workspace);
-/// The same of octants with own nodes that may hold density.
+/// The same for octants with own nodes that may hold density.
 void presence_points(std::span<const Vec3> x, std::span<const double> radius, double h, double w, const Aabb& region,
                      std::vector<OctantTile>& out, RasterWorkspace& workspace);
 

@@ -27,7 +27,7 @@ void raster_segments(std::span<const Vec3> x, std::span<const std::array<std::in
 void presence_segments(std::span<const Vec3> x, std::span<const std::array<std::int32_t, 2>> segments,
                        std::span<const double> radius, double h, double w, const Aabb& region,
                        std::vector<TileKey>& out, RasterWorkspace& workspace);
-/// The same of octants with own nodes that may hold density.
+/// The same for octants with own nodes that may hold density.
 void presence_segments(std::span<const Vec3> x, std::span<const std::array<std::int32_t, 2>> segments,
                        std::span<const double> radius, double h, double w, const Aabb& region,
                        std::vector<OctantTile>& out, RasterWorkspace& workspace);

@@ -11,7 +11,7 @@
 
 namespace brim {
 
-/// Scratch memory of rasters of one list of primitives, kept by the caller between calls.
+/// Scratch memory for rasterizing one list of primitives, kept by the caller between calls.
 struct RasterWorkspace {
   TileIndex index;
   TileBins bins;
@@ -35,7 +35,7 @@ void raster_triangles(std::span<const Vec3> x, std::span<const Triangle> triangl
 /// Tiles whose block, halo included, may hold density of the sheet, within a region; appended to out, each once.
 void presence_triangles(std::span<const Vec3> x, std::span<const Triangle> triangles, double thickness, double h,
                         double w, const Aabb& region, std::vector<TileKey>& out, RasterWorkspace& workspace);
-/// The same of octants with own nodes that may hold density.
+/// The same for octants with own nodes that may hold density.
 void presence_triangles(std::span<const Vec3> x, std::span<const Triangle> triangles, double thickness, double h,
                         double w, const Aabb& region, std::vector<OctantTile>& out, RasterWorkspace& workspace);
 

@@ -8,7 +8,7 @@
 
 namespace brim {
 
-/// Where a rigid shape is: world = rotation * local + translation.
+/// Pose of a rigid shape: world = rotation * local + translation.
 struct Pose {
   Mat3 rotation = Mat3::Identity();
   Vec3 translation = Vec3::Zero();
@@ -22,9 +22,9 @@ class Shape {
 
   /// Signed distance to the surface, negative inside, [m]; local frame. Never larger in magnitude than the true one.
   virtual double distance(const Vec3& p) const = 0;
-  /// Box that holds the solid, local frame, [m]; infinite for half-spaces.
+  /// Bounding box of the solid, local frame, [m]; infinite for half-spaces.
   virtual Aabb bounds() const = 0;
-  /// The same, of the solid placed in the world.
+  /// The same for the placed solid, in world axes.
   virtual Aabb placed_bounds(const Pose& pose) const;
   /// Smallest thickness of the solid, [m], for warnings.
   virtual double thickness() const = 0;
@@ -48,10 +48,10 @@ std::shared_ptr<const Shape> make_half_space();
 void shape_presence(const Shape& shape, const Pose& pose, double h, double w, const Aabb& region,
                     std::vector<TileKey>& out);
 
-/// Writes the wanted octants of one block, or all of it, from any callable double distance(const Vec3& local); what
-/// lies wholly inside or outside is recognised from the distance at its centre, and rows of nodes far from the surface
+/// Writes the wanted octants of one block, or all of it, from any callable double distance(const Vec3& local). Cubes
+/// wholly inside or outside are recognised from the distance at their centre, and runs of nodes far from the surface
 /// from their first.
-/// @param distance  changes by no more than the point moves, but for an error of at most slack [m]
+/// @param distance  Lipschitz constant 1, up to an error of at most slack [m]
 template <class Distance>
 void fill_block(const Distance& distance, const Pose& pose, const TileKey& tile, double h, double w, DensityBlock& out,
                 double slack = 0.0);

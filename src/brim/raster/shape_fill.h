@@ -16,7 +16,7 @@ void fill_block(const Distance& distance, const Pose& pose, const TileKey& tile,
   const Mat3 back = pose.rotation.transpose();
   const Vec3 base = back * (origin - pose.translation);
   const Vec3 dx = back.col(0) * h, dy = back.col(1) * h, dz = back.col(2) * h;
-  // The nodes from (i0, j0, k0) on, n a side.
+  // Fills n nodes a side from (i0, j0, k0) on.
   const auto fill = [&](int i0, int j0, int k0, int n) {
     const double half = 0.5 * (n - 1);
     const double reach = half * h * std::sqrt(3.0) + 0.5 * w + slack;
@@ -33,7 +33,7 @@ void fill_block(const Distance& distance, const Pose& pose, const TileKey& tile,
         for (int i = i0; i < i0 + n;) {
           const double d = distance(row + i * dx);
           rho[i++] = ramp(d, w);
-          // A node this far from the surface speaks for those that follow.
+          // A node this far from the surface determines those that follow.
           const double away = (std::abs(d) - 0.5 * w - slack) / h;
           for (const int end = std::min(i0 + n, i + static_cast<int>(std::clamp(away, 0.0, double{kBlockSize})));
                i < end; ++i)

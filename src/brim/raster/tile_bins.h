@@ -11,12 +11,12 @@
 
 namespace brim {
 
-/// Finds the place of a tile in a list of tiles.
+/// Looks up tiles in a list of tiles.
 class TileIndex {
  public:
   /// @param tiles  distinct, in any order
   void build(std::span<const TileKey> tiles);
-  /// Smallest range that holds all tiles; lo > hi when there are none.
+  /// Smallest range that contains all tiles; lo > hi when there are none.
   const TileRange& range() const { return range_; }
   /// Index in the list, or −1.
   std::int32_t find(std::int32_t x, std::int32_t y, std::int32_t z) const;
@@ -43,15 +43,15 @@ class TileIndex {
   TileRange range_;
   std::int64_t nx_ = 0, ny_ = 0;
   bool dense_ = false;
-  std::vector<std::int32_t> slot_;                        // dense: index + 1 by place in the range, else 0
+  std::vector<std::int32_t> slot_;                        // dense: index + 1 by position in the range, else 0
   std::vector<std::pair<TileKey, std::int32_t>> sorted_;  // otherwise
 };
 
-/// Range of tiles whose block, halo included, has a node in the box; clipped to `limit`. False when there is none
-/// (also for boxes that are not finite numbers).
+/// Range of tiles whose block, halo included, has a node in the box; clipped to `limit`. False when empty (also for
+/// boxes with NaN or infinity).
 bool tiles_of_box(const Aabb& box, double h, const TileRange& limit, TileRange& out);
 
-/// The same of tiles whose block has one of the nodes.
+/// The same for tiles whose block has one of the nodes.
 inline bool tiles_of_box(const NodeSpan& nodes, double, const TileRange& limit, TileRange& out) {
   static_assert(kTileSize == 8);
   out = {{std::max((nodes.lo[0] - kHalo) >> 3, limit.lo.x), std::max((nodes.lo[1] - kHalo) >> 3, limit.lo.y),
@@ -61,15 +61,15 @@ inline bool tiles_of_box(const NodeSpan& nodes, double, const TileRange& limit, 
   return !nodes.empty() && out.lo.x <= out.hi.x && out.lo.y <= out.hi.y && out.lo.z <= out.hi.z;
 }
 
-/// Nodes of a tile's block in a box: inclusive local ranges, clipped to the block and to what spans the octants that
-/// are wanted.
+/// Nodes of a tile's block in a box: inclusive local ranges, clipped to the block and to the span of the wanted
+/// octants.
 struct NodeRange {
   int lo[3], hi[3];
   bool empty() const { return lo[0] > hi[0] || lo[1] > hi[1] || lo[2] > hi[2]; }
 };
-/// The nodes that span the wanted octants with their rings.
+/// The nodes spanned by the wanted octants with their rings.
 inline NodeRange wanted_nodes(Octants wanted) {
-  // Octants of the lower half along each axis; those of the upper are the others.
+  // Octants of the lower half along each axis; the complement is the upper half.
   constexpr Octants kLower[3] = {0x55, 0x33, 0x0f};
   constexpr int kHalf = kTileSize / 2;
   NodeRange r;
@@ -81,11 +81,11 @@ inline NodeRange wanted_nodes(Octants wanted) {
 }
 NodeRange nodes_in_box(const Aabb& box, const Vec3& origin, double h, Octants wanted);
 
-/// For each of the given tiles, the primitives whose box meets its block, by ascending index. Work and memory follow
-/// the primitives near the given tiles. Same result for any number of threads.
+/// For each given tile, the primitives whose box meets its block, by ascending index. Work and memory are proportional
+/// to the primitives near the given tiles. Same result for any number of threads.
 class TileBins {
  public:
-  /// @param wanted  nodes of the tiles that are asked for: primitives without any of them may be left out
+  /// @param wanted  nodes of the tiles that are needed: primitives without any of them may be left out
   template <class BoxOf, class GroupOf>
   void build(const TileIndex& index, std::size_t tile_count, double h, const BoxList<BoxOf, GroupOf>& list,
              const NodeSpan& wanted = NodeSpan::all()) {

@@ -11,19 +11,19 @@
 
 namespace brim {
 
-/// A tile and those of its octants that may hold something at their own nodes, at least one.
+/// A tile and its octants that may hold density at their own nodes, at least one.
 struct OctantTile {
   TileKey tile;
   Octants octants;
 };
 
-/// The set of tiles that boxes touch within a region; the presence of bodies made of many primitives.  Tests:
+/// The set of tiles that boxes meet within a region: presence of bodies made of many primitives.  Tests:
 /// tests/raster/tile_cover_test.cpp
 class TileCover {
  public:
-  /// Clears the set. @param region  finite box; nodes outside of it do not count
+  /// Clears the set. @param region  finite box; nodes outside are ignored
   void begin(const Aabb& region, double h) { begin(region, h, kHalo); }
-  /// Adds every tile whose block, halo included, has a node in one of the boxes. Parallel over them.
+  /// Adds every tile whose block, halo included, has a node in one of the boxes. Parallel over the boxes.
   template <class BoxOf, class GroupOf>
   void add(const BoxList<BoxOf, GroupOf>& list) {
     if (mark_.empty()) return;
@@ -39,14 +39,14 @@ class TileCover {
     for_each_marked([&](const TileKey& tile, Octants) { out.push_back(tile); });
   }
 
-  /// All of that at once, for several lists of boxes.
+  /// begin, add and collect in one call, for several lists of boxes.
   template <class... List>
   void cover(const Aabb& region, double h, std::vector<TileKey>& out, const List&... lists) {
     begin(region, h);
     (add(lists), ...);
     append_to(out);
   }
-  /// The same of octants: those with an own node in a box and the region.
+  /// The same for octants with an own node in a box and the region.
   template <class... List>
   void cover(const Aabb& region, double h, std::vector<OctantTile>& out, const List&... lists) {
     begin(region, h, 0);
@@ -71,7 +71,7 @@ class TileCover {
     std::atomic_ref<Octants> m(mark_[place]);
     if ((octants & ~m.load(std::memory_order_relaxed)) != 0) m.fetch_or(octants, std::memory_order_relaxed);
   }
-  /// Calls f(i) for the elements of groups that are near.
+  /// Calls f(i) for the elements of nearby groups.
   template <class List, class Near, class F>
   static void for_each_group(const List& list, const Near& near, const F& f) {
     parallel_for(

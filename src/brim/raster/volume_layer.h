@@ -12,28 +12,29 @@
 
 namespace brim {
 
-/// How points of the grid follow the particles of a volume layer.
+/// Weights by which grid points follow the particles of a volume layer.
 enum class LayerWeights : std::uint8_t {
   Mass,        ///< w_i = m_i κ_i / Σ m κ (paper, equations 4 to 6): exact for translations, wrong for rotations
   Affine,      ///< the same, corrected so that Σ w x = r: exact for every affine motion
-  DensityRate  ///< along ∇ρ the rate of the density itself, across it Affine: forces are the gradient of an energy
+  DensityRate  ///< along ∇ρ the rate of the density itself, tangentially Affine: forces are the gradient of an energy
 };
 
-/// The volume layer (paper, section 5.4): particles on any kinematics, each a share of matter spread over a ball,
+/// The volume layer (paper, section 5.4): particles moved by any kinematics, each a volume of matter spread over a
+/// ball,
 ///   s(r) = Σ V_i κ(|r − x_i| / R_i),   κ(q) = 105/(32 π R³) (1 − q²)²,   ρ = ramp(R u, w)
-/// with R_i the largest of the particle's own radius, 0.73 w (then the slope at a flat surface is that of the ramp) and
-/// twice V_i^(1/3) (then the sum is smooth), and R u the distance at which a half space of such particles has the sum
-/// s (1 + ε s¹²); ε = 0.04 lifts the ripple of the sum inside above 1.
+/// with R_i the largest of the particle's own radius, 0.73 w (for the ramp's slope at a flat surface) and twice
+/// V_i^(1/3) (for a smooth sum), and R u the distance at which a half space of such particles has the sum s (1 + ε
+/// s¹²); ε = 0.04 lifts the ripple of the sum inside above 1.
 ///
-/// For a body of one's own: hold a layer, give it the particles in update(), and pass presence, rasterize and weights
-/// on. With J_i the body's own map of particle i, node weights go through compose() or ComposedMap. Same bits for any
-/// number of threads.  Tests: tests/raster/volume_layer_test.cpp
+/// In an own body: hold a layer, set its particles in update(), and delegate presence, rasterize and weights to it.
+/// With J_i the body's map of particle i, node weights go through compose() or ComposedMap. Same bits for any number of
+/// threads.  Tests: tests/raster/volume_layer_test.cpp
 class VolumeLayer {
  public:
   /// @param x       [m] centres
-  /// @param volume  [m³] now: of matter, not of the ball; a body that stretches passes what it fills
+  /// @param volume  [m³] present volume of matter, not of the ball; a stretching body passes the volume it fills
   /// @param mass    [kg] for the weights
-  /// @param radius  [m] least radius of influence, one per particle or one for all
+  /// @param radius  [m] smallest radius of influence, one per particle or one for all
   /// The spans must stay valid until the next call.
   void set(std::span<const Vec3> x, std::span<const double> volume, std::span<const double> mass,
            std::span<const double> radius);
@@ -45,11 +46,11 @@ class VolumeLayer {
   const Aabb& centers() const { return box_; }
 
   void presence(double h, double w, const Aabb& region, std::vector<TileKey>& out) const;
-  /// The source of a node names its nearest particle and w.
+  /// The source of a node encodes its nearest particle and w.
   void rasterize(double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const;
-  /// Weights over particles at points near nodes that had these sources. Where few particles are in reach and the
-  /// affine correction would pass Σ|w| = 8, the weights stay those of Mass; where none is, the source's particle is
-  /// followed.
+  /// Weights over particles at points near nodes with these sources. If few particles are in reach and the affine
+  /// correction would exceed Σ|w| = 8, the weights are those of Mass; if none is in reach, the source's particle has
+  /// weight 1.
   WeightRows weights(std::span<const Vec3> points, std::span<const std::int32_t> sources, LayerWeights kind) const;
 
  private:
@@ -57,7 +58,7 @@ class VolumeLayer {
   /// A particle in reach of a point.
   struct Neighbour {
     std::int32_t particle;
-    double weight;  ///< m κ over the sum of all
+    double weight;  ///< m κ over its sum
     Vec3 gradient;  ///< V ∇κ, [1/m]
   };
   int slot_of(double w) const;
