@@ -6,8 +6,8 @@
 
 namespace brim {
 
-/// Body-centred cubic lattice: corners of cubes and their centres. A tetrahedron joins the centres of two cubes that
-/// share a face with one edge of that face; all are alike, 12 to a cube.
+/// Body-centred cubic lattice: corners of cubes and their centres. A tetrahedron connects the centres of two cubes that
+/// share a face with one edge of that face; all are congruent, 12 per cube.
 /// ```
 ///   long edges (spacing):        corner - corner, centre - centre
 ///   short edges (√3/2 spacing):  corner - centre
@@ -15,7 +15,7 @@ namespace brim {
 /// Nodes are numbered: all corners, x fastest, then all centres.
 class BccLattice {
  public:
-  /// Cubes that cover the box with at least 1.5 spacings around it, centred on it.
+  /// Cubes that cover the box with a margin of at least 1.5 spacings, centred on it.
   BccLattice(const Aabb& box, double spacing) : spacing_(spacing) {
     cells_ = ((box.extent() / spacing).array().ceil().cast<int>() + 3).matrix();
     origin_ = box.center() - 0.5 * spacing * cells_.cast<double>();
@@ -35,7 +35,7 @@ class BccLattice {
     const double half = is_corner(node) ? 0.0 : 0.5;
     return origin_ + spacing_ * (place(node).cast<double>() + Vec3::Constant(half));
   }
-  /// Parity of the node's place: neighbours along a long edge differ.
+  /// Parity of the node's position: neighbours along a long edge differ.
   bool is_even(std::int32_t node) const { return place(node).sum() % 2 == 0; }
 
   std::int32_t corner(const Vec3i& p) const { return p.x() + (cells_.x() + 1) * (p.y() + (cells_.y() + 1) * p.z()); }
@@ -65,7 +65,7 @@ class BccLattice {
         }
   }
 
-  /// Place of the tetrahedron that holds p in the order of for_each_tet.
+  /// Index of the tetrahedron that contains p in the order of for_each_tet.
   std::int64_t tet_at(const Vec3& p) const {
     const Vec3 x = (p - origin_) / spacing_;
     Vec3i cell = x.array().floor().cast<int>().matrix();
@@ -90,7 +90,7 @@ class BccLattice {
   }
 
  private:
-  // Faces between two cubes: the cube below it along the axis.
+  // Face between two cubes: given by the lower cube along the axis.
   template <class F>
   void for_each_face(const F& f) const {
     for (int axis = 0; axis < 3; ++axis) {

@@ -8,13 +8,13 @@
 
 namespace brim {
 
-/// Binary tree of boxes over any items, halved at the median of the longest axis of the item centres.
-/// The tree depends on the boxes only. Node 0 is the root; children come after their parent.
+/// Binary tree of boxes over any items, split at the median of the longest axis of the item centres. The tree depends
+/// only on the boxes. Node 0 is the root; children come after their parent.
 class Bvh {
  public:
   struct Node {
     Aabb box;
-    std::int32_t first = 0;  ///< leaf: first place in items(); inner node: left child (the right one is first + 1)
+    std::int32_t first = 0;  ///< leaf: first index in items(); inner node: left child (the right one is first + 1)
     std::int32_t count = 0;  ///< leaf: number of items; inner node: 0
   };
 

@@ -9,7 +9,7 @@
 
 namespace brim {
 
-/// The part of a triangle (a, b, c) that holds a closest point.
+/// The part of a triangle (a, b, c) that contains a closest point.
 enum class Feature : std::uint8_t { Face, VertexA, VertexB, VertexC, EdgeAB, EdgeBC, EdgeCA };
 
 /// Closest point of one triangle.
@@ -19,8 +19,8 @@ struct TrianglePoint {
   Feature feature;
 };
 
-/// Exact closest point of a triangle by Voronoi regions (Ericson, Real-Time Collision Detection, 5.1.5); a triangle
-/// without area is treated as its three edges.
+/// Exact closest point of a triangle by Voronoi regions (Ericson, Real-Time Collision Detection, 5.1.5); a triangle of
+/// zero area is treated as its three edges.
 TrianglePoint closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
 
 /// Solid angle of a triangle seen from p, over 4π; positive when the triangle faces away from p (p is inside).
@@ -47,14 +47,14 @@ class SurfaceTree {
   const TriMesh& mesh() const { return mesh_; }
   const Aabb& box() const { return box_; }
 
-  /// Closest point not farther than max_distance [m].
+  /// Closest point within max_distance [m].
   ClosestPoint closest(const Vec3& p, double max_distance = std::numeric_limits<double>::infinity()) const;
-  /// The same, sooner, where a triangle is known that is near.
+  /// The same, faster when a nearby triangle is known.
   ClosestPoint closest_from(const Vec3& p, std::int32_t near) const;
 
-  /// Generalized winding number: 1 inside and 0 outside of a closed outward surface, between where it is open.
-  /// Far groups of triangles count as one dipole with its first moment (Barill, Dickson, Schmidt, Levin, Jacobson,
-  /// "Fast winding numbers for soups and clouds", 2018); beta = distance over radius from which a group is far.
+  /// Generalized winding number: 1 inside and 0 outside a closed outward surface, in between for open ones. Far groups
+  /// of triangles are approximated by one dipole with its first moment (Barill, Dickson, Schmidt, Levin, Jacobson,
+  /// "Fast winding numbers for soups and clouds", 2018); beta: distance over radius from which a group is far.
   /// Measured on a lumpy sphere with a quarter missing: worst error 0.031, 0.013, 0.007 at beta 2, 3, 4; 1.3, 2.7, 4.8
   /// µs.
   double winding_number(const Vec3& p, double beta = 3.0) const;
@@ -62,11 +62,11 @@ class SurfaceTree {
   /// The same by the plain sum over all triangles: O(n), for tests and small meshes.
   double winding_number_exact(const Vec3& p) const;
 
-  /// Distance, negative inside, with the sign from angle-weighted pseudonormals (Bærentzen and Aanæs 2005).
-  /// Right for closed, oriented surfaces that do not pass through themselves; without meaning for others.
+  /// Distance, negative inside, with the sign from angle-weighted pseudonormals (Bærentzen and Aanæs 2005). Only valid
+  /// for closed, oriented surfaces without self-intersection.
   double signed_distance(const Vec3& p) const;
 
-  /// Whether the pseudonormal at the closest point says that p is inside.
+  /// True when the pseudonormal at the closest point puts p inside.
   bool inside(const Vec3& p, const ClosestPoint& c) const;
 
  private:
@@ -75,7 +75,7 @@ class SurfaceTree {
     Vec3 center = Vec3::Zero();  ///< area-weighted mean of the triangle centres, [m]
     Vec3 normal = Vec3::Zero();  ///< Σ area · unit normal, [m²]
     Mat3 moment = Mat3::Zero();  ///< Σ (triangle centre − center) (area · unit normal)ᵀ, [m³]
-    double radius = 0.0;         ///< of a sphere about the centre that holds the group, [m]
+    double radius = 0.0;         ///< [m] radius of a sphere about the centre that contains the group
   };
   void build_pseudonormals();
   void build_dipoles();

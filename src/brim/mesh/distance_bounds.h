@@ -7,10 +7,10 @@
 
 namespace brim {
 
-/// What the nearest node tells of a sampled distance at eight places at once, in spacings. A distance changes by no
-/// more than one moves, so that d(node) − e <= d(x) <= d(node) + e, where e is how far the node is and how far the
-/// grid's values may be off: one load, where an interpolated value takes 8 or 64. Outside the grid the lower bound is
-/// sqrt(|x−q|² + max(0, d(q) − e)²), q the nearest point of the grid's box. Tests: tests/mesh/distance_row_test.cpp
+/// Bounds of a sampled distance from the nearest node, at eight points at once, in spacings. With Lipschitz constant 1,
+/// d(node) − e <= d(x) <= d(node) + e, e: distance of the node plus the error of the grid's values. One load per point,
+/// where interpolation takes 8 or 64. Outside the grid the lower bound is sqrt(|x−q|² + max(0, d(q) − e)²), q the
+/// nearest point of the grid's box. Tests: tests/mesh/distance_row_test.cpp
 class DistanceBounds {
  public:
   explicit DistanceBounds(const DistanceGrid& grid)
@@ -34,7 +34,7 @@ class DistanceBounds {
     d *= inverse_;
     const WideFloats tx = qx - __builtin_convertvector(i, WideFloats), ty = qy - __builtin_convertvector(j, WideFloats),
                      tz = qz - __builtin_convertvector(k, WideFloats);
-    // |t| <= (|t|² / c + c) / 2, exact where |t| = c: no root.
+    // |t| <= (|t|² / c + c) / 2, exact where |t| = c: avoids a square root.
     constexpr float kUsual = 0.55f;
     const WideFloats size = d < 0.0f ? -d : d, beyond = size - static_cast<float>(kExactBand);
     const WideFloats off = (0.5f / kUsual) * (tx * tx + ty * ty + tz * tz) +
@@ -51,9 +51,9 @@ class DistanceBounds {
     return r;
   }
 
-  /// How far a tricubic value may be off what it interpolates, [spacings]; the exact band of a grid, likewise; share of
-  /// what is beyond it that a sample may be too large by. Samples may be by 2 % of their whole (make_distance_grid):
-  /// the waviness bears what that is more, 0.08 spacings at most.
+  /// [spacings] error of tricubic interpolation; exact band of a grid; relative excess of a sample beyond it. Samples
+  /// may be too large by 2 % of their whole value (make_distance_grid): kWaviness covers the excess over that, at most
+  /// 0.08 spacings.
   static constexpr double kWaviness = 0.5, kExactBand = 4.0, kTooFar = 0.025;
 
  private:

@@ -12,16 +12,16 @@
 
 namespace brim {
 
-/// How a triangle surface becomes a solid. Chosen by the user, never guessed.
+/// Conversion of a triangle surface to a solid. Chosen by the user, never guessed.
 enum class SurfaceTreatment : std::uint8_t {
   Closed,         ///< the surface must be closed and oriented; exact distance
-  WindingNumber,  ///< inside is where the generalized winding number passes 1/2: closes holes, drops inner surfaces
+  WindingNumber,  ///< inside: generalized winding number above 1/2; closes holes, drops inner surfaces
   Thickness       ///< the surface is a sheet: unsigned distance minus half the thickness
 };
 
-/// How values between nodes are found. Root mean square of what they miss at random points up to 1.5 spacings from the
-/// surface, in spacings, trilinear -> tricubic: sphere of 20 spacings 0.009 -> 3e-5; torus tube of 6 spacings 0.015 ->
-/// 5e-4; box 0.049 -> 0.013; sharp gear 0.056 -> 0.017 (tests/mesh/distance_grid_test.cpp holds two of them).
+/// Interpolation between nodes. Root mean square error at random points up to 1.5 spacings from the surface, in
+/// spacings, trilinear -> tricubic: sphere of 20 spacings 0.009 -> 3e-5; torus tube of 6 spacings 0.015 -> 5e-4; box
+/// 0.049 -> 0.013; sharp gear 0.056 -> 0.017 (tests/mesh/distance_grid_test.cpp checks two of them).
 enum class Interpolation : std::uint8_t {
   Trilinear,  ///< 8 nodes, continuous
   Tricubic    ///< 64 nodes, exact for quadratic fields and next to kinks (kinked_cubic.h)
@@ -35,11 +35,11 @@ class DistanceGrid {
                Interpolation interpolation = Interpolation::Tricubic);
 
   /// Signed distance at p. Outside the grid: sqrt(|p−q|² + max(0, value(q))²), q the nearest point of the grid's box;
-  /// never more than the true distance, because the box is convex and holds the surface; continuous at the border.
+  /// at most the true distance, because the box is convex and contains the surface; continuous at the border.
   double value(const Vec3& p) const { return value(p, interpolation_); }
   double value(const Vec3& p, Interpolation interpolation) const;
-  /// A lower bound of value() and of the true distance at p from the nearest node alone (distance_bounds.h); some two
-  /// spacings below them at most, less than one on average, and 2.5 % of what is beyond 4 spacings.
+  /// A lower bound of value() and of the true distance at p from the nearest node alone (distance_bounds.h); at most
+  /// about two spacings below them, less than one on average, plus 2.5 % of the part beyond 4 spacings.
   double least_value(const Vec3& p) const;
 
   const Vec3& origin() const { return origin_; }
@@ -51,7 +51,7 @@ class DistanceGrid {
   const KinkedCells& kinks() const { return kinks_; }
   /// Box of all nodes, [m].
   Aabb box() const { return box_; }
-  /// Box of the nodes at or below `level` [m], grown by one spacing: where the solid lies.
+  /// Box of the nodes at or below `level` [m], grown by one spacing: contains the solid.
   Aabb solid_box(double level = 0.0) const;
 
  private:
@@ -71,20 +71,20 @@ class DistanceGrid {
 struct DistanceGridOptions {
   double spacing = 0.0;  ///< [m], > 0
   SurfaceTreatment treatment = SurfaceTreatment::Closed;
-  double thickness = 0.0;                        ///< [m], for SurfaceTreatment::Thickness, > 0
-  double margin = 0.0;                           ///< [m] of grid around the solid; at least 3 spacings are always added
-  double exact_band = 0.0;                       ///< [m] distances up to this are exact; at least 4 spacings
+  double thickness = 0.0;   ///< [m], for SurfaceTreatment::Thickness, > 0
+  double margin = 0.0;      ///< [m] grid margin around the solid; at least 3 spacings are always added
+  double exact_band = 0.0;  ///< [m] distances up to this are exact; at least 4 spacings
   std::size_t max_nodes = std::size_t{1} << 26;  ///< 256 MiB of floats
   Interpolation interpolation = Interpolation::Tricubic;
 };
 
 /// Samples the signed distance of a surface: exact (to float) at nodes up to 4 spacings (or exact_band) from it,
-/// farther at most 2 % too large; the sign is right everywhere. Closed: distance to the triangles, sign from
-/// pseudonormals. WindingNumber: distance to the closed surface where the winding number is 1/2, taken on the same
-/// grid, so details below the spacing round off. Thickness: |d| − thickness/2.
-/// @throws InputError  when a size is not positive, the grid would pass max_nodes, the surface is unfit for the
-///                     treatment (the message counts the open edges and names the treatments that would do), or no
-///                     node is inside
+/// farther away at most 2 % too large; the sign is always right. Closed: distance to the triangles, sign from
+/// pseudonormals. WindingNumber: distance to the closed surface of winding number 1/2, extracted on the same grid, so
+/// details below the spacing are rounded off. Thickness: |d| − thickness/2.
+/// @throws InputError  when a size is not positive, the grid would exceed max_nodes, the surface does not suit the
+///                     treatment (the message counts the open edges and names suitable treatments), or no node is
+///                     inside
 /// Same bits for any number of threads.  Tests: tests/mesh/distance_grid_test.cpp
 DistanceGrid make_distance_grid(const TriMesh& mesh, const DistanceGridOptions& options);
 
@@ -92,8 +92,8 @@ DistanceGrid make_distance_grid(const TriMesh& mesh, const DistanceGridOptions& 
 DistanceGrid sample_distance(const Aabb& box, double spacing, const std::function<double(const Vec3&)>& distance,
                              std::size_t max_nodes = std::size_t{1} << 26);
 
-/// Volume, mass, centre and inertia of the solid value(p) < 0: the triangles of its level surface, found on the grid.
-/// For bodies without a closed surface. @throws InputError when the grid holds no solid
+/// Volume, mass, centre and inertia of the solid value(p) < 0, from its level surface on the grid. For bodies without a
+/// closed surface. @throws InputError when the grid contains no solid
 MassProperties mass_properties(const DistanceGrid& grid, double density);
 
 }  // namespace brim

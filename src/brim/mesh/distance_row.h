@@ -5,13 +5,13 @@
 namespace brim {
 
 /// grid.value() in single precision at start + i step for every bit i of `wanted`, 0 to 7; other entries are left
-/// alone. Where it is more than reach from zero for certain, a value between that and grid.value() stands in for it.
-/// Some 10 ns a value in cells that have all of their 64 nodes.  Tests: tests/mesh/distance_row_test.cpp
+/// alone. A value that is certainly farther than reach from zero may be replaced by one between reach and grid.value().
+/// Some 10 ns per value in cells with all of their 64 nodes.  Tests: tests/mesh/distance_row_test.cpp
 /// @param reach  [m] >= 0
 void distance_row(const DistanceGrid& grid, const Vec3& start, const Vec3& step, std::uint8_t wanted, double reach,
                   float* out);
 
-/// grid.least_value(), or a little less, in single precision at the eight places start + i[l] dx + j[l] dy + k[l] dz,
+/// grid.least_value() or slightly less, in single precision at the eight points start + i[l] dx + j[l] dy + k[l] dz,
 /// [m].
 void least_values(const DistanceGrid& grid, const Vec3& start, const Vec3& dx, const Vec3& dy, const Vec3& dz,
                   const float* i, const float* j, const float* k, float* out);

@@ -9,7 +9,7 @@
 /// How distance grids are filled; used by distance_grid_build.cpp.
 namespace brim {
 
-/// Where the nodes of a grid lie.
+/// Positions of the nodes of a grid.
 struct GridLayout {
   Vec3 origin;     ///< [m]
   double spacing;  ///< [m]
@@ -27,14 +27,13 @@ struct GridLayout {
 /// @throws InputError  when the spacing is not positive or too fine; the message proposes one that fits
 GridLayout grid_layout(const Aabb& box, double spacing, std::size_t max_nodes);
 
-/// Value of a node from its closest point: its distance, with a sign or without.
+/// Value of a node from its closest point: its signed or unsigned distance.
 using NodeValue = std::function<float(const Vec3&, const ClosestPoint&)>;
 
-/// Distance to a surface at every node: exact near it, then layer by layer outwards, each node trying the triangles
-/// that are nearest to its 26 finished neighbours and taking over their sign, then a few passes that do so again over
-/// all far nodes. A far node costs O(1), where an exact search costs more the farther it is (all triangles of a sphere
-/// are nearest to its centre). Far distances are those to one of the triangles, so never too small; measured up to 2 %
-/// too large.
+/// Distance to a surface at every node: exact near it, then layer by layer outwards. Each node tries the nearest
+/// triangles of its 26 finished neighbours and takes over their sign; a few passes then repeat this over all far nodes.
+/// A far node costs O(1), whereas an exact search costs more the farther it is (all triangles of a sphere are nearest
+/// to its centre). Far distances are those to some triangle, so never too small; measured up to 2 % too large.
 /// @param band  [m] nodes up to this distance are exact; at least 3 spacings, so that no surface lies between a
 ///              node of a layer and its neighbours
 /// @return shape (nz, ny, nx), x fastest.  Same bits for any number of threads.

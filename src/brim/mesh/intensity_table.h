@@ -6,7 +6,7 @@
 
 namespace brim {
 
-/// A quantity of matter by its intensity: linear between the points, constant before the first and after the last.
+/// A material quantity as a function of intensity: linear between the points, constant outside.
 struct IntensityTable {
   std::vector<std::pair<double, double>> points;  ///< (intensity, quantity), by ascending intensity; at least one
 

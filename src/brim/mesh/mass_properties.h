@@ -14,17 +14,17 @@ struct MassProperties {
 
 /// Exact integrals over the solid inside a closed surface, as a sum of tetrahedra from one reference point:
 ///   V = Σ det/6,  ∫x = Σ det/24 (a+b+c),  ∫x xᵀ = Σ det/120 (a aᵀ + b bᵀ + c cᵀ + s sᵀ),  s = a+b+c
-/// with det = a·(b×c), a, b, c the corners seen from the reference point (a corner of the box around the mesh would do;
-/// its middle keeps the cancellation small). Then I = ρ (tr(C) 1 − C), C = ∫(x−c)(x−c)ᵀ.
+/// with det = a·(b×c), a, b, c the corners relative to the reference point (the centre of the mesh's bounding box,
+/// which keeps cancellation small). Then I = ρ (tr(C) 1 − C), C = ∫(x−c)(x−c)ᵀ.
 /// The same integrals as Mirtich, "Fast and accurate computation of polyhedral mass properties" (1996), by another
-/// route.
-/// @param mesh     closed and oriented outwards; an open one gives numbers without meaning, see inspect()
+/// method.
+/// @param mesh     closed and oriented outwards; results are meaningless for an open one, see inspect()
 /// @param density  [kg/m³], > 0
 /// @throws InputError  when density is not positive and finite, or the volume is not positive (open or inside out)
 /// Tests: tests/mesh/mass_properties_test.cpp
 MassProperties mass_properties(const TriMesh& mesh, double density);
 
-/// The same over the tetrahedra themselves.
+/// The same for a tetrahedral mesh.
 MassProperties mass_properties(const TetMesh& mesh, double density);
 
 /// Volume enclosed by a closed surface, [m³]; negative when it is inside out.

@@ -4,9 +4,9 @@
 
 #include "brim/mesh/tri_mesh.h"
 
-/// Shapes to build scenes and tests from. All but grid() are closed, oriented outwards and free of duplicate vertices.
+/// Shapes for scenes and tests. All except grid() are closed, oriented outwards and free of duplicate vertices.
 /// Every function throws InputError when a size is not positive and finite or a count is too small.
-/// Where there is a `max_edge` [m], flat parts are refined until no edge is longer; 0 leaves them as they are.
+/// With a `max_edge` [m], flat parts are refined until no edge is longer; 0: no refinement.
 /// Tests: tests/mesh/primitives_test.cpp
 namespace brim::shapes {
 
@@ -32,7 +32,7 @@ TriMesh gear(int teeth, double outer, double root, double thickness, double bore
 /// Star with flat faces, extruded along z. outer > inner > 0.
 TriMesh star(int points, double outer, double inner, double thickness, double max_edge = 0.0);
 
-/// Potato with smooth random lumps and dents, star-shaped about the origin, not convex. The same seed gives the same
+/// Sphere with smooth random lumps and dents, star-shaped about the origin, not convex. The same seed gives the same
 /// shape.
 /// @param radius  [m] of the sphere before the lumps
 TriMesh blob(std::uint64_t seed, double radius = 1.0, int level = 4);

@@ -14,23 +14,24 @@ namespace brim {
 using DistanceFunction = std::function<double(const Vec3&)>;
 
 enum class LatticeStyle : std::uint8_t {
-  Conforming,  ///< boundary on the surface: nodes near it are moved onto it, crossed tetrahedra are cut
-  Covering     ///< whole lattice tetrahedra, all that meet the inside: bigger than the solid, but holds all of it
+  Conforming,  ///< boundary on the surface: nearby nodes are moved onto it, crossed tetrahedra are cut
+  Covering     ///< all whole lattice tetrahedra that meet the inside: larger than the solid, and contains it
 };
 
 /// Tetrahedra that fill a solid, on a body-centred cubic lattice (two interleaved cubic lattices of the given spacing,
 /// long edges `spacing`, short edges `spacing`·√3/2, dihedral angles 60° and 90°).
-/// Conforming follows isosurface stuffing (Labelle and Shewchuk 2007): a node nearer to the surface than 0.24999 of a
-/// long or 0.41189 of a short edge moves onto it; what the surface still crosses is cut. Features thinner than about
-/// one spacing may be lost.
-/// @param box       [m] holds the solid
+/// Conforming follows isosurface stuffing (Labelle and Shewchuk 2007): a node closer to the surface than 0.24999 of a
+/// long or 0.41189 of a short edge moves onto it; tetrahedra still crossed are cut. Features thinner than about one
+/// spacing may be lost.
+/// @param box       [m] contains the solid
 /// @param spacing   [m], > 0
 /// @throws InputError  when the spacing is not positive, too fine (more than max_tets) or so coarse that nothing is
-/// left Same result for any number of threads.  Tests: tests/mesh/tet_lattice_test.cpp
+///                     left
+/// Same result for any number of threads.  Tests: tests/mesh/tet_lattice_test.cpp
 TetMesh tet_lattice(const DistanceFunction& distance, const Aabb& box, double spacing,
                     LatticeStyle style = LatticeStyle::Conforming, std::size_t max_tets = 20'000'000);
 
-/// The same for a closed surface; a covering lattice also holds every vertex of the surface.
+/// The same for a closed surface; a covering lattice also contains every vertex of the surface.
 /// @throws InputError  also when the surface is not closed and oriented
 TetMesh tet_lattice(const TriMesh& closed_surface, double spacing, LatticeStyle style = LatticeStyle::Conforming,
                     std::size_t max_tets = 20'000'000);

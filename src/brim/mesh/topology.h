@@ -12,29 +12,29 @@ namespace brim {
 
 using Edge = std::array<std::int32_t, 2>;
 
-/// What kind of surface a triangle mesh is. Plain counts, so that messages can name them.
+/// Classification of a triangle mesh. Plain counts, so that messages can quote them.
 struct MeshReport {
   std::size_t vertices = 0, triangles = 0, edges = 0;
-  std::size_t boundary_edges = 0;        ///< in one triangle only
+  std::size_t boundary_edges = 0;        ///< in only one triangle
   std::size_t nonmanifold_edges = 0;     ///< in three triangles or more
-  std::size_t misoriented_edges = 0;     ///< in two triangles that run it in the same direction
+  std::size_t misoriented_edges = 0;     ///< in two triangles that traverse it in the same direction
   std::size_t nonmanifold_vertices = 0;  ///< where two fans of triangles touch in a point
   std::size_t degenerate_triangles = 0;  ///< area below 1e-12 of the squared longest edge, or a repeated corner
-  std::size_t duplicate_vertices = 0;    ///< at the very position of an earlier vertex
+  std::size_t duplicate_vertices = 0;    ///< at exactly the position of an earlier vertex
   std::size_t unused_vertices = 0;       ///< in no triangle
-  std::size_t repeated_triangles = 0;    ///< with the corners of an earlier one, whatever their order
+  std::size_t repeated_triangles = 0;    ///< with the corners of an earlier one, in any order
   std::size_t pieces = 0;                ///< connected by shared vertices
-  double volume = 0.0;                   ///< enclosed, [m³]; has a meaning only when closed and oriented
+  double volume = 0.0;                   ///< enclosed, [m³]; only meaningful when closed and oriented
 
-  /// False as well where it closes twice over: what a doubled surface encloses would count double.
+  /// False for doubled surfaces too: their enclosed volume would count twice.
   bool closed() const { return triangles > 0 && boundary_edges == 0 && repeated_triangles == 0; }
   bool oriented() const { return misoriented_edges == 0; }
   bool manifold() const { return nonmanifold_edges == 0 && nonmanifold_vertices == 0; }
-  /// One line for people, for example "5856 triangles, 2930 vertices, 1 piece, closed, manifold, oriented".
+  /// One readable line, for example "5856 triangles, 2930 vertices, 1 piece, closed, manifold, oriented".
   std::string summary() const;
 };
 
-/// Looks at a mesh. O(n log n). Never throws for messy meshes.
+/// Inspects a mesh. O(n log n). Never throws for defective meshes.
 /// @throws InputError  when a triangle names a vertex that does not exist
 /// Tests: tests/mesh/topology_test.cpp
 MeshReport inspect(const TriMesh& mesh);
@@ -43,7 +43,7 @@ MeshReport inspect(const TriMesh& mesh);
 std::vector<Edge> edges(std::span<const Triangle> triangles);
 std::vector<Edge> edges(std::span<const Tetrahedron> tets);
 
-/// Edges of one triangle only, in the direction in which that triangle runs them; sorted.
+/// Edges in only one triangle, in the direction in which that triangle traverses them; sorted.
 std::vector<Edge> boundary_edges(std::span<const Triangle> triangles);
 
 /// Two triangles (a, b, c) and (b, a, d) that share the edge a-b: the hinge of a bending energy.
@@ -54,7 +54,7 @@ struct Hinge {
 };
 
 /// Each interior edge once.
-/// @throws InputError  when an edge has more than two triangles or two that disagree in orientation
+/// @throws InputError  when an edge has more than two triangles or two of opposite orientation
 std::vector<Hinge> interior_edges(std::span<const Triangle> triangles);
 
 /// Pieces connected by shared vertices; unused vertices have piece −1. Numbered by their lowest vertex.
@@ -64,29 +64,29 @@ struct Pieces {
 };
 Pieces connected_pieces(std::size_t vertex_count, std::span<const Triangle> triangles);
 
-/// Joins vertices that lie within `tolerance` [m] of an earlier one, drops triangles that collapse and vertices that
-/// no triangle uses. Tolerance 0 joins exactly equal positions. Order of the survivors is kept.
+/// Merges vertices within `tolerance` [m] of an earlier one, and removes collapsed triangles and unused vertices.
+/// Tolerance 0 merges only equal positions. The order is kept.
 TriMesh weld(const TriMesh& mesh, double tolerance);
 
-/// Turns triangles so that neighbours agree, and each closed piece encloses a positive volume; open pieces keep the
-/// majority's sense. Does nothing at edges with more than two triangles.
+/// Flips triangles so that neighbours agree, and each closed piece encloses a positive volume; open pieces keep the
+/// majority's orientation. Does nothing at edges with more than two triangles.
 TriMesh oriented_outwards(const TriMesh& mesh);
 
 /// Boundary triangles of a tetrahedral mesh, oriented outwards, indices into the tet mesh's vertices.
 struct TetSurface {
   std::vector<Triangle> triangles;
-  std::vector<std::int32_t> owner;  ///< tetrahedron behind each triangle
+  std::vector<std::int32_t> owner;  ///< tetrahedron of each triangle
 };
 TetSurface tet_surface(const TetMesh& mesh);
 
 /// Outward unit normals, the mean of the adjacent face normals weighted by the corner angle; zero for unused vertices.
 std::vector<Vec3> vertex_normals(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
 
-/// Splits every edge longer than max_edge [m] at its middle, repeatedly; the surface itself does not change, closed
-/// stays closed. @throws InputError when max_edge is not positive, or the result would pass 20 million triangles
+/// Splits every edge longer than max_edge [m] at its midpoint, repeatedly; the surface itself does not change, closed
+/// stays closed. @throws InputError when max_edge is not positive, or the result would exceed 20 million triangles
 TriMesh refine(const TriMesh& mesh, double max_edge);
 
-/// Box around points.
+/// Bounding box of points.
 Aabb bounds(std::span<const Vec3> points);
 
 }  // namespace brim

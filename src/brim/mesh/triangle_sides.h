@@ -10,7 +10,7 @@
 
 namespace brim {
 
-/// One side of a triangle: its edge with a < b, and whether the triangle runs it from a to b.
+/// One side of a triangle: its edge with a < b, and whether the triangle traverses it from a to b.
 struct Side {
   std::int32_t a, b;
   std::int32_t triangle;
@@ -18,7 +18,7 @@ struct Side {
   bool forward;
 };
 
-/// All sides, those on the same edge together, in the order of their triangles.
+/// All sides, grouped by edge, in the order of their triangles.
 inline std::vector<Side> sorted_sides(std::span<const Triangle> triangles) {
   std::vector<Side> sides;
   sides.reserve(3 * triangles.size());

@@ -6,7 +6,7 @@
 
 namespace brim {
 
-/// Raw volume data: intensities at the centres of voxels, and where those are.
+/// Raw volume data: intensities at the centres of voxels, and the geometry of the voxels.
 ///   x(i, j, k) = origin + axes (i, j, k)ᵀ
 struct VoxelImage {
   Vec3i size = Vec3i::Zero();    ///< voxels along i, j, k
@@ -17,17 +17,17 @@ struct VoxelImage {
   std::size_t count() const {
     return static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()) * static_cast<std::size_t>(size.z());
   }
-  /// Box of all voxels, their full extents included, [m].
+  /// Bounding box of all voxels at full extent, [m].
   Aabb box() const;
   /// Shortest of the three steps, [m].
   double finest_step() const { return axes.colwise().norm().minCoeff(); }
-  /// Trilinear value at a place in voxels; within half a voxel of the border the border's value.
-  /// @return false outside of the image; value is then untouched
+  /// Trilinear value at a position in voxels; within half a voxel of the border the border's value.
+  /// @return false outside the image; value is then unchanged
   bool sample(const Vec3& index, double& value) const;
 };
 
-/// What of an image is matter. Intensities from `lo` (nothing) to `hi` (full) give the share of a voxel that is filled,
-/// linearly between; lo = hi is a threshold.
+/// Intensity window of matter: intensities from `lo` (empty) to `hi` (full) map linearly to the filled fraction of a
+/// voxel; lo = hi is a threshold.
 struct IntensityWindow {
   double lo = 0.5, hi = 0.5;
   double share(double intensity) const {
