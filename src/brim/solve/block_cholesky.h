@@ -12,53 +12,53 @@
 
 namespace brim {
 
-/// Cholesky factor of a sparse symmetric positive definite matrix of 3x3 blocks, in single precision: an exact part of
-/// a preconditioner. The matrix is scaled to a diagonal of ones; a pivot that rounding has eaten is lifted, so that the
-/// factor is that of a definite matrix always.
+/// Cholesky factor of a sparse symmetric positive definite matrix of 3x3 blocks, in single precision, as the exact part
+/// of a preconditioner. The matrix is scaled to a unit diagonal; pivots lost to rounding are raised, so that the factor
+/// is always that of a definite matrix.
 ///
-///   order by approximate minimum degree -> elimination tree -> supernodes (columns of one pattern, small ones joined)
+///   order by approximate minimum degree -> elimination tree -> supernodes (columns of equal pattern, small ones
+///   merged)
 ///   -> panels of floats, filled left to right by products of dense panels (Ng and Peyton 1993)
-///   -> squares on the diagonal inverted, so that a solve is products only
-///   -> a stream in the order in which solves read it; of large factors, whose solves are bound by memory, in ten
-///      bits
+///   -> diagonal squares inverted, so that a solve consists of products only
+///   -> a stream in the order in which solves read it; for large factors, whose solves are bound by memory, in ten bits
 ///
-/// Subtrees of the elimination tree are independent: they are dealt into a fixed number of tasks, which threads share;
-/// what lies above them all (the top) follows in order, its large panels shared by rows. So the bits are the same for
-/// any number of threads. Several factors may be worked on at once. Tests: tests/solve/block_cholesky_test.cpp
+/// Subtrees of the elimination tree are independent: they are assigned to a fixed number of tasks, shared by threads;
+/// the rest above them (the top) follows in order, its large panels split by rows. So the bits are the same for any
+/// number of threads. Several factors may be used at once. Tests: tests/solve/block_cholesky_test.cpp
 class BlockCholesky {
  public:
   using Block = Eigen::Matrix3f;
 
-  /// Takes the pattern of the upper triangle, diagonal included, and finds order and structure of the factor.
+  /// Takes the pattern of the upper triangle, diagonal included, and finds ordering and structure of the factor.
   /// @param first   shape (n + 1)
   /// @param column  block columns of each row, ascending from the diagonal on, shape (first[n])
-  /// @param in_turn  factors of this size that are applied in turn: what a cache must hold to be of use
+  /// @param in_turn  number of factors of this size that are applied alternately: they share the cache
   void analyze(std::span<const std::int32_t> first, std::span<const std::int32_t> column, std::size_t in_turn = 1);
-  /// @param value  blocks in the order of the pattern, shape (first[n]) @return pivots that were lifted
+  /// @param value  blocks in the order of the pattern, shape (first[n]) @return number of raised pivots
   int factor(std::span<const Block> value);
   /// x := A⁻¹ x. @param x  shape (3 n)
   void solve(std::span<float> x);
 
   std::size_t blocks() const { return order_.size(); }
-  /// Scalar entries of the factor, zeros of joined supernodes included.
+  /// Scalar entries of the factor, zeros of merged supernodes included.
   std::size_t entries() const { return panel_.size(); }
 
  private:
   struct Supernode {
     std::int32_t begin = 0, end = 0;  ///< block columns, in the new order
-    std::size_t row = 0;              ///< of its block rows in row_, own columns first
+    std::size_t row = 0;              ///< first of its block rows in row_, own columns first
     std::int32_t rows = 0;            ///< block rows
-    std::size_t panel = 0;            ///< of its floats in panel_
+    std::size_t panel = 0;            ///< first of its floats in panel_
     std::size_t stride = 0;           ///< of a column
-    std::size_t stream = 0;           ///< of its numbers in the stream
-    std::size_t runs = 0;             ///< end of its runs in row_run_, after those of the supernode before
+    std::size_t stream = 0;           ///< first of its numbers in the stream
+    std::size_t runs = 0;             ///< end of its runs in row_run_, which follow those of the previous supernode
   };
-  /// Rows below a supernode's own columns that follow one another in x, and in what a task adds for the top.
+  /// Rows below a supernode's own columns that are consecutive in x, and in a task's contribution to the top.
   struct RowRun {
-    std::int32_t place, above;  ///< of floats; above −1 where they are no rows of the top, or the top's own
+    std::int32_t place, above;  ///< index of floats; above is −1 for rows not in the top, or of the top itself
     std::int32_t floats;
   };
-  /// What a supernode takes from one below it: its block rows from `from` on, by its columns at the rows up to `to`.
+  /// Update of a supernode by one below it: its block rows from `from` on, by its columns at the rows up to `to`.
   struct Update {
     std::int32_t supernode, from, to;
   };
@@ -68,11 +68,11 @@ class BlockCholesky {
     std::vector<panel::Run> run;
     std::vector<float*> column;
   };
-  /// Supernodes that one thread works through: whole subtrees, children first.
+  /// Supernodes processed by one thread: whole subtrees, children first.
   struct Task {
     std::vector<std::int32_t> supernode;
     // Workspace.
-    std::vector<float> rows, above;  ///< above: what the top takes from here, shape (3 blocks of the top)
+    std::vector<float> rows, above;  ///< above: contribution to the top, shape (3 blocks of the top)
     std::vector<std::int32_t> local;
     std::vector<Update> update;
     Scratch scratch;
@@ -80,7 +80,7 @@ class BlockCholesky {
   };
   void find_order(std::span<const std::int32_t> first, std::span<const std::int32_t> column);
   void find_structure(std::span<const std::int32_t> first, std::span<const std::int32_t> column, std::size_t in_turn);
-  /// The rows of the supernodes, of which there are `room` in all.
+  /// Finds the rows of the supernodes, `room` in all.
   void find_rows(std::size_t room);
   void find_tasks();
   void find_runs();
@@ -90,22 +90,22 @@ class BlockCholesky {
   }
   void load(const Supernode& s, std::span<const Block> value, Task& task);
   void take_updates(std::size_t s, Task& task);
-  /// The part of them for block rows [begin, end) of the panel.
+  /// The part of the updates for block rows [begin, end) of the panel.
   void take_rows(const Supernode& s, const Task& task, std::int32_t begin, std::int32_t end, Scratch& scratch);
   void write_stream(const Supernode& s);
   void factor(Task& task, std::span<const Block> value);
   /// A supernode of the top, its rows shared by threads.
   int factor_shared(const Supernode& s);
-  /// Lets the next supernode that has rows of this one know.
+  /// Passes a supernode on to the next one that has rows of it.
   void hand_on(std::int32_t supernode);
-  /// Calls f(panel::Stream) with what solves read of a supernode.
+  /// Calls f(panel::Stream) with the data that solves read of a supernode.
   template <class F>
   void with_stream(const Supernode& s, const F& f);
   void solve_forward(Task& task);
   void solve_backward(Task& task);
 
   std::vector<std::int32_t> order_, place_;  ///< old block of each new one, and the reverse
-  // The lower triangle by columns in the new order: where each block of the pattern goes.
+  // The lower triangle by columns in the new order: destination of each block of the pattern.
   struct Entry {
     std::int32_t row;     ///< new
     std::int32_t source;  ///< in the pattern
@@ -117,14 +117,14 @@ class BlockCholesky {
   std::vector<std::int32_t> row_, supernode_of_;
   std::vector<RowRun> row_run_;
   std::vector<float> panel_;
-  // The same as solves read it (panel::Stream): of large factors in ten bits, of small ones as floats.
+  // The same in the order of solves (panel::Stream): ten bits for large factors, floats for small ones.
   bool compressed_ = false;
   std::vector<panel::Triple> triple_stream_;
   std::vector<float> stream_, square_columns_, square_rows_, step_;
   std::vector<Task> task_;               ///< the last one is the top
   std::vector<std::int32_t> task_of_;    ///< per supernode
-  std::vector<std::int32_t> top_place_;  ///< per block: its place in the top
-  // Workspace: lists of the supernodes that a supernode takes updates from, and how far each has been used.
+  std::vector<std::int32_t> top_place_;  ///< per block: its index in the top
+  // Workspace: lists of the supernodes that update a supernode, and how far each has been used.
   std::vector<std::int32_t> head_, next_, done_;
   std::vector<float> scale_, x_;
   std::unique_ptr<WorkspacePool<Scratch>> scratch_ = std::make_unique<WorkspacePool<Scratch>>();

@@ -11,12 +11,13 @@ namespace brim {
 /// cones in the form of De Saxcé:
 ///   û = W λ + q + μ |u_t| n,   K ∋ λ  ⟂  û ∈ K*,   K: |λ_t| <= μ λ_n
 /// (Carpentier, Le Lidec and Montaut, From compliant to rigid contact simulation, 2024). One iteration solves with
-/// W + ρ for all contacts at once, then projects each impulse to its cone. So it does not depend on the order of the
-/// contacts, nor on how a load is passed on: it ends where projected Gauss-Seidel sweeps go round in circles (many
-/// contacts that slip on one sheet) or crawl (contacts of unlike mass on one chain).
-/// Every contact is scaled by its own response; ρ follows the ratio of the two residuals, and is factored anew then.
-/// Iterations run on a factor in single precision (DenseFactor); where what they find misses the tolerance in double,
-/// others follow on one in double.
+/// (Carpentier, Le Lidec and Montaut, From compliant to rigid contact simulation, 2024). One iteration solves with W +
+/// ρ for all contacts at once, then projects each impulse to its cone. So it depends neither on the order of the
+/// contacts nor on the path of a load, and converges where projected Gauss-Seidel sweeps cycle (many contacts slipping
+/// on one sheet) or crawl (contacts of unequal mass in one chain).
+/// Each contact is scaled by its own response; ρ follows the ratio of the two residuals, and is refactored when
+/// changed. Iterations use a single-precision factor (DenseFactor); if the result misses the tolerance in double,
+/// further iterations use a double one.
 /// Same bits for any number of threads.  Tests: tests/solve/contact_admm_test.cpp
 struct ContactAdmm {
   struct Report {
@@ -26,10 +27,10 @@ struct ContactAdmm {
 
   /// @param W         [1/kg] response of (u_n, u_t1, u_t2) of all contacts to their impulses, shape (3n, 3n), symmetric
   ///                  and positive semidefinite
-  /// @param q         [m/s] velocities less their targets without any impulse, shape (n)
+  /// @param q         [m/s] velocities minus their targets at zero impulse, shape (n)
   /// @param friction  [-] μ, shape (n)
-  /// @param tolerance [m/s] of the velocities
-  /// @param impulse   [N s] λ as (n, t1, t2): first guess on entry, within its cones on return, shape (n)
+  /// @param tolerance [m/s] on the velocities
+  /// @param impulse   [N s] λ as (n, t1, t2): initial guess on entry, within its cones on return, shape (n)
   static Report solve(const Eigen::MatrixXd& W, std::span<const Vec3> q, std::span<const double> friction,
                       double tolerance, int max_iterations, std::span<Vec3> impulse);
 };

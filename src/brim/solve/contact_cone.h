@@ -8,11 +8,11 @@
 
 namespace brim {
 
-/// One step of projected Gauss-Seidel at a contact of Coulomb friction. Vectors are (n, t1, t2).
-/// Where the contact then sticks, all three impulses are found at once, λ − W⁻¹ u; otherwise the normal one first, then
+/// One step of projected Gauss-Seidel at a contact with Coulomb friction. Vectors are (n, t1, t2).
+/// If the contact then sticks, all three impulses are found at once, λ − W⁻¹ u; otherwise first the normal one, then
 /// the tangents, projected to the disc |λ_t| <= μ λ_n.
 /// @param W, inverse  [1/kg] response of u to λ, and its inverse, zero where W is singular
-/// @param u           [m/s] velocity less its target, at the impulse λ
+/// @param u           [m/s] velocity minus its target, at the impulse λ
 /// @return the new impulse, [N s]
 inline Vec3 relax_contact(const Mat3& W, const Mat3& inverse, double friction, const Vec3& u, const Vec3& impulse) {
   if (friction > 0.0 && inverse(0, 0) > 0.0) {
@@ -35,15 +35,15 @@ inline Vec3 relax_contact(const Mat3& W, const Mat3& inverse, double friction, c
   return next;
 }
 
-/// The impulse that solves one contact of Coulomb friction alone, all others held: it parts, sticks, or slips with
-/// λ_n, λ_t and a rate s > 0 such that u_n = 0, u_t = −s λ_t, |λ_t| = μ λ_n. Where the tangents press on the normal
-/// (μ |W_nt| > W_nn), one direction after the other (relax_contact) moves away from it; this does not.
+/// Solves one contact with Coulomb friction alone, all others held fixed: it separates, sticks, or slips with λ_n, λ_t
+/// and a rate s > 0 such that u_n = 0, u_t = −s λ_t, |λ_t| = μ λ_n. Under strong coupling of tangents and normal (μ
+/// |W_nt| > W_nn) relax_contact, one direction after the other, diverges; this does not.
 ///   λ_t(s) = −(S + s)⁻¹ (q_t − W_tn q_n / W_nn),   S = W_tt − W_tn W_nt / W_nn,   s by bracketing
-/// Arguments as of relax_contact.
+/// Arguments as for relax_contact.
 inline Vec3 solve_contact(const Mat3& W, const Mat3& inverse, double friction, const Vec3& u, const Vec3& impulse) {
   constexpr int kMost = 60;
   constexpr double kClose = 1e-13, kLeast = 1e-12;
-  const Vec3 q = u - W * impulse;  // without any impulse
+  const Vec3 q = u - W * impulse;  // at zero impulse
   if (!(friction > 0.0)) return {std::max(0.0, -q.x() / W(0, 0)), 0.0, 0.0};
   if (inverse(0, 0) > 0.0) {
     const Vec3 stick = -(inverse * q);
@@ -83,7 +83,7 @@ inline Vec3 solve_contact(const Mat3& W, const Mat3& inverse, double friction, c
   return found;
 }
 
-/// The nearest place in the cone |t| <= μ n.
+/// The nearest point in the cone |t| <= μ n.
 inline Vec3 project_to_cone(const Vec3& x, double friction) {
   const double t = std::hypot(x.y(), x.z());
   if (t <= friction * x.x()) return x;
@@ -92,10 +92,10 @@ inline Vec3 project_to_cone(const Vec3& x, double friction) {
   return {n, share * x.y(), share * x.z()};
 }
 
-/// How far an impulse within its cone is from a solution of its contact, as a velocity, [m/s]; zero where it is one:
-///   r = w |λ − P(λ − (u + μ |u_t| n) / w)|,   P: to the cone (De Saxcé)
-/// Where the tangents press on the normal a contact may have several solutions, one that slips and one that parts; this
-/// judges the one at hand, and does not look for another.
+/// Error of an impulse within its cone as a solution of its contact, as a velocity, [m/s]; zero for a solution:
+///   r = w |λ − P(λ − (u + μ |u_t| n) / w)|,   P: projection to the cone (De Saxcé)
+/// Under strong coupling of tangents and normal a contact may have several solutions, one slipping and one separating;
+/// this evaluates the given one, and does not search for another.
 /// @param w  [1/kg] of the contact's response
 inline double contact_residual(double w, double friction, const Vec3& u, const Vec3& impulse) {
   Vec3 apart = u;

@@ -5,13 +5,13 @@
 
 namespace brim {
 
-/// Cholesky factor of a dense symmetric matrix in single precision, with wide instructions: for solves that correct
-/// themselves. Half the bytes of double, and no divisions where it is applied.
+/// Cholesky factor of a dense symmetric matrix in single precision, with wide instructions: for self-correcting
+/// iterations. Half the bytes of double, and no divisions when applied.
 /// Same bits for any machine.  Tests: tests/solve/dense_factor_test.cpp
 class DenseFactor {
  public:
   /// Factors A + shift 1. @param A  shape (n, n), n a multiple of 3, symmetric; its diagonal about 1
-  /// @return false where single precision does not do: pivots were lifted
+  /// @return false when single precision is not enough: pivots were raised
   bool factor(const Eigen::MatrixXd& A, double shift);
   /// x = (A + shift 1)⁻¹ b. @param b, x  shape (n); may be the same
   void solve(const Eigen::VectorXd& b, Eigen::VectorXd& x);

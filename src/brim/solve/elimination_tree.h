@@ -8,7 +8,7 @@
 
 namespace brim {
 
-/// Rows of a lower triangle: what lies left of the diagonal in each, in any order.
+/// Rows of a lower triangle: the entries left of the diagonal in each, in any order.
 struct LowerRows {
   std::vector<std::int32_t> first, column;
 
@@ -21,12 +21,13 @@ struct LowerRows {
 /// Tests: tests/solve/elimination_tree_test.cpp
 std::vector<std::int32_t> elimination_tree(const LowerRows& lower);
 
-/// Children before parents, each subtree in one run; the order of children is kept. @return the columns in that order
+/// Postorder: children before parents, each subtree contiguous; the order of children is kept. @return the columns in
+/// that order
 std::vector<std::int32_t> postorder(std::span<const std::int32_t> parent);
 
-/// Entries of each column of the factor, diagonal included, in time that grows with the matrix and not with the factor
-/// (Gilbert, Ng and Peyton 1994): row i of the factor is the subtree of the elimination tree between its entries and i,
-/// and a column is counted where it is a leaf of such a subtree, less where two of them meet.
+/// Number of entries in each column of the factor, diagonal included, in time proportional to the matrix, not the
+/// factor (Gilbert, Ng and Peyton 1994): row i of the factor is the subtree of the elimination tree between its entries
+/// and i; a column counts once per subtree of which it is a leaf, minus the overlaps of such subtrees.
 /// @param parent  columns in postorder  @param for_column  f(j, g): calls g(i) for the rows i > j of column j
 template <class F>
 std::vector<std::int32_t> column_counts(std::span<const std::int32_t> parent, const F& for_column) {
@@ -37,7 +38,7 @@ std::vector<std::int32_t> column_counts(std::span<const std::int32_t> parent, co
     count[k] = first[k] == -1;
     for (std::int32_t j = k; j != -1 && first[j] == -1; j = parent[j]) first[j] = k;
   }
-  // Where the subtrees of two columns meet, as far as columns have been passed.
+  // Meeting point of the subtrees of two columns, among the columns passed so far.
   const auto meet = [&](std::int32_t j) {
     std::int32_t q = j;
     while (q != ancestor[q]) q = ancestor[q];

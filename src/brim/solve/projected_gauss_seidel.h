@@ -12,21 +12,19 @@
 namespace brim {
 
 /// Contacts as inequality rows on a vector of velocities, solved one after another, each correction propagated at once
-/// (paper, sections 4.3 and 6; projected Gauss-Seidel). It knows no body: a contact is three rows R of the velocities
-/// (normal, tangent, tangent) and the answer P Rᵀ of the velocities to a unit impulse along each.
-///   u = R v + o       0 <= λ_n  ⟂  u_n − b >= 0       |λ_t| <= μ λ_n, against the slip u_t (Coulomb's cone, a true
-///   disc)
-/// Contacts between two rigid bodies have a compact form (RigidPairRows), and are relaxed pair by pair.
-/// Contacts are swept in a fixed order, forward and back: same bits for any number of threads. Where there are many
-/// pairs of rigid bodies, threads share those that no pair between them in that order ties together. From one such pair
-/// of sweeps to the next, the changes of before are followed further as conjugate gradients would (Silcowitz, Niebe and
-/// Erleben 2010), unless the changes grow.
-/// Where some contacts are of the general form, few enough, and some sweeps do not make them agree, all contacts are
-/// solved at once (ContactAdmm), and swept again. Where those sweeps do not settle either, what is nearest to the law
-/// of each contact is taken (contact_residual).
+/// (paper, sections 4.3 and 6; projected Gauss-Seidel). It knows no bodies: a contact is three rows R of the velocities
+/// (normal, tangent, tangent) and the response P Rᵀ of the velocities to a unit impulse along each.
+///   u = R v + o       0 <= λ_n  ⟂  u_n − b >= 0       |λ_t| <= μ λ_n, opposite to the slip u_t (exact Coulomb cone)
+/// Contacts between two rigid bodies have a compact form (RigidPairRows), and are relaxed pair by pair. Contacts are
+/// swept in a fixed order, forward and back: same bits for any number of threads. When there are many rigid pairs,
+/// threads share those that do not depend on each other through earlier ones in that order. From one double sweep to
+/// the next, the previous change is continued as in conjugate gradients (Silcowitz, Niebe and Erleben 2010), unless the
+/// changes grow.
+/// If some contacts are of the general form, few enough, and the sweeps do not converge, all contacts are solved at
+/// once (ContactAdmm) and swept again. If that fails too, the result with the smallest contact_residual is taken.
 class ProjectedGaussSeidel {
  public:
-  /// What one velocity has to do with a contact.
+  /// Coupling of one velocity to a contact.
   struct Entry {
     std::size_t index = 0;         ///< of the velocity
     Vec3 row = Vec3::Zero();       ///< its share in u_n, u_t1, u_t2
@@ -34,14 +32,14 @@ class ProjectedGaussSeidel {
   };
   struct Report {
     int sweeps = 0;
-    double residual = 0.0;  ///< largest change of any u by the last sweep over the scale of the motion
+    double residual = 0.0;  ///< largest change of any u in the last sweep over the scale of the motion
     bool converged = true;
   };
 
   void clear();
-  /// Takes a contact in; entries are copied, no index twice. A contact whose velocities cannot change does nothing.
+  /// Adds a contact; entries are copied, no index twice. A contact whose velocities cannot change has no effect.
   void add(std::span<const Entry> entries, double friction);
-  /// Takes the contacts of two rigid bodies in, numbered on from those before.
+  /// Adds the contacts of two rigid bodies, numbered consecutively.
   /// @param grips  where friction acts
   void add_pair(const RigidPairRows::Side& a, const RigidPairRows::Side& b, std::span<const Vec3> points,
                 std::span<const Vec3> grips, std::span<const Mat3> frames, double friction);
@@ -53,19 +51,19 @@ class ProjectedGaussSeidel {
 
   /// @param offset  o, [m/s], shape (size)
   /// @param target  b, [m/s], shape (size)
-  /// @param impulse λ as (n, t1, t2), first guess on entry (already in v), solution on return, [N s], shape (size)
+  /// @param impulse λ as (n, t1, t2), initial guess on entry (already in v), solution on return, [N s], shape (size)
   /// @param v       velocities, changed along with λ
-  /// @param friction times that of every contact: 0 for a solve along the normals alone
-  /// @param may_at_once  false for sweeps alone
-  /// The scale of the residual is `scale` or, where larger, the worst miss of any contact at the start, [m/s].
+  /// @param friction multiplies that of every contact: 0 for a frictionless solve
+  /// @param may_at_once  false: sweeps only
+  /// The scale of the residual is the larger of `scale` and the worst violation of any contact at the start, [m/s].
   Report solve(std::span<const Vec3> offset, std::span<const double> target, double tolerance, int max_sweeps,
                double scale, std::span<Vec3> impulse, std::span<double> v, double friction = 1.0,
                bool may_at_once = true);
 
-  /// The contacts that are relaxed together, [begin, end): those of one rigid pair, or one of the general form.
+  /// Contacts that are relaxed together, [begin, end): those of one rigid pair, or one of the general form.
   std::size_t groups() const { return group_.size(); }
   std::pair<std::size_t, std::size_t> group(std::size_t g) const { return {group_[g].begin, group_[g].end}; }
-  /// Solves for the targets of one group alone, along the normals. @param offset, target, impulse  as in solve, of all
+  /// Solves the targets of one group alone, along the normals. @param offset, target, impulse  as in solve, of all
   void solve_alone(std::size_t g, std::span<const Vec3> offset, std::span<const double> target, int rounds,
                    std::span<Vec3> impulse, std::span<double> v) const;
 
@@ -77,7 +75,7 @@ class ProjectedGaussSeidel {
   void add_force(std::size_t c, const Vec3& impulse, std::span<double> Q) const;
 
  private:
-  /// A contact among those of its form.
+  /// Position of a contact among those of its form.
   struct Place {
     bool rigid = false;
     std::size_t row = 0;
@@ -91,29 +89,29 @@ class ProjectedGaussSeidel {
   /// The sweeps of solve. @param scale  [m/s] of the residual
   Report sweeps(std::span<const Vec3> offset, std::span<const double> target, double tolerance, int max_sweeps,
                 double scale, std::span<Vec3> impulse, std::span<double> v, double friction);
-  /// Solves all contacts at once from where the sweeps ended. @param sweeps_left  made where that does not settle
-  /// @param report  of the sweeps before; of what was taken on return
+  /// Solves all contacts at once, starting from the sweeps' result. @param sweeps_left  made if that does not converge
+  /// @param report  of the sweeps before; on return, of the chosen result
   void solve_at_once(std::span<const Vec3> offset, std::span<const double> target, double tolerance, int sweeps_left,
                      double scale, std::span<Vec3> impulse, std::span<double> v, double friction, Report& report);
   /// R P Rᵀ of all contacts, [1/kg], shape (3 size, 3 size). @param width  number of velocities
   Eigen::MatrixXd responses(std::size_t width) const;
-  /// Deals the groups to layers, if they are many and there are threads to share them: a group lies in the first layer
-  /// after those of the groups before it that have a body in common with it.
+  /// Assigns groups to layers, if there are many and several threads: a group lies in the first layer after those of
+  /// the earlier groups that share a body with it.
   void find_layers(std::size_t width);
   double relax_group(const Group& g, bool backward, double friction, std::span<const Vec3> offset,
                      std::span<const double> target, std::span<Vec3> impulse, std::span<double> v) const;
   double sweep(bool backward, double friction, std::span<const Vec3> offset, std::span<const double> target,
                std::span<Vec3> impulse, std::span<double> v) const;
-  /// Corrects the general row r. @return largest change of u by it, [m/s]
+  /// Corrects row r of the general form. @return largest resulting change of u, [m/s]
   double relax(std::size_t r, double friction, const Vec3& offset, double target, Vec3& impulse,
                std::span<double> v) const;
-  /// Velocities that follow one another and answer a contact: v_i += x_i λ_n + y_i λ_t1 + z_i λ_t2.
+  /// Consecutive velocities in the response of a contact: v_i += x_i λ_n + y_i λ_t1 + z_i λ_t2.
   struct Run {
     std::size_t index = 0;  ///< of the first velocity
     std::size_t begin = 0;  ///< in response_: all x, then all y, then all z
     std::size_t size = 0;
   };
-  /// What one velocity has to do with the contact's own.
+  /// Coefficients of one velocity in the contact's own velocity.
   struct Share {
     std::size_t index = 0;
     Vec3 row;
@@ -124,7 +122,7 @@ class ProjectedGaussSeidel {
   std::vector<Place> place_;
   std::vector<Group> group_;
   RigidPairRows pairs_;
-  // Rows of the general form, where the shares and the runs of each start:
+  // For rows of the general form, the starts of their shares and runs:
   std::vector<Share> shares_;
   std::vector<Run> runs_;
   std::vector<double> response_;
@@ -132,10 +130,10 @@ class ProjectedGaussSeidel {
   std::vector<double> friction_;
   std::vector<Mat3> local_;               ///< W = R P Rᵀ
   std::vector<Mat3> local_inverse_;       ///< zero where W is singular
-  std::vector<std::size_t> layer_first_;  ///< of each layer in layered_; empty where groups are swept one by one
+  std::vector<std::size_t> layer_first_;  ///< start of each layer in layered_; empty when groups are swept one by one
   std::vector<std::uint32_t> layered_;    ///< groups, layer by layer
   mutable std::vector<double> change_;    ///< of each group
-  // Workspace of solve: where the last step of two sweeps started, and its direction.
+  // Workspace of solve: start of the last double sweep, and its direction.
   std::vector<Vec3> before_, way_;
   std::vector<double> v_before_, v_way_;
 };

@@ -12,22 +12,21 @@
 
 namespace brim {
 
-/// Contact rows between pairs of bodies that move rigidly, in the compact form that sweeps run on. A pair meets by six
-/// numbers only, the relative twist (V, Ω) of the bodies at a point x0 of the pair,
+/// Contact rows between pairs of rigid bodies, in compact form for sweeps. A pair interacts through six numbers, the
+/// relative twist (V, Ω) of the bodies at a point x0 of the pair,
 ///   V = o'_a + ω_a × (x0 − c_a) − o'_b − ω_b × (x0 − c_b),   Ω = ω_a − ω_b
-/// so that all contacts of a pair are relaxed on it before the bodies' velocities are touched:
+/// so all contacts of a pair are relaxed on the twist before the bodies' velocities are updated:
 ///   u_i = F_i V + G_i Ω,  rows of G: d × n, e × t1, e × t2       velocity at contact i in its frame, rows n, t1, t2
-///   Δ(V, Ω) = B (F_iᵀ Δλ_i, G_iᵀ Δλ_i)                           B: response of the twist to a force and a torque at
-///   x0
-/// with lever arms d = x_i − x0 of the normal impulse and e = y_i − x0 of friction, which may act at another place.
-/// The bodies take the sums of the forces and torques, equal and opposite: momentum is exact, linear and angular.
-/// Responses only say how far a contact is corrected at a time, not what it is corrected to, and are kept in single
-/// precision: sweeps over thousands of bodies wait for memory.
+///   Δ(V, Ω) = B (F_iᵀ Δλ_i, G_iᵀ Δλ_i)        B: response of the twist to a force and a torque at x0
+/// with lever arms d = x_i − x0 of the normal impulse and e = y_i − x0 of friction, which may act at another point. The
+/// bodies get the sums of forces and torques, equal and opposite: linear and angular momentum are exact. Responses only
+/// determine the size of a correction, not its target, and are stored in single precision: sweeps over thousands of
+/// bodies are bound by memory.
 /// Tests: tests/solve/rigid_pair_rows_test.cpp
 class RigidPairRows {
  public:
   static constexpr std::size_t kFixed = std::numeric_limits<std::size_t>::max();
-  /// A body as a pair sees it: velocities (o', ω) from `first` on, or none where nothing changes them.
+  /// A body of a pair: its velocities (o', ω) start at `first`; kFixed when nothing changes them.
   struct Side {
     std::size_t first = kFixed;
     Vec3 center = Vec3::Zero();           ///< [m] c
@@ -36,16 +35,16 @@ class RigidPairRows {
   };
 
   void clear();
-  /// Takes a pair in; shape (contacts). @param points [m]  @param grips [m] where friction acts; the points
-  /// themselves where it acts there  @param frames  rows n (towards a), t1, t2  @param friction  [-]
+  /// Adds a pair; shape (contacts). @param points [m]  @param grips [m] where friction acts, equal to the points if
+  /// there  @param frames  rows n (towards a), t1, t2  @param friction  [-]
   void add(const Side& a, const Side& b, std::span<const Vec3> points, std::span<const Vec3> grips,
            std::span<const Mat3> frames, double friction);
   std::size_t pairs() const { return pair_.size(); }
   std::size_t size() const { return row_.size(); }
 
-  /// F V + G Ω at contact i of those of all pairs.
+  /// F V + G Ω at contact i, numbered over all pairs.
   Vec3 velocity(std::size_t i, std::span<const double> v) const;
-  /// v += what the impulse λ at contact i does.
+  /// v += response to the impulse λ at contact i.
   void add_response(std::size_t i, const Vec3& impulse, std::span<double> v) const;
   /// Q += force and torque of the impulse on both bodies, for velocities below Q's size.
   void add_force(std::size_t i, const Vec3& impulse, std::span<double> Q) const;
@@ -56,9 +55,9 @@ class RigidPairRows {
   }
   double friction(std::size_t i) const { return pair_[row_[i].pair].friction; }
 
-  /// Relaxes the contacts of a pair in their order, or against it, so many times.
-  /// @param friction  times that of the pair, 0 or 1  @param offset, target, impulse  of the pair's contacts
-  /// @return largest change of any u by the first round, [m/s]
+  /// Relaxes the contacts of a pair in forward or backward order, `rounds` times.
+  /// @param friction  multiplies that of the pair, 0 or 1  @param offset, target, impulse  of the pair's contacts
+  /// @return largest change of any u in the first round, [m/s]
   double relax(std::size_t pair, bool backward, int rounds, double friction, std::span<const Vec3> offset,
                std::span<const double> target, std::span<Vec3> impulse, std::span<double> v) const;
 
