@@ -7,7 +7,7 @@
 
 namespace brim {
 
-/// @throws InputError when `name` (a value at n, or its key) is no body, saying which it may have meant
+/// @throws InputError when `name` (a value at n, or its key) is not a body, suggesting the nearest name
 void need_body(const Node& n, const std::string& name, const std::set<std::string>& bodies);
 
 }  // namespace brim

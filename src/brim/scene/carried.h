@@ -6,7 +6,7 @@
 
 namespace brim {
 
-/// The elastic keys that deformable volumes and meshless bodies share; constraints and the voxel size are left out.
+/// The elastic keys shared by deformable volumes and meshless bodies; without constraints and voxel size.
 ElasticOptions read_elastic(const Node& body, const Placement& place, const Material& material);
 
 }  // namespace brim

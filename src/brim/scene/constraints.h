@@ -9,7 +9,7 @@
 
 namespace brim {
 
-/// Things the schema cannot say about a list of constraints; reads no files.
+/// Checks of a list of constraints that the schema cannot express; reads no files.
 /// @param has_corners  whether the body is a cloth grid
 /// @throws InputError
 void check_constraints(const Node& list, bool has_corners);
@@ -17,8 +17,8 @@ void check_constraints(const Node& list, bool has_corners);
 /// True for the points of a region ("box", "sphere", "plane" or "all"). @throws InputError for corners
 std::function<bool(const Vec3&)> read_region(const Node& region);
 
-/// Adds what a scene fixes and moves to a body's options. A node that two entries select belongs to the first.
-/// @param rest     [m] positions of the nodes as the body starts, world frame
+/// Adds the fixed and moved nodes of a scene to a body's options. A node selected by two entries belongs to the first.
+/// @param rest     [m] initial positions of the nodes, world frame
 /// @param corners  node numbers of a cloth grid's corners, or empty
 /// @return  each entry's nodes and its region
 /// @throws InputError  for an entry that selects no node

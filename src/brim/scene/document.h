@@ -9,54 +9,55 @@
 
 namespace brim {
 
-/// JSON whose keys keep the order in which they were written.
+/// JSON with keys in their written order.
 using Json = nlohmann::ordered_json;
 
 struct GivenArrays;  // brim/scene/given_arrays.h
 
-/// A JSON text together with where each of its values stands.
+/// A JSON text with the position of each of its values.
 struct Document {
-  std::string file;  ///< as the user named it
+  std::string file;  ///< as given by the user
   std::string text;  ///< the bytes as read
   Json root;
-  std::map<std::string, int> line;              ///< JSON pointer -> line, from 1; of the key for members of objects
-  std::shared_ptr<const GivenArrays> arrays{};  ///< what stands in memory for files; may be nothing
+  std::map<std::string, int> line;  ///< JSON pointer -> line, from 1; for members of objects that of the key
+  std::shared_ptr<const GivenArrays> arrays{};  ///< in-memory data in place of files; may be null
 
-  /// Where a value that was taken from another file (an "include") is written.
+  /// Source of a value that came from another file (an "include").
   struct Origin {
     std::shared_ptr<const Document> document;
     std::string pointer;
   };
-  std::map<std::string, Origin> origins{};  ///< JSON pointer here -> there, with all that is below it
-  Json parameters{};                        ///< values of the scene's parameters, by name; an object or nothing
+  std::map<std::string, Origin> origins{};  ///< JSON pointer here -> source, with everything below it
+  Json parameters{};                        ///< values of the scene's parameters, by name; an object or null
 
-  /// Line of a pointer, or of its nearest ancestor that is written in the file (defaults are not).
+  /// Line of a pointer, or of its nearest ancestor in the file (defaults have no line).
   int line_of(std::string pointer) const;
-  /// True for a message that begins with a place of this document or of one that it includes.
+  /// True for a message that begins with a place of this document or of an included one.
   bool has_place(const std::string& message) const;
-  /// "file:line: pointer: message", the form of every complaint about a document.
+  /// "file:line: pointer: message", the form of every error message about a document.
   std::string place(const std::string& pointer) const;
 };
 
 /// Reads JSON (RFC 8259) with // and /* */ comments.
-/// @throws InputError  naming file, line and cause: bad syntax, a key given twice, NaN, infinite or overflowing
-///   numbers, text that is not UTF-8, more than 64 levels
+/// @throws InputError  naming file, line and cause: bad syntax, a duplicate key, NaN, infinite or overflowing numbers,
+///                     invalid UTF-8, more than 64 levels
 Document parse_document(std::string_view text, const std::string& file);
 
-/// @throws InputError  likewise, and when the file cannot be read or passes 64 MiB
+/// @throws InputError  likewise, and when the file cannot be read or exceeds 64 MiB
 Document read_document(const std::string& path);
 
 /// One token of a JSON pointer (RFC 6901): "/" becomes "~1" and "~" becomes "~0".
 std::string pointer_token(std::string_view key);
 
-/// A value as shown in messages: compact JSON, cut when long.
+/// A value for messages: compact JSON, truncated when long.
 std::string shown(const Json& value);
 
 /// The word of `known` nearest to `word` in edit distance, or "" when none is near (more than a third of it differs).
 template <class Words>
 std::string nearest_word(std::string_view word, const Words& known);
 
-/// Edit distance (Levenshtein): least number of inserted, removed or replaced letters, with swaps of neighbours as one.
+/// Edit distance (Levenshtein): smallest number of inserted, removed or replaced letters; a swap of neighbours counts
+/// as one.
 int edit_distance(std::string_view a, std::string_view b);
 
 template <class Words>

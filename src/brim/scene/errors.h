@@ -7,7 +7,7 @@
 
 namespace brim {
 
-/// Several things that are wrong with what the user gave. what() has one line for each.
+/// Several errors in the user's input. what() has one line for each.
 class InputErrors : public InputError {
  public:
   explicit InputErrors(std::vector<std::string> messages);
@@ -17,20 +17,20 @@ class InputErrors : public InputError {
   std::vector<std::string> messages_;
 };
 
-/// Collects the errors of a document, so that all are told at once.
+/// Collects the errors of a document, so that all are reported at once.
 class ErrorList {
  public:
-  /// Most that are told; the rest is counted.
+  /// Maximum number reported; further ones are only counted.
   static constexpr std::size_t kMost = 20;
 
-  /// @param pointer  JSON pointer of the value that is wrong  @param message  whole, with its place
+  /// @param pointer  JSON pointer of the wrong value  @param message  complete, with its place
   void add(const std::string& pointer, const std::string& message);
-  /// What is wrong without its messages, for a reader of a part of the document.
+  /// A copy of the wrong pointers without messages, for a reader of a part of the document.
   ErrorList marks() const;
-  /// Says nothing, but that a value is wrong for a reason that is told elsewhere.
+  /// Marks a value as wrong without a message, when the reason is reported elsewhere.
   void mark(const std::string& pointer) { pointers_.push_back(pointer); }
 
-  /// Runs f; an InputError that comes out of it is collected. @param pointer  of what f looks at
+  /// Runs f and collects an InputError from it. @param pointer  of the value that f reads
   template <class F>
   bool attempt(const std::string& pointer, const F& f) {
     try {
@@ -49,7 +49,7 @@ class ErrorList {
   bool touches(const std::string& pointer) const;
   /// True when the value itself is wrong.
   bool holds(const std::string& pointer) const;
-  /// @throws InputError   when one thing is wrong  @throws InputErrors  when several are
+  /// @throws InputError   for one error  @throws InputErrors  for several
   void raise() const;
 
  private:

@@ -9,19 +9,20 @@
 
 namespace brim {
 
-/// A number computed from others by a text, read once and evaluated often: numbers, names, + - * / ^, parentheses, pi,
-/// and sqrt, exp, log, sin, cos, tan, abs, floor, ceil, round, min, max (angles in radians). A sign binds less than a
+/// A numeric formula, parsed once and evaluated often: numbers, names, + - * / ^, parentheses, pi, and sqrt, exp, log,
+/// sin, cos, tan, abs, floor, ceil, round, min, max (angles in radians). A sign binds less than a power.  Tests:
+/// tests/scene/formula_test.cpp, tests/scene/expression_test.cpp
 /// power.  Tests: tests/scene/formula_test.cpp, tests/scene/expression_test.cpp
 class Formula {
  public:
   struct Variable {
-    int index = 0;  ///< among those that are given with each evaluation
+    int index = 0;  ///< index in the values given at evaluation
   };
-  /// What a name is: a number, or one of the variables.
+  /// Meaning of a name: a constant, or one of the variables.
   using Meaning = std::variant<double, Variable>;
-  /// @param meaning_of  of a name; throws InputError for unknown ones  @throws InputError saying what is wrong
+  /// @param meaning_of  of a name; throws InputError for unknown ones  @throws InputError with the reason
   Formula(std::string_view text, const std::function<Meaning(const std::string&)>& meaning_of);
-  /// @param variables  as many as the indices ask for  @return any double, infinite or none where the text says so
+  /// @param variables  covering all indices  @return any double, possibly infinite or NaN
   double operator()(std::span<const double> variables) const;
 
  private:

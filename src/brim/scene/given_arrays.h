@@ -9,15 +9,14 @@
 
 namespace brim {
 
-/// Meshes and volumes that a program hands to a scene in memory. Each goes by the name that the scene gives where it
-/// could name a file.
+/// Meshes and volumes that a program passes to a scene in memory, by the name that the scene uses in place of a file.
 struct GivenArrays {
-  std::map<std::string, TriMesh> surfaces;    ///< as clean_surface leaves them
-  std::map<std::string, TetMesh> tets;        ///< as clean_tets leaves them
+  std::map<std::string, TriMesh> surfaces;    ///< after clean_surface
+  std::map<std::string, TetMesh> tets;        ///< after clean_tets
   std::map<std::string, VolumeInfo> volumes;  ///< with their slices
 };
 
-/// The surface, tetrahedra or volume that a value names: a given one, or that of a file relative to the scene's folder.
+/// The surface, tetrahedra or volume named by a value: a given one, or that of a file relative to the scene's folder.
 /// @throws InputError  with the value's place
 /// Tests: tests/scene/given_arrays_test.cpp
 TriMesh named_surface(const Node& name);

@@ -5,16 +5,16 @@
 
 namespace brim {
 
-/// Things the schema cannot say about where a body's image comes from; reads no files. @throws InputError
+/// Checks of a body's image source that the schema cannot express; reads no files. @throws InputError
 void check_image_source(const Node& body);
 
 /// The image of a body ("file" with "window", "raw", "unit", or "shape" with "image_spacing") as matter in cells,
-/// scaled, centred and freed of specks as the body says.
+/// scaled, centred and freed of small pieces as the body requests.
 struct ImageSolid {
   OccupancyGrid grid;       ///< [m] in the body's frame
   double voxel_size = 0.0;  ///< [m] as given, or a 48th of the image's longest extent
-  /// Where the body gives tables by intensity, else empty: means over each whole cell of the share of matter times the
-  /// quantity of the matter; shape (cells).
+  /// If the body gives tables by intensity, else empty: means over each whole cell of the filled fraction times the
+  /// material quantity; shape (cells).
   std::vector<float> density;  ///< [kg/m³]
   std::vector<float> young;    ///< [Pa]
 };
@@ -22,7 +22,7 @@ struct ImageSolid {
 /// @param scale           [-] of all lengths
 /// @param cells_per_voxel cells along a voxel of contact
 /// @param memory_limit    [bytes] of the scene
-/// @param finest          [m] least voxel of contact, as the world's voxel_size; 0: any
+/// @param finest          [m] smallest voxel of contact, from the world's voxel_size; 0: any
 /// @throws InputError
 ImageSolid read_image_solid(const Node& body, double scale, double cells_per_voxel, double memory_limit,
                             double finest = 0.0);

@@ -13,15 +13,15 @@ namespace brim {
 
 class SolidStore;
 
-/// What a kind may use besides its own node.
+/// Input of a kind besides its own node.
 struct BuildContext {
   const WorldOptions& world;
   const Material& material;
   double duration;     ///< [s] of the run
-  SolidStore& solids;  ///< what was sampled already
+  SolidStore& solids;  ///< solids sampled so far
 };
 
-/// Makes the copies of one entry of "bodies"; whatever they can share was read when it was made.
+/// Makes the copies of one entry of "bodies"; shared data was read at its construction.
 class BodyMaker {
  public:
   virtual ~BodyMaker() = default;
@@ -29,11 +29,11 @@ class BodyMaker {
   virtual std::unique_ptr<Body> body(const Placement& place) const = 0;
 };
 
-/// How scenes speak of one kind of body. A new kind is a file in kinds/ that defines one of these, its line in
-/// kinds.cpp, and its branch of "body" in the schema; nothing else knows kinds.
+/// Scene interface of one kind of body. A new kind is a file in kinds/ that defines one of these, its line in
+/// kinds.cpp, and its branch of "body" in the schema; no other code knows kinds.
 struct BodyKind {
   std::string name;
-  /// What the schema cannot say: keys that exclude each other, sizes that contradict. Reads no files. @throws
+  /// Checks that the schema cannot express: mutually exclusive keys, contradicting sizes. Reads no files. @throws
   /// InputError
   std::function<void(const Node&)> check;
   /// Reads files, builds meshes. @throws InputError
@@ -43,10 +43,10 @@ struct BodyKind {
 /// The kind that "kind" names; the schema has already refused others.
 const BodyKind& find_body_kind(const std::string& name);
 
-/// True for brim's kinds and those that were added.
+/// True for brim's own and for added kinds.
 bool has_body_kind(const std::string& name);
 
-/// How many are known.
+/// Number of known kinds.
 std::size_t body_kind_count();
 
 /// Adds a kind at run time, next to its branch in the schema (add_body_branch); own_kind.h does both.

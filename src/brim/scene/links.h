@@ -12,11 +12,11 @@ namespace brim {
 
 class World;
 
-/// What a scene says beside its bodies: "filters", "attachments", "joints" and "forces" (docs/links.md). Names of
-/// bodies are checked where they are applied. "sensors" have a file of their own (scene/sensors.h).
+/// Connections of a scene's bodies: "filters", "attachments", "joints" and "forces" (docs/links.md). Names of bodies
+/// are checked when they are applied. "sensors" have their own file (scene/sensors.h).
 /// @throws InputError
 
-/// Rules of one entry of "filters". @param groups  "groups" of the scene, or nothing
+/// Rules of one entry of "filters". @param groups  "groups" of the scene, or null
 std::vector<TouchRule> read_filter(const Node& filter, const Json* groups);
 /// Each name of an entry of "filters", and of the groups that it names, must be a body, the stem of numbered copies or
 /// a pattern that matches a body. @param root  the scene, for its "groups"  @throws InputError  with the nearest name
@@ -26,11 +26,11 @@ Attachment read_attachment(const Node& attachment);
 Attachment read_joint(const Node& joint);
 AppliedForce read_force(const Node& force);
 
-/// Checks these lists of a scene: what can be known without its bodies.
+/// Checks these lists of a scene as far as possible without its bodies.
 void check_wiring(const Node& root);
 /// All rules of a scene.
 std::vector<TouchRule> read_filters(const Node& root);
-/// Attaches and applies what a scene says to its bodies, and adds its sensors. @throws InputError likewise
+/// Applies attachments, joints and forces of a scene to its bodies, and adds its sensors. @throws InputError likewise
 void wire_up(const Node& root, World& world);
 
 }  // namespace brim

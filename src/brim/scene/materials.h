@@ -8,16 +8,16 @@
 
 namespace brim {
 
-/// The word under "response"; Inherit where there is none.
+/// The value of "response"; Inherit if absent.
 Response read_response(const Node& n);
 
 /// "materials" of a scene, and the default one. Tests: tests/scene/parameters_test.cpp, tests/scene/bad_scenes_test.cpp
 std::map<std::string, Material> read_materials(const Node& n);
 
-/// @throws InputError when `name` (a value at `n`) is no material
+/// @throws InputError when `name` (a value at `n`) is not a material
 void need_material(const Node& n, const std::string& name, const std::map<std::string, Material>& materials);
 
-/// Takes an entry of "pairs" over into the options. @throws InputError
+/// Adds an entry of "pairs" to the options. @throws InputError
 void read_pair(const Node& pair, const std::map<std::string, Material>& materials, WorldOptions& world);
 
 }  // namespace brim

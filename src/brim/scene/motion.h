@@ -7,7 +7,7 @@
 
 namespace brim {
 
-/// A moment of a given motion, against where things start.
+/// Key of a prescribed motion, relative to the start.
 struct MotionKey {
   double time = 0.0;           ///< [s]
   Vec3 offset = Vec3::Zero();  ///< [m]
@@ -17,9 +17,9 @@ struct MotionKey {
 /// @throws InputError  when times do not increase
 void check_key_times(const Node& keyframes);
 std::vector<MotionKey> read_motion(const Node& keyframes);
-/// Offset and rotation of a motion at a time, between its keys and held outside.
+/// Offset and rotation of a motion at a time: interpolated between keys, constant outside.
 MotionKey at_time(const std::vector<MotionKey>& keys, double time);
-/// A rotation as scenes write it. @throws InputError  when its axis or quaternion has length zero
+/// Reads a rotation of a scene. @throws InputError  when its axis or quaternion has length zero
 Quat read_rotation(const Node& rotation);
 
 }  // namespace brim

@@ -10,8 +10,8 @@
 
 namespace brim {
 
-/// A validated value of a document that knows its place, so that whoever reads it can complain well.
-/// Reading what the schema requires or has a default for cannot fail.
+/// A validated value of a document with its place, for precise error messages. Reading keys that the schema requires or
+/// gives a default cannot fail.
 class Node {
  public:
   Node(const Document& document, const Json& value, std::string pointer)
@@ -46,7 +46,7 @@ class Node {
 
   /// The error to throw about this value: "file:line: pointer: message".
   InputError error(const std::string& message) const { return InputError(document_->place(pointer_) + ": " + message); }
-  /// Calls f and gives InputErrors that come out of it (from meshes, files, bodies) this value's place.
+  /// Calls f and adds this value's place to InputErrors from it (meshes, files, bodies).
   template <class F>
   auto placed(const F& f) const {
     try {

@@ -6,7 +6,7 @@
 
 namespace brim {
 
-/// Where one copy of a body starts: x = position + rotation · (scale x).
+/// Initial placement of one copy of a body: x = position + rotation · (scale x).
 struct Placement {
   std::string name;
   Vec3 position = Vec3::Zero();  ///< [m]

@@ -6,10 +6,10 @@ namespace brim {
 
 class ErrorList;
 
-/// Puts the numbers of named materials (schema/presets.json, each with its source) in place of "preset", on bodies, on
-/// materials and on pairs of materials; keys that are given beside it win.
+/// Replaces "preset" on bodies, materials and pairs of materials by the numbers of the named material
+/// (schema/presets.json, each with its source); keys given beside it take precedence.
 ///   {"kind": "cloth", "preset": "cotton", ...}   "materials": {"tyre": {"preset": "rubber"}}
-/// Unknown presets, and those that say nothing about such a kind of body, are collected in `errors`.
+/// Unknown presets, and presets without data for the kind of body, are collected in `errors`.
 /// Tests: tests/scene/parameters_test.cpp
 void apply_presets(Document& document, ErrorList& errors);
 

@@ -8,7 +8,7 @@
 
 namespace brim {
 
-/// An entry of "expect". @param bodies  names; nothing where not all bodies could be read  @param end  [s] of the run
+/// An entry of "expect". @param bodies  names; null when not all bodies could be read  @param end  [s] of the run
 /// @throws InputError  Tests: tests/scene/bad_scenes_test.cpp
 Expectation read_expectation(const Node& n, const std::set<std::string>* bodies, double end);
 

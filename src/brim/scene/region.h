@@ -10,11 +10,11 @@ namespace brim {
 /// Signed distance [m], negative inside.
 using RegionDistance = std::function<double(const Vec3&)>;
 
-/// To the regions of a list together; far where there are none. Beside several it is exact, within them a bound.
+/// Distance to the union of a list's regions; large when the list is empty. Exact outside, a bound inside several.
 RegionDistance region_distance(const Node& list);
 
-/// Of a fluid: whole boxes, planes with a direction.
-/// @throws InputError  that says what is wrong with the first one that is not so
+/// Checks regions of a fluid: boxes of positive size, planes with a direction.
+/// @throws InputError  about the first invalid one
 void check_regions(const Node& list);
 
 }  // namespace brim

@@ -12,7 +12,7 @@ namespace brim {
 
 inline constexpr std::size_t kMaxBodies = 1'000'000;
 
-/// Numbers that are the same on every machine (SplitMix64, Steele, Lea and Flood 2014).
+/// Random numbers that are the same on every machine (SplitMix64, Steele, Lea and Flood 2014).
 class SceneRandom {
  public:
   explicit SceneRandom(std::uint64_t seed) : state_(seed) {}
@@ -29,12 +29,11 @@ class SceneRandom {
 /// Uniformly distributed rotation (Shoemake 1992).
 Quat random_rotation(SceneRandom& random);
 
-/// Number of bodies that a body's node stands for, without making them.
+/// Number of bodies in a body's node, without making them.
 std::size_t repeat_count(const Node& body);
 
-/// The transform of a body's node, and one placement for each of its copies: the grid of "repeat", centred on the
-/// position in x and y and rising from it in z, each copy moved and turned at random by its seed and number alone.
-/// @throws InputError  for a rotation of length zero
+/// The transform of a body's node, and one placement per copy: the grid of "repeat", centred on the position in x and y
+/// and rising from it in z, each copy displaced and rotated at random by its seed and number alone.
 std::vector<Placement> placements(const Node& body);
 
 }  // namespace brim

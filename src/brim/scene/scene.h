@@ -18,48 +18,46 @@ struct Document;
 class SolidStore;
 struct SceneSettings;  // brim/scene/parameters.h
 
-/// A scene file, read and found good (schema/scene.schema.json, docs/scenes.md).
+/// A scene file, read and validated (schema/scene.schema.json, docs/scenes.md).
 struct Scene {
-  std::string file;  ///< as the user named it; paths inside are relative to its folder
+  std::string file;  ///< as given by the user; paths inside are relative to its folder
   std::string name;
   std::string description;
-  std::string
-      text;  ///< for the run folder: the file's bytes, or where it includes others or was set otherwise, all of it
+  std::string text;  ///< for the run folder: the file's bytes, or the expanded scene if it has includes or settings
   WorldOptions world;
   std::int64_t frames = 0;  ///< recorded frames after the first
   int steps_per_frame = 1;
   std::map<std::string, Material> materials;
   std::vector<Expectation> expect;
-  std::shared_ptr<const Document> document;  ///< what the bodies are built from
+  std::shared_ptr<const Document> document;  ///< source of the bodies
 
   double frame_time() const { return world.time_step * steps_per_frame; }  ///< [s]
 };
 
-/// Reads and checks a scene: syntax, schema, and everything that can be known without building its bodies.
-/// @throws InputError  "file:line: pointer: value and what is allowed"; InputErrors where several things are wrong
+/// Reads and checks a scene: syntax, schema, and everything that can be checked without building its bodies.
+/// @throws InputError  "file:line: pointer: value and what is allowed"; InputErrors for several errors
 /// Tests: tests/scene/bad_scenes_test.cpp
 Scene load_scene(const std::string& path);
 /// The same with values of its parameters.
 Scene load_scene(const std::string& path, const SceneSettings& settings);
 
-/// The same for a text. @param file  the name used in messages, and whose folder relative paths start from
+/// The same for a text. @param file  name used in messages; relative paths start from its folder
 Scene parse_scene(std::string_view text, const std::string& file = "scene.json");
 /// The same with values of its parameters.
 Scene parse_scene(std::string_view text, const std::string& file, const SceneSettings& settings);
 
-/// Builds the bodies and puts them into a world.
-/// @throws InputError  likewise: files that cannot be read, meshes that are not fit, resolutions that do not fit into
-///   the memory limit
+/// Builds the bodies and adds them to a world.
+/// @throws InputError  likewise: unreadable files, unsuitable meshes, resolutions that exceed the memory limit
 World build_world(const Scene& scene);
 
 /// The bodies alone, named, in the order of the scene. @throws InputError  likewise
 std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene);
-/// The same where bodies may share what was sampled for others before.
+/// The same; bodies may share solids sampled before.
 std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene, SolidStore& solids);
-/// The same, handed over one by one; what `take` refuses gets the place of the entry that the body comes from.
+/// The same, passed on one by one; errors from `take` get the place of the body's entry.
 void build_bodies(const Scene& scene, SolidStore& solids, const std::function<void(std::unique_ptr<Body>)>& take);
 
-/// Checks a document that was read or made: all that load_scene does after reading.
+/// Checks a document that was read or generated: all of load_scene after reading.
 /// @throws InputError
 Scene check_scene(Document document);
 Scene check_scene(Document document, const SceneSettings& settings);

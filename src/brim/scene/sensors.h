@@ -10,15 +10,15 @@ namespace brim {
 
 class World;
 
-/// What a scene says under "sensors" (docs/sensors.md). Names of bodies, and what of them can be read, are checked
-/// where sensors are added.  Tests: tests/scene/sensors_test.cpp
+/// "sensors" of a scene (docs/sensors.md). Names of bodies, and the quantities they provide, are checked when sensors
+/// are added.  Tests: tests/scene/sensors_test.cpp
 /// @throws InputError
 
-/// An entry of "sensors". @param groups  "groups" of the scene, or nothing
+/// An entry of "sensors". @param groups  "groups" of the scene, or null
 SensorModel read_sensor(const Node& sensor, const Json* groups);
-/// Checks an entry: all that can be known without bodies. @param names  of those before it; its own is added
+/// Checks an entry as far as possible without bodies. @param names  of earlier entries; its own is added
 void check_sensor(const Node& sensor, const Json* groups, std::set<std::string>& names);
-/// Adds the sensors of a scene, and checks that its expectations ask for readings that they have.
+/// Adds the sensors of a scene, and checks that they have the readings that its expectations use.
 void add_sensors(const Node& root, World& world);
 
 }  // namespace brim

@@ -13,7 +13,7 @@ namespace brim {
 
 class SolidStore;
 
-/// The surface of a scene's shape and how it becomes a solid.
+/// The surface of a scene's shape and its conversion to a solid.
 struct SolidSurface {
   TriMesh mesh;  ///< [m], the shape's own frame, scaled
   SurfaceTreatment treatment = SurfaceTreatment::Closed;
@@ -21,33 +21,33 @@ struct SolidSurface {
   bool round = false;      ///< smooth: the display mesh is an approximation
 };
 
-/// A rigid solid as bodies want it.
+/// A rigid solid with the data needed by bodies.
 struct Solid {
   std::shared_ptr<const Shape> shape;
   Shared<TriMesh> surface;  ///< for display, shape's frame
   MassProperties unit;      ///< of density 1 kg/m³; zero for the half space
   double area = 0.0;        ///< [m²] of the surface
-  double voxel_size = 0.0;  ///< [m] that fits it
+  double voxel_size = 0.0;  ///< [m] suitable grid step
 };
 
-/// Things the schema cannot say about a shape; reads no files. @throws InputError
+/// Checks of a shape that the schema cannot express; reads no files. @throws InputError
 void check_shape(const Node& shape);
 
-/// Path as a scene gives it: ${NAME} replaced by the environment variable, relative to the scene's folder.
-/// @throws InputError  for an unset variable or a file that is not there
+/// Resolves a path of a scene: ${NAME} is replaced by the environment variable, relative to the scene's folder.
+/// @throws InputError  for an unset variable or a missing file
 std::string scene_path(const Node& path);
 
 /// Makes or reads the surface. @param scale  [-] of all lengths
-/// @throws InputError  for sizes that make no shape, files that cannot be read, meshes that do not fit the treatment
+/// @throws InputError  for invalid sizes, unreadable files, meshes that do not suit the treatment
 SolidSurface read_surface_of(const Node& shape, double scale);
 
 /// The rigid solid of a body's "shape", "transform" scale and "voxel_size": exact distance for primitives, a sampled
-/// distance field for all others. Without a voxel_size it is an eighth of the shape's smallest extent.
-/// @param memory_limit  [bytes] of the scene @param store  of what was sampled already
+/// distance field for all others. The default voxel_size is an eighth of the shape's smallest extent.
+/// @param memory_limit  [bytes] of the scene @param store  solids sampled so far
 /// @throws InputError
 Solid read_solid(const Node& body, double memory_limit, SolidStore& store);
 
-/// The same of a shape by itself. @param at  node whose "voxel_size" is blamed where voxels are too many
+/// The same for a shape alone. @param at  node whose "voxel_size" is named when there are too many voxels
 /// @param voxel_size  [m] 0: an eighth of the smallest extent
 Solid read_solid(const Node& shape, const Node& at, double scale, double voxel_size, double memory_limit,
                  SolidStore& store);

@@ -5,14 +5,14 @@
 
 namespace brim {
 
-/// A solid of tetrahedra as a scene gives it: a "tet_mesh" file, or a "shape" filled with a lattice.
+/// A solid of tetrahedra from a scene: a "tet_mesh" file, or a "shape" filled with a lattice.
 struct FilledSolid {
   TetMesh mesh;     ///< [m], the body's own frame, scaled
   TriMesh display;  ///< fine surface carried by it; empty: its boundary
 };
 
-/// Keys that exclude or need each other: shape, tet_mesh, lattice_spacing; reads no files. Bodies without a shape and a
-/// tet_mesh must not have a lattice_spacing. @throws InputError
+/// Checks keys that exclude or need each other: shape, tet_mesh, lattice_spacing; reads no files. Bodies without a
+/// shape and a tet_mesh must not have a lattice_spacing. @throws InputError
 void check_fill(const Node& body);
 
 /// Reads or makes the tetrahedra of a body with "shape", "lattice_spacing" and "lattice", or "tet_mesh".

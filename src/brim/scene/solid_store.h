@@ -7,12 +7,12 @@
 
 namespace brim {
 
-/// The solids that were sampled and that bodies still have: an equal surface in equal voxels is sampled once, however
-/// many bodies say so. Tests: tests/scene/solid_store_test.cpp
+/// Sampled solids in use by bodies: an equal surface with equal voxels is sampled only once, for any number of bodies.
+/// Tests: tests/scene/solid_store_test.cpp
 class SolidStore {
  public:
-  /// Sets shape and mass properties of a solid with samples at half of its voxel_size, from a surface of any form.
-  /// @param memory_limit  [bytes] of the samples @throws InputError  for a surface that does not fit its treatment
+  /// Sets shape and mass properties of a solid, sampled at half of its voxel_size from any surface.
+  /// @param memory_limit  [bytes] of the samples @throws InputError  for a surface that does not suit its treatment
   void sample(const SolidSurface& source, double memory_limit, Solid& solid);
 
  private:

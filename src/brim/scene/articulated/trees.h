@@ -5,18 +5,18 @@
 
 namespace brim {
 
-/// What the schema cannot say about "links", "chain" and "urdf" of an articulated body; reads no files.
+/// Checks of "links", "chain" and "urdf" of an articulated body that the schema cannot express; reads no files.
 /// @throws InputError
 void check_links(const Node& body);
 
-/// The tree of a body's node, its base at the origin of the body's frame, lengths scaled.
+/// The tree of a body's node, with its base at the origin of the body's frame and lengths scaled.
 /// @throws InputError
 ArticulatedModel read_links(const Node& body, const BuildContext& context);
 ArticulatedModel read_chain(const Node& body, const BuildContext& context);
 ArticulatedModel read_urdf_tree(const Node& body, const BuildContext& context);
 
-/// Limits, damping, friction, armature and drive, as a joint, a chain and a change of a joint write them; what is
-/// absent stays.
+/// Reads limits, damping, friction, armature and drive of a joint, a chain or a change of a joint; absent keys change
+/// nothing.
 void read_joint_actions(const Node& n, JointModel& joint);
 
 /// Number of the link with a name. @throws InputError at the node

@@ -7,25 +7,25 @@
 
 namespace brim {
 
-/// Figures of pairs that have run, kept in a file, so that an interrupted table goes on where it ended.
+/// Results of finished pairs, stored in a file, so that an interrupted table can continue.
 ///
-/// A line of JSON each: {"by": version, "what": all that decides the figures, "pair": the figures}. Lines of another
-/// version, of another scene or bound, and a last one that was cut short are left alone. Files of several processes may
-/// be put together. Whether a plugin has changed is not seen.
+/// One JSON object per line: {"by": version, "what": everything that determines the results, "pair": the results}.
+/// Lines of another version, scene or bound, and a truncated last line are ignored. Files of several processes may be
+/// concatenated. Changes of a plugin are not detected.
 class PairLog {
  public:
   /// @param version  of the program that runs the pairs
-  /// @throws InputError  for a file that cannot be read; one that is not there is made by add()
+  /// @throws InputError  for a file that cannot be read; a missing one is created by add()
   PairLog(std::string path, std::string version);
 
-  /// Figures of this pair of these kinds, or nullptr. @param a, b  as for run_pair
+  /// Results of this pair, or nullptr. @param a, b  as for run_pair
   const PairResult* find(const PairTable& table, const PairKind& a, const PairKind& b) const;
   /// @throws InputError  when the file cannot be written
   void add(const PairTable& table, const PairKind& a, const PairKind& b, const PairResult& result);
 
  private:
   std::string path_, version_;
-  std::map<std::string, PairResult> results_;  ///< by what decides them
+  std::map<std::string, PairResult> results_;  ///< by everything that determines them
 };
 
 }  // namespace brim

@@ -14,15 +14,14 @@ struct PairRun {
   std::vector<PairResult> results;
 };
 
-/// A Markdown page: what is done, a matrix of all pairs, why some fail, the kinds with what their maps state, figures;
-/// and a section for each further world, with its matrix, why some fail and the figures of these.
+/// A Markdown page: the procedure, a matrix of all pairs, reasons of failures, the kinds with the errors of their maps,
+/// results; and a section for each further world, with its matrix, reasons of failures and their results.
 /// @param runs  at least one, of the same kinds
-/// @param command  that made it
+/// @param command  by which it was made
 /// Tests: tests/scene/pair_page_test.cpp
 std::string pairs_markdown(std::span<const PairRun> runs, const std::string& command);
 
-/// A list item for each note of the table about pairs that failed, with their names, and one for all that no note is
-/// about.
+/// A list item for each note of the table about failed pairs, with their names, and one for all pairs without a note.
 std::string why_some_fail(const PairRun& run);
 
 }  // namespace brim

@@ -7,14 +7,14 @@
 
 namespace brim {
 
-/// One line for a terminal: the two kinds, the figures, and "good" or what failed.
+/// One line for a terminal: the two kinds, the results, and "good" or the failures.
 std::string pair_line(const PairResult& result);
 /// The heading of such lines.
 std::string pair_line_head();
 
-/// An error of a map: "0", "3e-16", or "untold".
+/// Error of a map as text: "0", "3e-16", or "untold".
 std::string pair_error_text(double error);
-/// The bounds that were not kept, in words.
+/// The violated bounds, in words.
 std::string pair_failures(const PairResult& result);
 
 /// JSON: {"name": of its world, "drop": ..., "pairs": [{"lower", "upper", "run", "ok", "failures", figures}]}.

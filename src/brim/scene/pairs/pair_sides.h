@@ -7,19 +7,20 @@
 
 namespace brim {
 
-/// Tells how much of two bodies has come to the wrong side of each other along z, from what they show of themselves.
+/// Measures how much of two bodies has passed through each other along z, from their display geometry.
 ///
-/// Both are cut into columns of a given width. Where a column holds points of both and all of the upper body's are
-/// below all of the lower's, they have leaked; a body of loose points (grains, particles) is judged point by point, by
-/// more than a width. Around each other's edges bodies may flow and hang: a sheet wrapped around a bar has not leaked.
+/// Both are divided into vertical columns of a given width. In a column with points of both, the bodies have leaked if
+/// all points of the upper one are below all of the lower one; a body of loose points (grains, particles) is judged
+/// point by point, with a tolerance of one width. Bodies may flow and hang around each other's edges: a sheet wrapped
+/// around a bar has not leaked.
 class PairSides {
  public:
   /// @param width  [m] of the columns, > 0
   explicit PairSides(double width) : width_(width) {}
 
-  /// @return share of points that have leaked, of the body that does worse, [0, 1]
+  /// @return fraction of leaked points, of the worse body, [0, 1]
   double leaked(const Body& lower, const Body& upper);
-  /// @return share of a body's points more than a width below the height z [m], [0, 1]
+  /// @return fraction of a body's points more than a width below the height z [m], [0, 1]
   double below(const Body& body, double z);
 
  private:
