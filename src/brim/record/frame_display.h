@@ -9,8 +9,8 @@
 
 namespace brim {
 
-/// What a run shows of its bodies, frame by frame: poses of rigid pieces, positions of vertices, surfaces that are
-/// another one in every frame, and which bodies have never moved (docs/formats.md).
+/// Display data of a run's bodies, frame by frame: poses of rigid pieces, positions of vertices, changing surfaces, and
+/// which bodies have never moved (docs/formats.md).
 /// Tests: tests/record/run_test.cpp
 class FrameDisplay {
  public:
@@ -22,19 +22,19 @@ class FrameDisplay {
   /// Drops all frames from `frames` on.
   void cut(std::uint64_t frames);
   void flush();
-  /// What run.xdmf says of the bodies.
+  /// Description of the bodies for run.xdmf.
   const XdmfModel& xdmf() const { return xdmf_; }
-  /// Where the surfaces of bodies are that are another one in every frame, as flushed. @return shape (xdmf().bodies)
+  /// Rows of the changing surfaces of frames, as flushed. @return shape (xdmf().bodies)
   std::vector<XdmfFrames::Rows> xdmf_rows(std::uint64_t first, std::uint64_t count) const;
 
  private:
-  /// The surface of a body that is another one in every frame.
+  /// The changing surface of a body.
   struct Surface {
     std::size_t body = 0;
     std::size_t item = 0;  ///< of xdmf_.bodies
     RaggedList vertices, triangles;
   };
-  /// Where every rigid piece and vertex is in a frame.
+  /// Poses of all rigid pieces and positions of all vertices in a frame.
   struct Row {
     std::vector<double> rotation, translation;
     std::vector<Vec3f> positions;
@@ -50,7 +50,7 @@ class FrameDisplay {
   Column rotation_, translation_, positions_;
   std::vector<Surface> surfaces_;
   h5::Dataset still_set_;
-  std::vector<std::int64_t> still_;  ///< of each body: 1 until its display differs from the first
+  std::vector<std::int64_t> still_;  ///< per body: 1 until its display differs from the first
   bool still_changed_ = false;
   bool empty_ = true;
   Row row_, first_;

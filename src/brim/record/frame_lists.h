@@ -11,7 +11,7 @@
 
 namespace brim {
 
-/// The lists of a run that differ in length from frame to frame: contacts, tiles, pairs, attachments, the memory of the
+/// Lists of a run whose length varies from frame to frame: contacts, tiles, pairs, attachments, the memory of the
 /// state, warnings (docs/formats.md).
 /// Tests: tests/record/run_test.cpp
 class FrameLists {
@@ -19,7 +19,7 @@ class FrameLists {
   FrameLists() = default;
   FrameLists(h5::File& file, const World& world, bool create);
 
-  /// Adds those of a frame. @param contacts, tiles  the world's own, or those of a run that is copied
+  /// Adds the lists of a frame. @param contacts, tiles  the world's own, or those of a copied run
   void add(const World& world, const StepReport& frame, std::span<const ContactSample> contacts,
            std::span<const std::pair<TileKey, double>> tiles);
   /// Drops all frames from `frames` on.

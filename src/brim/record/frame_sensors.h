@@ -9,18 +9,18 @@
 
 namespace brim {
 
-/// What the sensors of a world read, frame by frame: /sensors and /events of a run (docs/formats.md). Nothing is made
+/// Readings of a world's sensors, frame by frame: /sensors and /events of a run (docs/formats.md). Nothing is written
 /// for worlds without sensors.
 /// Tests: tests/record/sensor_record_test.cpp
 class FrameSensors {
  public:
   FrameSensors() = default;
-  /// Opens what the file has, and makes what it lacks with readings that are not a number for frames already there.
-  /// @param sensors  of the world, or nothing  @param frames  that the file holds
-  /// @throws InputError  where a sensor of the file had other readings
+  /// Opens existing data sets, and creates missing ones with NaN for frames already recorded.
+  /// @param sensors  of the world, or null  @param frames  number in the file
+  /// @throws InputError  when a sensor in the file has other channels
   FrameSensors(h5::File& file, const Sensors* sensors, std::uint64_t frames);
 
-  /// Adds the readings of the frame that ended last. @param sensors  nothing: they are not known
+  /// Adds the readings of the last frame. @param sensors  null: unknown
   void add(const Sensors* sensors);
   /// Drops all frames from `frames` on.
   void cut(std::uint64_t frames);

@@ -8,12 +8,12 @@
 
 #include "brim/core/error.h"
 
-/// A thin owner of HDF5 handles: the few calls that run files need, each failing with one message.
+/// A thin wrapper of HDF5 handles: the few calls needed for run files, each with one error message.
 ///
-/// Files that grow stay readable while they grow and after the program was killed, with everything up to the last
-/// flush(): metadata are written only there, all of them or none (journal_driver), compressed chunks are written once
-/// (one row each) and never move, and uncompressed ones are rewritten in place. What a file says is checked before room
-/// is made for it.
+/// A growing file is readable at any time and after its writer was killed, with everything up to the last flush():
+/// metadata are written only there, all or nothing (journal_driver), compressed chunks are written once (one row each)
+/// and never move, and uncompressed ones are rewritten in place. Sizes in a file are checked before memory is
+/// allocated.
 namespace brim::h5 {
 
 using Id = std::int64_t;  ///< hid_t, without the library's header
@@ -33,7 +33,7 @@ class Handle {
   }
   ~Handle();
   Id id() const { return id_; }
-  /// Gives the id up; whoever takes it closes it.
+  /// Releases the id; the receiver must close it.
   Id release() { return std::exchange(id_, -1); }
 
  private:
@@ -46,28 +46,27 @@ class Dataset {
   Dataset() = default;
   Dataset(Handle handle, std::string path) : handle_(std::move(handle)), path_(std::move(path)) {}
 
-  /// Shape now.
+  /// Present shape.
   std::vector<std::uint64_t> shape() const;
   /// Type of the elements in the file.
   Type type() const;
-  /// Writes rows at the end. @param data  rows x (product of the other extents) elements of `type`
+  /// Appends rows. @param data  rows x (product of the other extents) elements of `type`
   void append(const void* data, std::uint64_t rows, Type type);
-  /// Reads rows [first, first + rows) into data, converting to `type` (integers to integers, real numbers to real
-  /// ones).
-  /// @param elements  that data holds; @throws InputError when the rows have another number, so that no file can make
-  ///                  more be written than there is room for
+  /// Reads rows [first, first + rows) into data, converting to `type` (integer to integer, real to real).
+  /// @param elements  capacity of data; @throws InputError when the rows have another number, so that no file can
+  ///                  overflow the buffer
   void read(void* data, std::uint64_t elements, std::uint64_t first, std::uint64_t rows, Type type) const;
-  /// Refuses rows that are not there or have other extents after the first axis than `row`, before room is made for
-  /// them; also data sets whose shape says far more than the file stores.
+  /// Throws for rows that do not exist or whose extents after the first axis are not `row`, before memory is allocated;
+  /// also for data sets whose shape far exceeds the stored bytes.
   void need_rows(std::uint64_t first, std::uint64_t rows, std::span<const std::uint64_t> row) const;
   /// Cuts the first axis to `rows`.
   void cut(std::uint64_t rows);
 
-  /// Sets the first axis, as what is written by write_chunk needs.
+  /// Sets the first extent, as required before write_chunk.
   void set_rows(std::uint64_t rows);
-  /// Rows stored together. @throws InputError when chunks do not span whole rows
+  /// Rows per chunk. @throws InputError when chunks do not span whole rows
   std::uint64_t chunk_rows() const;
-  /// Writes one uncompressed chunk as it lies in memory; it may be written again. Rows must have been set to reach it.
+  /// Writes one uncompressed chunk from memory; it may be rewritten. The extent must already include its rows.
   /// @param first  its first row, a multiple of chunk_rows()
   /// @param bytes  of the whole chunk
   void write_chunk(std::uint64_t first, const void* data, std::size_t bytes);
@@ -80,32 +79,32 @@ class Dataset {
   std::string path_;
 };
 
-/// True for a file whose writer was killed before its first flush: it has no head yet.
+/// True for a file whose writer was killed before its first flush: it has no header yet.
 bool never_flushed(const std::string& path);
 
 /// An HDF5 file, open for as long as it lives.
 class File {
  public:
-  /// Seen: to be read, and need_sound (h5_check.h) has looked at it, as is done first for Write and Read.
+  /// Seen: for reading, after need_sound (h5_check.h) has checked it, which Write and Read do first.
   enum class Mode { Create, Write, Read, Seen };
-  /// @throws InputError  when it cannot be opened, is no HDF5 file, or one that ends the library
+  /// @throws InputError  when it cannot be opened, is not an HDF5 file, or crashes the library
   File(const std::string& path, Mode mode);
   const std::string& path() const { return path_; }
 
-  /// Makes a group and those above it; one that is there already is left as it is.
+  /// Creates a group and its parents; an existing one is left unchanged.
   void group(const std::string& path);
   bool exists(const std::string& path) const;
-  /// Takes a data set or group out of the file; its room is not used again.
+  /// Removes a data set or group from the file; its space is not reused.
   void remove(const std::string& path);
 
   /// @param row        extents after the first
-  /// @param chunk_rows rows stored together
-  /// @param deflate    0: as they are; 1 to 9: shuffled and compressed, with chunk_rows = 1 (see above)
+  /// @param chunk_rows rows per chunk
+  /// @param deflate    0: uncompressed; 1 to 9: shuffled and compressed, with chunk_rows = 1 (see above)
   Dataset growing(const std::string& path, Type type, std::span<const std::uint64_t> row, std::uint64_t chunk_rows,
                   int deflate);
-  /// A data set of fixed size, written at once.
+  /// Writes a data set of fixed size.
   void write(const std::string& path, Type type, std::span<const std::uint64_t> shape, const void* data);
-  /// Strings, stored with one fixed length.
+  /// Strings, stored with a common fixed length.
   void write_texts(const std::string& path, std::span<const std::string> texts);
   std::vector<std::string> read_texts(const std::string& path) const;
   Dataset open(const std::string& path) const;
@@ -118,10 +117,10 @@ class File {
   bool has_attribute(const std::string& object, const std::string& name) const;
   std::string text(const std::string& object, const std::string& name) const;
   double number(const std::string& object, const std::string& name) const;
-  /// A whole number from least to most. @throws InputError
+  /// An integer attribute between least and most. @throws InputError
   std::int64_t whole(const std::string& object, const std::string& name, std::int64_t least, std::int64_t most) const;
 
-  /// Hands everything to the operating system: what was written so far survives the end of this process.
+  /// Passes all data to the operating system: everything written so far survives the end of this process.
   void flush();
 
  private:

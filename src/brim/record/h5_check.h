@@ -4,12 +4,12 @@
 
 namespace brim::h5 {
 
-/// Refuses files that end HDF5: all that a file says of its groups and data sets is read first by a process of its own,
-/// with limits of memory and time (ChildReader), and small data sets whole. HDF5 1.10 divides by a chunk's length of
-/// zero, follows rings and reads beyond what damaged files hold: more than can be looked for beforehand. What HDF5
-/// refuses there is no reason to refuse the file: only what is asked for need be good. It takes about 15 ms of
-/// processor time.
-/// @throws InputError  when that process ended
+/// Rejects files that crash HDF5: a separate process with limits of memory and time (ChildReader) first reads all
+/// metadata of groups and data sets, and small data sets as a whole. HDF5 1.10 divides by chunk lengths of zero,
+/// follows cycles and reads beyond the end of damaged files: more cases than can be checked beforehand. Errors that
+/// HDF5 reports there do not reject the file: only the requested data must be good. Takes about 15 ms of processor
+/// time.
+/// @throws InputError  when that process died
 /// Tests: tests/record/h5_check_test.cpp
 void need_sound(const std::string& path);
 

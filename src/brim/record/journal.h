@@ -7,14 +7,14 @@
 
 namespace brim {
 
-/// Places of a file that change together, all of them or none, whenever the process that writes them is killed:
+/// Changes to several places of a file, applied all or none, whenever the writing process is killed:
 ///
-///   run.h5.journal  |magic|length of the file|entries|checksum|   written first, whole
+///   run.h5.journal  |magic|length of the file|entries|checksum|   written first, as a whole
 ///   run.h5          |....AAAA..B....CCCCC....|                    then the places themselves
-///                                                                 then the journal goes
+///                                                                 then the journal is removed
 ///
-/// A journal that ends early, or whose checksum is wrong, was never taken over: the file is as it was before. A whole
-/// one is written into the file again by whoever opens it next for writing, and laid over it by who only reads.
+/// A truncated journal, or one with a wrong checksum, was never applied: the file is as before. A complete one is
+/// applied again by the next process that opens the file for writing, and overlaid in memory by readers.
 /// Tests: tests/record/killed_writer_test.cpp
 class Journal {
  public:
@@ -30,14 +30,14 @@ class Journal {
   void clear() { entries_.clear(); }
   /// End of the last place.
   std::uint64_t end() const;
-  /// Replaces what lies at [at, at + size) by what waits for it.
+  /// Overwrites the bytes of [at, at + size) with pending entries.
   void lay_over(std::uint64_t at, void* data, std::size_t size) const;
 
-  /// Writes the journal of the file `path`, then its places into `file`, then removes the journal.
-  /// @return false when something cannot be written; errno says why. The file is as before, or the journal is whole.
+  /// Writes the journal of the file `path`, then its entries into `file`, then removes the journal.
+  /// @return false on a write error, with errno. The file is then as before, or the journal is complete.
   bool commit(const std::string& path, int file);
-  /// Takes in the whole journal that a killed process left beside the file `path`, if there is one. @param length  of
-  /// the file now: that of another file does not fit
+  /// Reads the complete journal that a killed process left beside the file `path`, if any. @param length  present
+  /// length of the file: the journal of another file does not match
   void find(const std::string& path, std::uint64_t length);
 
  private:
@@ -48,7 +48,7 @@ class Journal {
 /// Writes all of `data` at a place of a file. @return false with errno
 bool write_at(int file, std::uint64_t at, const void* data, std::size_t size);
 
-/// For tests: called before each change of a file on disk, with the bytes that are about to be written, if any.
+/// For tests: called before each change of a file on disk, with the bytes about to be written, if any.
 struct DiskWrite {
   int file = -1;
   std::uint64_t at = 0;

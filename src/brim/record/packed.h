@@ -6,7 +6,7 @@
 
 namespace brim {
 
-/// Lists one after another, and where each starts.
+/// Concatenated lists, and the start of each.
 template <class T>
 struct Packed {
   std::vector<T> items;

@@ -5,18 +5,18 @@
 
 namespace brim {
 
-/// A process, so that another can ask whether it still runs.
+/// Identifies a process, so that another can check whether it still runs.
 struct ProcessMark {
-  std::int64_t pid = 0;  ///< 0: not known
+  std::int64_t pid = 0;  ///< 0: unknown
   std::string host;
-  std::string started;  ///< when, in the kernel's words; tells it from a later one of the same number
+  std::string started;  ///< start time as given by the kernel; distinguishes it from a later process with the same pid
 };
 
 enum class ProcessState { Running, Gone, Unknown };
 
 ProcessMark this_process();
 
-/// Unknown for a process of another machine, and where none was recorded.
+/// Unknown for a process of another machine, and when none was recorded.
 ProcessState state_of(const ProcessMark& mark);
 
 }  // namespace brim

@@ -6,12 +6,12 @@
 #include "brim/record/h5.h"
 #include "brim/world/measures.h"
 
-/// Names inside run.h5 that writer and reader share (docs/formats.md).
+/// Names inside run.h5, shared by writer and reader (docs/formats.md).
 namespace brim::run_layout {
 
 inline constexpr const char* kFormat = "brim-run";
-inline constexpr int kVersion = 2;       ///< that is written
-inline constexpr int kFirstVersion = 1;  ///< that is still read
+inline constexpr int kVersion = 2;       ///< written
+inline constexpr int kFirstVersion = 1;  ///< oldest readable
 inline constexpr int kMostParts = 1 << 30;
 
 /// One quantity of BodySample, recorded for all bodies in every frame.

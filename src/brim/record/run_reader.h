@@ -12,15 +12,15 @@
 
 namespace brim {
 
-/// A point that an attachment or joint holds, [m].
+/// Positions of a point held by an attachment or joint, [m].
 struct RecordedEnd {
-  std::int32_t link = 0;  ///< which of link_names()
+  std::int32_t link = 0;  ///< index into link_names()
   Vec3f a, b;             ///< on its first body; on the other one or in space
 };
 
-/// Reads run.h5, finished, growing or interrupted (docs/formats.md). Frame 0 is the start.
-/// Runs of all versions of the format are read alike. Every function throws InputError for frames and names that are
-/// not there, and for damaged files: what a file says is checked before it is used. For one thread at a time.
+/// Reads run.h5, complete, growing or interrupted (docs/formats.md). Frame 0 is the start. All versions of the format
+/// are supported. Every function throws InputError for unknown frames and names, and for damaged files: contents are
+/// checked before use. Not thread-safe.
 class RunReader {
  public:
   /// @param path  a run folder, or a run.h5
@@ -28,15 +28,15 @@ class RunReader {
   ~RunReader();
   RunReader(RunReader&&) noexcept;
 
-  /// Of the file that is read.
+  /// Of the file being read.
   const std::string& path() const;
   const std::string& scene_name() const;
   const std::string& brim_version() const;
   /// Of the format, 1 or 2.
   int format_version() const;
-  /// Of the file that the scene was read from, absolute; empty when it is not known.
+  /// Absolute path of the scene file; empty when unknown.
   const std::string& scene_path() const;
-  /// The process that writes the run, or wrote it last; not known for runs of older versions.
+  /// The process that is writing the run, or wrote it last; unknown for older versions.
   const ProcessMark& writer() const;
   double frame_time() const;  ///< [s]
   int steps_per_frame() const;
@@ -45,30 +45,30 @@ class RunReader {
   const std::vector<RecordedBody>& bodies() const;
   const std::vector<RecordedPart>& parts() const;
 
-  /// Everything that the world needs to go on from a frame, bit for bit.
+  /// Complete state to continue the world from a frame, bit for bit.
   State state(std::int64_t frame) const;
-  /// Display positions of one body, [m], shape (vertices); of a changing one, those of the frame.
+  /// Display positions of one body, [m], shape (vertices); for a changing surface those of the frame.
   std::vector<Vec3f> positions(int body, std::int64_t frame) const;
-  /// Triangles of a body in a frame: those of its display, or of a changing one, those of the frame.
+  /// Triangles of a body in a frame: those of its display, or for a changing surface those of the frame.
   std::vector<Triangle> triangles(int body, std::int64_t frame) const;
-  /// True while one set of positions stands for all frames of a body.
+  /// True when all frames so far have the same positions of a body.
   bool still(int body) const;
   std::vector<ContactSample> contacts(std::int64_t frame) const;
   std::vector<std::pair<TileKey, double>> tiles(std::int64_t frame) const;
   std::vector<PairReport> pairs(std::int64_t frame) const;
-  /// Attachments and joints in the last sub-step of a frame, and what they are called; none where the run has none.
+  /// Reports and names of attachments and joints, in the last sub-step of a frame; empty if the run has none.
   std::vector<LinkReport> links(std::int64_t frame) const;
   std::vector<std::string> link_names() const;
-  /// What each is: "point", "region", "fixed", "ball", "hinge" or "slider"; none in runs from before it was recorded.
+  /// Kind of each: "point", "region", "fixed", "ball", "hinge" or "slider"; empty for older runs.
   std::vector<std::string> link_kinds() const;
-  /// Numbers of the two bodies of each, -1 space; none of runs of older versions. @throws InputError  when damaged
+  /// Numbers of the two bodies of each, -1: space; empty for runs of older versions. @throws InputError  when damaged
   std::vector<std::pair<int, int>> link_bodies() const;
-  /// Where those that still hold have their ends at a frame; of a hinge or slider, the first two lie on its axis.
+  /// Ends of the active ones at a frame; for a hinge or slider the first two lie on its axis.
   std::vector<RecordedEnd> link_ends(std::int64_t frame) const;
   std::vector<Warning> warnings(std::int64_t frame) const;
   /// Report of a frame: scalars, pairs and warnings.
   StepReport report(std::int64_t frame) const;
-  /// Steps that a frame joined.
+  /// Number of steps accumulated in a frame.
   int steps(std::int64_t frame) const;
   /// Samples of all bodies, shape (bodies).
   std::vector<BodySample> samples(std::int64_t frame) const;
@@ -80,7 +80,7 @@ class RunReader {
   std::unique_ptr<Impl> impl_;
 };
 
-/// @throws InputError  naming the first difference, when the run is not one of such a world
+/// @throws InputError  naming the first difference, when the run is not one of this world
 void check_same_world(const RunReader& run, const World& world);
 
 }  // namespace brim

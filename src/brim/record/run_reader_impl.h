@@ -10,10 +10,10 @@
 
 namespace brim {
 
-/// Steps of a frame, or of a run, beyond which a file is damaged.
+/// More steps of a frame or run than this mean a damaged file.
 inline constexpr std::int64_t kMostSteps = std::int64_t{1} << 30;
 
-/// What the files of the reader share: the open file, what its head said, and rows read after checks.
+/// Shared state of the reader's files: the open file, its header, and checked access to rows.
 struct RunReader::Impl {
   std::string path;
   h5::File file;
@@ -26,7 +26,7 @@ struct RunReader::Impl {
   RunTables tables;
   std::vector<std::int64_t> still;                            ///< version 2, shape (bodies)
   mutable std::unordered_map<std::string, h5::Dataset> sets;  ///< open ones
-  /// The rows of the frame that was asked for last: displays are asked for body by body.
+  /// Rows of the last requested frame: displays are read body by body.
   struct Rows {
     std::int64_t frame = -1;
     std::vector<double> rotation, translation;
@@ -70,7 +70,7 @@ struct RunReader::Impl {
     return rows<T>(name, first, count, width == 1 ? std::vector<std::uint64_t>{} : std::vector<std::uint64_t>{width},
                    type);
   }
-  /// The lines of a text that an older run may not have.
+  /// The lines of a text attribute that older runs may lack.
   std::vector<std::string> lines_of(const char* group, const char* attribute) const {
     std::vector<std::string> lines;
     if (!file.exists(group) || !file.has_attribute(group, attribute)) return lines;
@@ -86,7 +86,7 @@ struct RunReader::Impl {
           fmt::format("{}:{}/offset: goes from {} to {} at frame {}; it must rise", path, group, o[0], o[1], frame));
     return {static_cast<std::uint64_t>(o[0]), static_cast<std::uint64_t>(o[1] - o[0])};
   }
-  /// Scalars of some frames. Zeros for one of today's names that the run, being older, does not have.
+  /// Scalars of some frames. Zeros for a present name that an older run does not have.
   std::vector<double> scalars(const std::string& name, std::uint64_t first, std::uint64_t count) const {
     const std::string at = "/series/" + name;
     const auto today = [&](const ReportField& f) { return name == f.name; };

@@ -9,29 +9,29 @@
 
 namespace brim {
 
-/// A body as a run file describes it.
+/// A body as described by a run file.
 struct RecordedBody {
   std::string name, kind;
   Display display;
   bool immobile = false;
-  bool changing = false;  ///< other vertices and triangles in every frame: the display has none of its own
+  bool changing = false;  ///< vertices and triangles change in every frame: the display has none of its own
   double mass = 0.0;      ///< [kg], may be infinite
   std::size_t q_offset = 0, q_size = 0, v_offset = 0, v_size = 0;
   int parts = 0;
 };
 
-/// A part as a run file describes it.
+/// A part as described by a run file.
 struct RecordedPart {
   std::string name, material;
   int body = 0, part = 0;
   double voxel_size = 0.0;  ///< [m]
 };
 
-/// What a run file says once for all frames (docs/formats.md).
+/// Data that a run file stores once for all frames (docs/formats.md).
 struct RunTables {
-  /// Where the frames of a body's display are.
+  /// Position of a body's display data in the frames.
   struct Place {
-    std::int64_t first_position = -1;         ///< its first vertex in a row of /display/positions; -1: not there
+    std::int64_t first_position = -1;         ///< its first vertex in a row of /display/positions; -1: none
     std::size_t first_piece = 0, pieces = 0;  ///< in a row of /poses
   };
   std::vector<RecordedBody> bodies;
@@ -50,9 +50,9 @@ struct RunTables {
   std::size_t positions = 0;
 };
 
-/// Writes /bodies, /parts, /meshes and what of /display and /poses is the same in all frames.
+/// Writes /bodies, /parts, /meshes and the constant parts of /display and /poses.
 void write_tables(h5::File& file, const World& world);
-/// Reads them back, every number checked. @throws InputError
+/// Reads them, checking every number. @throws InputError
 RunTables read_tables(const h5::File& file);
 /// Reads those of version 1. @throws InputError
 RunTables read_tables_v1(const h5::File& file);

@@ -6,19 +6,19 @@
 
 namespace brim {
 
-/// True when two scenes make the same motion: equal but for comments, layout, and what only says how long a run is,
-/// what is expected of it and what it is called. Files that a scene names are not looked into.
+/// True when two scenes give the same motion: equal except for comments, layout, length of the run, expectations and
+/// names. Files named by a scene are not compared.
 bool same_scene(const std::string& a, const std::string& b);
 
-/// Compares a scene with the one that a run folder keeps. A folder without one is let through.
+/// Compares a scene with the one stored in a run folder. A folder without one is accepted.
 /// @throws InputError  when they differ
 void need_same_scene(const std::string& folder, const std::string& text);
 
-/// Takes a scene that differs over from here on: the one before becomes scene_until_frame_<frame>.json, its last frame.
-/// One that is the same changes nothing. @throws InputError  when the files cannot be written
+/// Replaces the stored scene from here on: the previous one becomes scene_until_frame_<frame>.json, named after its
+/// last frame. An equal scene changes nothing. @throws InputError  when the files cannot be written
 void replace_scene(const std::string& folder, const std::string& text, std::int64_t frame);
 
-/// Names of the scenes that were replaced, in the order of their frames.
+/// Names of the replaced scenes, in the order of their frames.
 std::vector<std::string> earlier_scenes(const std::string& folder);
 
 }  // namespace brim

@@ -9,17 +9,17 @@
 
 namespace brim {
 
-/// A sensor as a run file describes it.
+/// A sensor as described by a run file.
 struct RecordedSensor {
   std::string name, kind;
   std::vector<std::string> channels, units;
   int columns = 0, rows = 0;         ///< cells of its map; 0 without one
   double width = 0.0, height = 0.0;  ///< [m] of its map
-  bool every_step = false;           ///< readings of every step are there too
+  bool every_step = false;           ///< readings of every step are recorded too
 };
 
-/// Reads what the sensors of a run read (docs/formats.md). Every function throws InputError for frames and numbers that
-/// are not there, and for damaged files.  Tests: tests/record/sensor_record_test.cpp
+/// Reads the sensor readings of a run (docs/formats.md). Every function throws InputError for unknown frames and
+/// numbers, and for damaged files.  Tests: tests/record/sensor_record_test.cpp
 class SensorRecord {
  public:
   explicit SensorRecord(const RunReader& run);
@@ -42,9 +42,9 @@ class SensorRecord {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The word for a kind in scenes and records.
+/// The keyword of a kind in scenes and records.
 const char* sensor_kind_word(SensorKind kind);
-/// Lists as one text in attributes, a line each.
+/// Lists as one text attribute, one line per item.
 std::string join_lines(const std::vector<std::string>& lines);
 std::vector<std::string> split_lines(const std::string& text);
 

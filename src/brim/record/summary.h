@@ -11,16 +11,16 @@
 
 namespace brim {
 
-/// How a run came to its end.
+/// How a run ended.
 enum class RunEnd { Completed, Interrupted, Failed };
 
 /// "completed", "interrupted" or "failed".
 const char* run_end_word(RunEnd end);
 
-/// What adds up over a run, frame by frame.
+/// Totals of a run, accumulated frame by frame.
 class RunTotals {
  public:
-  /// @param steps  that the frame joins; 0 for the first frame
+  /// @param steps  number of steps in the frame; 0 for the first frame
   void add(const StepReport& frame, int steps);
   void warn(const Warning& warning);
 
@@ -31,9 +31,9 @@ class RunTotals {
   double wall = 0.0;  ///< [s] in steps
   std::array<double, static_cast<std::size_t>(Phase::Count)> seconds{};
   double contact_seconds = 0.0;
-  std::map<std::string, Count> counts;  ///< contacts, tiles, ...; largest is that of a frame over its steps
+  std::map<std::string, Count> counts;  ///< contacts, tiles, ...; largest: of a frame divided by its steps
   double worst_overlap = 0.0, worst_overlap_time = 0.0;
-  int worst_part_a = -1, worst_part_b = -1;  ///< -1: no pair was seen with it at the end of a frame
+  int worst_part_a = -1, worst_part_b = -1;  ///< -1: no pair had it at the end of a frame
   double worst_pair_overlap = 0.0;
   double momentum_error = 0.0, angular_error = 0.0, cg_residual = 0.0, row_residual = 0.0;
   double energy_first = 0.0, energy_last = 0.0, energy_largest = 0.0;  ///< [J] kinetic + potential + contact
@@ -44,7 +44,7 @@ class RunTotals {
   static constexpr std::size_t kWarningsKept = 200;
 };
 
-/// Numbers about the process and the whole run that no step knows.
+/// Data about the process and the whole run, unknown to single steps.
 struct RunFacts {
   std::string scene_name, scene_file;
   int threads = 1;
@@ -55,11 +55,11 @@ struct RunFacts {
   RunEnd end = RunEnd::Completed;
 };
 
-/// The text of summary.json (docs/formats.md). Not-a-number is written as null.
+/// The text of summary.json (docs/formats.md). NaN is written as null.
 std::string summary_text(const World& world, const RunTotals& totals, const RunFacts& facts,
                          const std::vector<ExpectationResult>& findings);
 
-/// Largest resident memory of this process so far, [bytes]; 0 where the system does not say.
+/// Peak resident memory of this process, [bytes]; 0 if the system does not give it.
 double peak_memory();
 
 }  // namespace brim

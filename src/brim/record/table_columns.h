@@ -12,10 +12,10 @@
 
 namespace brim {
 
-/// Columns of the tables of a run, every number checked. All throw InputError, naming the file, the data set and the
-/// row.
+/// Columns of the tables of a run, with every number checked. All throw InputError, naming the file, the data set and
+/// the row.
 
-/// Reads a whole data set of rows of `width` numbers (0: plain numbers).
+/// Reads a whole data set of rows of `width` numbers (0: scalars).
 template <class T>
 std::vector<T> read_column(const h5::File& file, const std::string& path, h5::Type type, std::uint64_t width = 0) {
   const h5::Dataset set = file.open(path);
@@ -28,7 +28,7 @@ std::vector<T> read_column(const h5::File& file, const std::string& path, h5::Ty
   return values;
 }
 
-/// A column with one number per body or part, each from least to most.
+/// A column of one integer per body or part, each between least and most.
 inline std::vector<std::int64_t> read_whole(const h5::File& file, const std::string& path, std::size_t rows,
                                             std::int64_t least, std::int64_t most) {
   std::vector<std::int64_t> values = read_column<std::int64_t>(file, path, h5::Type::Int64);
@@ -55,7 +55,7 @@ inline std::vector<std::string> read_names(const h5::File& file, const std::stri
   return values;
 }
 
-/// Lists packed one after another: their starts must rise from 0 to the number of all items.
+/// Concatenated lists: their starts must increase from 0 to the number of all items.
 template <class T>
 Packed<T> read_packed(const h5::File& file, const std::string& items, h5::Type type, std::uint64_t width,
                       const std::string& starts) {

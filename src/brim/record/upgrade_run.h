@@ -6,9 +6,9 @@
 
 namespace brim {
 
-/// Writes the run in a folder anew in the format of today, all frames; the old file is replaced at the end, in one
-/// step. A run of an older version that is gone on with needs it. The run must be one of such a world.
-/// @param world  is set to the recorded states one after another
+/// Rewrites the run in a folder in the present format, all frames; the old file is replaced at the end, atomically.
+/// Needed to resume a run of an older version. The run must be one of this world.
+/// @param world  is set to the recorded states in turn
 /// @throws InputError
 void upgrade_run(const std::string& folder, World& world);
 

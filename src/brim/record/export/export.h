@@ -10,10 +10,10 @@
 
 namespace brim {
 
-/// What to write out of a run, and where to.
+/// What to export of a run, and where to.
 struct ExportRequest {
   std::string format{};               ///< name of one of formats()
-  std::string folder{};               ///< made; must not exist, be empty, or (with force) hold an older export
+  std::string folder{};               ///< created; must not exist, be empty, or (with force) contain an older export
   std::string frames{};               ///< see parse_frames; empty: all
   std::vector<std::string> bodies{};  ///< names, each the name of a body or of all its numbered copies; empty: all
   double voxel_size = 0.0;            ///< [m] of densities; 0: that of each body's finest part
@@ -26,28 +26,27 @@ struct FrameRange {
   std::int64_t count() const { return (last - first) / stride + 1; }
 };
 
-/// Reads "a", "a:b" or "a:b:stride", both ends included; an end left out is the run's own, a negative one counts from
-/// the end (-1 is the last frame). @throws InputError  for anything else, and for frames that the run does not have
+/// Parses "a", "a:b" or "a:b:stride", both ends included; an omitted end is the run's own, a negative one counts from
+/// the end (-1 is the last frame). @throws InputError  for other text, and for frames that the run does not have
 FrameRange parse_frames(const std::string& text, std::int64_t frames);
 
-/// Numbers of the bodies that the names mean, in order. @throws InputError  for a name that means none
+/// Numbers of the bodies matched by the names, in order. @throws InputError  for a name without match
 std::vector<int> choose_bodies(const RunReader& run, const std::vector<std::string>& names);
 
-/// The world of the run in the state of a frame; only formats of densities ask for it.
+/// The world of the run in the state of a frame; only used by formats with densities.
 using WorldAt = std::function<const World&(std::int64_t frame)>;
 
-/// What an export left behind.
+/// Result of an export.
 struct ExportResult {
   std::int64_t frames = 0;
   std::vector<std::string> files;  ///< names within the folder
 };
 
-/// Writes a run in another program's format (docs/export.md). Everything is written into a folder beside the one asked
-/// for and moved there when it is whole: a failed export leaves what was there.
+/// Exports a run in another program's format (docs/export.md). Everything is written into a folder beside the requested
+/// one and moved there when complete: a failed export changes nothing.
 /// @param world_at  may be empty when the format needs no densities
-/// @param progress  called with (frames done, frames in all); false stops the export, and nothing is left of it
-/// @throws InputError  for what the request names wrongly, folders that hold other things, and files that cannot be
-///   written
+/// @param progress  called with (frames done, total frames); false stops the export and removes it
+/// @throws InputError  for invalid requests, folders with other contents, and files that cannot be written
 /// Tests: tests/record/export_test.cpp, tests/record/export_usda_test.cpp, tests/record/export_readers_test.cpp
 ExportResult export_run(const RunReader& run, const ExportRequest& request, const WorldAt& world_at = {},
                         const std::function<bool(std::int64_t, std::int64_t)>& progress = {});

@@ -9,32 +9,32 @@
 
 #include "brim/record/export/export.h"
 
-/// What every export format is made of: one file per format, and its line in formats.cpp.
+/// Common parts of the export formats: one file per format, and its line in formats.cpp.
 namespace brim::exporting {
 
-/// A body as it is written.
+/// A body to be exported.
 struct Item {
   int body = 0;            ///< number in the run
   std::string name;        ///< in the run
   std::string file_name;   ///< unique among the items; letters, digits, "_", "-", "." only
   std::string identifier;  ///< unique among the items; a letter or "_", then letters, digits, "_"
   const RecordedBody* recorded = nullptr;
-  bool still = false;                    ///< one set of positions stands for all frames
-  Vec3f colour = Vec3f::Constant(0.5f);  ///< linear red, green, blue as in the viewer
+  bool still = false;                    ///< all frames have the same positions
+  Vec3f colour = Vec3f::Constant(0.5f);  ///< linear red, green, blue, as in the viewer
 };
 
 /// One frame of the items, in their order.
 struct Frame {
   std::int64_t index = 0;                        ///< in the run
-  std::int64_t order = 0;                        ///< 0, 1, ... among those written
+  std::int64_t order = 0;                        ///< 0, 1, ... among the exported ones
   double time = 0.0;                             ///< [s]
   std::vector<std::vector<Vec3f>> positions;     ///< [m], per item, shape (vertices)
-  std::vector<std::vector<Triangle>> triangles;  ///< per item; those of this frame where they change
-  std::vector<std::vector<Vec3f>> velocities;    ///< [m/s], per item; empty where the run has none per vertex
-  std::vector<ContactSample> contacts;           ///< those in which an item takes part
+  std::vector<std::vector<Triangle>> triangles;  ///< per item; those of this frame for changing surfaces
+  std::vector<std::vector<Vec3f>> velocities;    ///< [m/s], per item; empty if the run has none per vertex
+  std::vector<ContactSample> contacts;           ///< contacts that involve an item
 };
 
-/// What a writer is told before the first frame. Outlives the writer.
+/// Input of a writer, given before the first frame. Outlives the writer.
 struct Job {
   const RunReader* run = nullptr;
   FrameRange frames;
@@ -54,12 +54,12 @@ class Writer {
 
 struct Format {
   const char* name;
-  const char* text;        ///< one line for people
+  const char* text;        ///< one-line description
   bool densities = false;  ///< needs Job::world_at
   std::unique_ptr<Writer> (*make)(const Job&);
 };
 
-/// All formats that this build can write.
+/// All formats of this build.
 std::span<const Format> formats();
 
 std::unique_ptr<Writer> make_gltf(const Job& job);
@@ -71,7 +71,7 @@ std::unique_ptr<Writer> make_vdb(const Job& job);
 std::unique_ptr<Writer> make_vtk(const Job& job);
 std::unique_ptr<Writer> make_xdmf(const Job& job);
 
-/// "name_00012.end", the number being that of the frame in the run.
+/// "name_00012.end", with the frame's number in the run.
 std::string numbered(std::string_view name, std::int64_t frame, std::string_view end);
 
 /// Line segments joined into chains, each a list of vertices; a closed chain repeats its first vertex at its end.

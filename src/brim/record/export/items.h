@@ -6,7 +6,7 @@
 
 namespace brim::exporting {
 
-/// The chosen bodies with names that files and formats can carry, and the viewer's colours.
+/// The chosen bodies, with names that are valid in files and formats, and the viewer's colours.
 std::vector<Item> make_items(const RunReader& run, const std::vector<int>& bodies);
 
 }  // namespace brim::exporting

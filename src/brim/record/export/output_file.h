@@ -8,10 +8,10 @@
 
 namespace brim::exporting {
 
-// Numbers are written as they lie in memory, and every format here is little-endian.
+// Numbers are written in memory layout; every format here is little-endian.
 static_assert(std::endian::native == std::endian::little);
 
-/// A file that is written from its beginning; every failure is an InputError that names it.
+/// A sequentially written file; every failure is an InputError that names it.
 class OutputFile {
  public:
   explicit OutputFile(const std::filesystem::path& path);
@@ -27,9 +27,9 @@ class OutputFile {
   }
   /// Bytes written so far.
   std::uint64_t size() const { return size_; }
-  /// Writes over what was written at an earlier place, and goes on at the end.
+  /// Overwrites bytes at an earlier position, then continues at the end.
   void patch(std::uint64_t at, const void* data, std::size_t bytes);
-  /// Must be called last. @throws InputError  when not all has reached the disk
+  /// Must be called last. @throws InputError  when not everything has reached the disk
   void close();
 
  private:

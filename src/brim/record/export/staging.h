@@ -6,16 +6,16 @@
 
 namespace brim::exporting {
 
-/// The name of the file in which an export says what it wrote.
+/// Name of the file in which an export lists what it wrote.
 inline constexpr const char* kManifest = "export.json";
 
-/// A folder that appears whole or not at all: files are written into one beside it, which commit() moves to its place.
+/// A folder created atomically: files are written into a folder beside it, which commit() moves to its place.
 class Staging {
  public:
-  /// @param folder  must not exist, be empty, or (with force) hold an older export and nothing more
+  /// @param folder  must not exist, be empty, or (with force) contain only an older export
   /// @throws InputError
   Staging(const std::string& folder, bool force);
-  /// Removes what was not committed.
+  /// Removes everything not committed.
   ~Staging();
   Staging(const Staging&) = delete;
   Staging& operator=(const Staging&) = delete;
@@ -23,12 +23,12 @@ class Staging {
   const std::filesystem::path& folder() const { return staged_; }
   /// Names of the files written so far, sorted.
   std::vector<std::string> files() const;
-  /// Moves the files to their place; those of an older export go. @param manifest  text of export.json
+  /// Moves the files to their place and removes those of an older export. @param manifest  text of export.json
   void commit(const std::string& manifest, const std::vector<std::string>& files);
 
  private:
   std::filesystem::path target_, staged_;
-  std::vector<std::string> old_;  ///< files of the export that is replaced
+  std::vector<std::string> old_;  ///< files of the replaced export
 };
 
 }  // namespace brim::exporting

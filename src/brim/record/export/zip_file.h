@@ -7,14 +7,14 @@
 
 namespace brim::exporting {
 
-/// An archive of stored (not compressed) members of any size: ZIP with the 64-bit extension (APPNOTE 6.3, 4.3 to 4.5).
+/// An archive of stored (uncompressed) members of any size: ZIP with the 64-bit extension (APPNOTE 6.3, 4.3 to 4.5).
 class ZipFile {
  public:
   explicit ZipFile(const std::filesystem::path& path) : file_(path) {}
   void begin(const std::string& name);
   void write(const void* data, std::size_t bytes);
   void end();
-  /// Writes the directory; the archive is whole after it.
+  /// Writes the directory, which completes the archive.
   void close();
 
  private:
