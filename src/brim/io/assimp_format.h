@@ -6,8 +6,8 @@
 
 namespace brim {
 
-/// Triangles of a file that Assimp reads, in a process of its own (ChildReader): damaged files bring it to leaks, to
-/// gigabytes and to loops. Indices are as the file has them. @throws InputError
+/// Triangles of a file read by Assimp in a separate process (ChildReader), as damaged files make Assimp leak, allocate
+/// gigabytes or loop. Indices are those of the file. @throws InputError
 TriMesh read_by_assimp(const std::string& path, const std::string& extension);
 
 }  // namespace brim

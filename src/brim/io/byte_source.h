@@ -16,7 +16,7 @@ class ByteSource {
   ~ByteSource();
   ByteSource(ByteSource&&) noexcept;
 
-  /// Reads exactly n bytes. @throws InputError  when there are fewer, or the packed data are broken
+  /// Reads exactly n bytes. @throws InputError  when there are fewer, or the compressed data are corrupt
   void read(void* to, std::size_t n);
   /// Reads up to n bytes; fewer only at the end.
   std::size_t read_some(void* to, std::size_t n);

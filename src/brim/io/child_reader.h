@@ -8,16 +8,16 @@
 
 namespace brim {
 
-/// Reads a file in a process of its own, forked from this one: for libraries that damaged files bring to an abort, to
-/// memory without end or to a loop (Assimp, OpenVDB, GDCM). What goes wrong there is one InputError here.
+/// Reads a file in a forked process: for libraries that abort, exhaust memory or loop on damaged files (Assimp,
+/// OpenVDB, GDCM). Any such failure becomes one InputError here.
 ///
-/// The child answers questions: each is a number, each answer a list of bytes. It lives as long as the reader does.
-/// Limits: memory (what the parent has, plus 512 MiB, plus 64 times the file; of several files the largest) and
-/// processor time (60 s, plus 2 s per MiB of the file, or of all; for the first answer less where Load says so); a
-/// child from which nothing comes for twice that time is ended as well. Tests: tests/io/child_reader_test.cpp
+/// The child answers questions: each is a number, each answer a list of bytes. It lives as long as the reader. Limits:
+/// memory (the parent's, plus 512 MiB, plus 64 times the file, or the largest of several) and processor time (60 s,
+/// plus 2 s per MiB of all files; Load may set less for the first answer). A child that sends nothing for twice that
+/// time is killed too. Tests: tests/io/child_reader_test.cpp
 class ChildReader {
  public:
-  /// Bytes, one after another, as answers are made of.
+  /// Sequence of bytes of which answers are made.
   class Answer {
    public:
     template <class T>
@@ -43,7 +43,7 @@ class ChildReader {
    private:
     std::vector<char> bytes_;
   };
-  /// The same as they are read.
+  /// An answer as it is read.
   class Received {
    public:
     /// @param path  for messages
@@ -54,10 +54,10 @@ class ChildReader {
       get(&value, sizeof value);
       return value;
     }
-    /// @throws InputError  past the end: a library that wrote beyond its memory may answer anything
+    /// @throws InputError  past the end: a library that corrupted memory may answer anything
     void get(void* to, std::size_t size);
     std::string get_text();
-    /// What put_list put. @throws InputError  when more are promised than are there
+    /// Reads a list written by put_list. @throws InputError  when its count exceeds the bytes left
     template <class T>
     std::vector<T> get_list() {
       std::vector<T> list(count_of(sizeof(T)));
@@ -74,33 +74,32 @@ class ChildReader {
   };
   using Serve = std::function<void(int question, Answer& answer)>;
 
-  /// @param serve  called in the child; InputErrors and other exceptions out of it are those of ask
+  /// @param serve  called in the child; its exceptions are rethrown by ask as InputError
   ChildReader(const std::string& path, Serve serve);
-  /// What the limits follow from. [bytes]
+  /// Quantities that determine the limits, [bytes].
   struct Load {
-    double largest = 0.0;  ///< file, for memory
-    double all = 0.0;      ///< of the files together, for time
-    /// [s] of processor time until the first answer, whatever the size; 0: as for all answers.
+    double largest = 0.0;  ///< largest file, for memory
+    double all = 0.0;      ///< all files together, for time
+    /// [s] of processor time until the first answer, for any size; 0: as for all answers.
     double opening = 0.0;
   };
-  /// Of one file.
+  /// Load of one file.
   static Load load_of(const std::string& path);
-  /// The same of several files. @param path  what they are called together, in messages
+  /// The same for several files. @param path  their common name in messages
   ChildReader(const std::string& path, const Load& load, Serve serve);
   ~ChildReader();
   ChildReader(const ChildReader&) = delete;
   ChildReader& operator=(const ChildReader&) = delete;
 
-  /// @throws InputError  what serve threw, or how the child ended
+  /// @throws InputError  thrown by serve, or saying how the child ended
   Received ask(int question);
-  /// Which of several files the next questions are about, for messages.
+  /// Sets the file named in messages of the next questions.
   void about(const std::string& path) { path_ = path; }
 
-  /// [s] of processor time that every file may take, whatever its size; 60 where nothing else was set. For fuzzers and
-  /// tests, which have no time for files without end.
+  /// [s] base processor time for every file; 60 by default. For fuzzers and tests, which cannot wait for endless files.
   static void set_base_seconds(double seconds);
-  /// Whether readers made from now on answer in this process, with no limits of their own. For fuzzers, which have
-  /// forked already and begin anew when it ends: a fork takes milliseconds.
+  /// True: readers made from now on answer in this process, without limits. For fuzzers, which have forked already and
+  /// restart on failure: a fork takes milliseconds.
   static void answer_here(bool here);
 
  private:
@@ -109,7 +108,7 @@ class ChildReader {
   void end();
 
   std::string path_;
-  Serve here_;  ///< where it answers in this process
+  Serve here_;  ///< for answers in this process
   double seconds_ = 0.0, bytes_ = 0.0;
   double opening_ = 0.0;  ///< [s] of processor time until the first answer
   bool answered_ = false;

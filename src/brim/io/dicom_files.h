@@ -7,7 +7,7 @@
 
 namespace brim {
 
-/// Files that begin as DICOM files do: DICM after 128 bytes of anything.
+/// Files that look like DICOM: "DICM" after a preamble of 128 bytes.
 struct DicomFiles {
   std::vector<std::string> paths;  ///< sorted
   ChildReader::Load load;          ///< to read them
@@ -15,8 +15,8 @@ struct DicomFiles {
 
 bool is_dicom_file(const std::string& path);
 
-/// Those of a folder and of the folders below it (links to folders are not followed).
-/// @param deep  false: of the folder alone
+/// Finds those in a folder and its subfolders (links to folders are not followed).
+/// @param deep  false: without subfolders
 /// @throws InputError  when it has more than 200 000 entries
 DicomFiles find_dicom_files(const std::string& folder, bool deep);
 

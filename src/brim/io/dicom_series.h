@@ -11,29 +11,29 @@ namespace brim {
 /// One image of a DICOM file.
 struct DicomFrame {
   std::string file;
-  int number = 0, of = 1;  ///< from 0, of all in the file
+  int number = 0, of = 1;  ///< index from 0, number of images in the file
   StackSlice slice;
   double slope = 1.0, intercept = 0.0;
-  std::size_t pixels_at = 0;  ///< [bytes] where the file's pixels begin
+  std::size_t pixels_at = 0;  ///< [bytes] offset of the file's pixels
 };
 
-/// What a scanner wrote as one: images that belong together.
+/// A series: images that a scanner wrote as belonging together.
 struct DicomSeries {
   std::string uid, number, modality, description;
   std::vector<DicomFrame> frames;
-  std::string fault;  ///< why an image of it cannot be placed, or nothing
+  std::string fault;  ///< reason why one of its images has no position, or empty
 };
 
-/// Collects the series of DICOM files. By GDCM; to be used in a process of its own (ChildReader).
+/// Collects the series of DICOM files, using GDCM; to be run in a separate process (ChildReader).
 class DicomScan {
  public:
-  /// Files that belong to no series (directories of media) are passed over.
+  /// Files that belong to no series (directories of media) are skipped.
   /// @throws InputError  for a damaged file
   void add(const std::string& file);
-  /// The series that is wanted, its frames in the order of the files.
-  /// @param path    what the files are called together, in messages
+  /// Returns the wanted series, its frames in the order of the files.
+  /// @param path    common name of the files in messages
   /// @param wanted  UID, or "largest"; empty: the only one of more than one slice
-  /// @throws InputError  for an image of it without a place, for no series, and for several, which it lists
+  /// @throws InputError  for an image of it without a position, for no series, and for several, which it lists
   DicomSeries take(const std::string& path, const std::string& wanted) const;
 
  private:

@@ -12,8 +12,8 @@
 
 namespace brim {
 
-/// A whole file in memory and a place in it, for readers of mixed text and binary formats. Every failure is an
-/// InputError that names the file and what was being read.
+/// A whole file in memory and a read position, for readers of mixed text and binary formats. Every failure is an
+/// InputError that names the file and the item being read.
 class FileCursor {
  public:
   /// @throws InputError  when the file is missing or cannot be read
@@ -25,13 +25,14 @@ class FileCursor {
   std::size_t place() const { return at_; }
   void go_to(std::size_t place) { at_ = place; }
 
-  /// Fails when fewer than count · bytes_each bytes are left: before memory is taken for what a damaged file claims.
+  /// Fails when fewer than count · bytes_each bytes are left: called before memory is allocated for a count from the
+  /// file.
   void expect(std::size_t count, std::size_t bytes_each, const char* what) const {
     if (count > left() / bytes_each)
       fail(fmt::format("the file is truncated or damaged: {} {} cannot fit in the {} bytes left", count, what, left()));
   }
 
-  /// The rest of the line, without its end; moves to the next line.
+  /// The rest of the line, without its end; advances to the next line.
   std::string_view line() {
     const std::size_t end = std::min(data_.find('\n', at_), data_.size());
     std::string_view text(data_.data() + at_, end - at_);

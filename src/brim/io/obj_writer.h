@@ -6,8 +6,7 @@
 
 namespace brim {
 
-/// Writes a surface as Wavefront OBJ, with digits enough to read the same doubles back.
-/// The file appears whole or not at all.
+/// Writes a surface as Wavefront OBJ, with enough digits to read the same doubles back. The file is written atomically.
 /// @throws InputError  when the file cannot be written
 /// Tests: tests/io/surface_reader_test.cpp
 void write_obj(const std::filesystem::path& path, const TriMesh& mesh);

@@ -6,11 +6,11 @@
 
 namespace brim {
 
-/// Throws unless a path is that of a regular file: a pipe would be waited for, a device may have no end.
+/// Throws unless a path is a regular file: reading a pipe may block, a device may be endless.
 /// @throws InputError
 void need_regular_file(const std::string& path);
 
-/// All bytes of a regular file, or nothing where there is none (also where a pipe or a device has its name).
+/// All bytes of a regular file, or nothing when there is none (also when the path is a pipe or a device).
 /// @throws InputError  for a file of more than `most` bytes
 std::optional<std::string> read_regular_file(const std::string& path, std::uint64_t most = std::uint64_t{1} << 30);
 

@@ -9,7 +9,7 @@
 
 namespace brim {
 
-/// A robot as a URDF file describes it; lengths in metres, angles in radians.
+/// A robot from a URDF file; lengths in metres, angles in radians.
 struct Urdf {
   struct Geometry {
     enum class Kind { Box, Cylinder, Sphere, Mesh } kind = Kind::Box;
@@ -41,7 +41,7 @@ struct Urdf {
     double effort = std::numeric_limits<double>::infinity();  ///< [N m or N] largest force of its motor
     double damping = 0.0, friction = 0.0;
   };
-  /// A link and the joint above it; parents come first. The first has no parent and its joint no meaning.
+  /// A link and the joint above it; parents come first. The first has no parent, and its joint is unused.
   struct Piece {
     Link link;
     int parent = -1;
@@ -52,12 +52,11 @@ struct Urdf {
 };
 
 /// Reads links, inertia, collision geometry, joints with limits and dynamics. Visual geometry, transmissions, sensors
-/// and velocity limits are left out. "continuous" is revolute without limits. Mesh files are looked for next to the
-/// file; "package://name/rest" in the folder called name above the file or beside one of those above, then in the
-/// folders of ROS_PACKAGE_PATH.
-/// @throws InputError  "file:line: what": not XML, numbers that cannot be read, names that are not there or there
-/// twice,
-///   not one tree, mimic, floating and planar joints, meshes that are missing
+/// and velocity limits are ignored. "continuous" is revolute without limits. Mesh files are looked for next to the
+/// file; "package://name/rest" in the folder `name` above the file or beside one of its parents, then in the folders of
+/// ROS_PACKAGE_PATH.
+/// @throws InputError  "file:line: what": invalid XML, unreadable numbers, missing or duplicate names, links that form
+///                     no single tree, mimic, floating and planar joints, missing meshes
 /// Tests: tests/io/urdf_reader_test.cpp
 Urdf read_urdf(const std::filesystem::path& path);
 
