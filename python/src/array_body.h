@@ -9,10 +9,10 @@
 
 namespace brim::python {
 
-/// A body whose author answers in Python, for whole arrays of points: deform, inverse_deform (or by their former names:
-/// place, rest), distance, energy, and where the author has them jacobian and force (brim.OwnBody in brim/own_body.py
-/// says what each is). Each call of the world is handed to the thread that steps it (CallerThread), so that Python is
-/// entered once for a whole part and never from within a loop of brim's own threads. Tests:
+/// A body whose author methods are in Python and work on whole arrays of points: deform, inverse_deform (or their
+/// former names place, rest), distance, energy, and optionally jacobian and force (brim.OwnBody in brim/own_body.py
+/// defines each). Each call of the world is passed to the thread that steps it (CallerThread), so that Python is
+/// entered once per part and never from within brim's parallel loops. Tests:
 /// python/tests/own_body_test.py
 class ArrayBody final : public OwnBody {
  public:

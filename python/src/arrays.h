@@ -12,7 +12,7 @@
 #include "brim/core/error.h"
 #include "brim/math/types.h"
 
-/// NumPy arrays from and to brim's own lists. All of it needs the interpreter's lock.
+/// Conversion between NumPy arrays and brim's lists. All functions need the interpreter's lock.
 namespace brim::python {
 
 namespace py = pybind11;
@@ -54,7 +54,7 @@ inline std::vector<double> numbers_of(const py::handle& given, std::size_t n, co
   return {a.data(), a.data() + n};
 }
 
-/// Corner numbers of an array of shape (n, K), each in [0, vertices). @throws InputError  naming it
+/// Corner indices of an array of shape (n, K), each in [0, vertices). @throws InputError  naming it
 template <std::size_t K>
 std::vector<std::array<std::int32_t, K>> corners_of(const py::handle& given, std::size_t vertices,
                                                     const std::string& name) {

@@ -2,7 +2,7 @@
 
 #include <pybind11/pybind11.h>
 
-/// One function per idea of the module; module.cpp calls them in order.
+/// One function per topic of the module; module.cpp calls them in order.
 namespace brim::python {
 
 void bind_reports(pybind11::module_& m);

@@ -11,16 +11,16 @@
 
 namespace brim::python {
 
-/// Lets code that runs below a step call Python on the thread that asked for the step, whichever thread of brim's loops
-/// it runs on itself. The step runs on a thread of its own meanwhile, and the asking thread serves its calls, one at a
-/// time, with the interpreter's lock; between them other threads of Python go on.
+/// Lets code below a step call Python on the thread that requested the step, from any of brim's threads. The step runs
+/// on a thread of its own, and the requesting thread serves its calls, one at a time, with the interpreter's lock; in
+/// between other Python threads run.
 class CallerThread {
  public:
-  /// Runs `work`. The interpreter's lock must be held; it is released but for calls.
-  /// @throws whatever work throws, and what Python raised in a call, on this thread
+  /// Runs `work`. The interpreter's lock must be held; it is released except during calls.
+  /// @throws on this thread the exceptions of work, and those raised by Python in a call
   void run(const std::function<void()>& work);
-  /// Runs f with the interpreter's lock on the thread in run(); at once where that is this thread, or there is none.
-  /// @throws CallFailed  when f threw below run(); run() then throws what it was
+  /// Runs f with the interpreter's lock on the thread in run(); directly if that is this thread, or there is none.
+  /// @throws CallFailed  when f threw below run(); run() then throws the original exception
   void call(const std::function<void()>& f);
 
   /// Unwinds a step whose call failed.

@@ -12,22 +12,23 @@
 
 namespace brim::python {
 
-// The interpreter's lock, for threads that may outlive the interpreter: those of Python that are daemons, and what runs
-// for them. An interpreter that ends takes such a thread's life where it asks for the lock, by unwinding its stack,
-// which no destructor and no C++ thread that waits for another survives: the process would be aborted. Here the thread
-// stays where it is instead, until the process has ended. Tests: python/tests/exit_test.py
+// The interpreter's lock, for threads that may outlive the interpreter: Python's daemon threads, and work done for
+// them. An interpreter at its end kills such a thread when it requests the lock, by unwinding its stack; destructors
+// and waiting C++ threads do not survive that, and the process would abort. Here the thread blocks instead until the
+// process has ended. Tests: python/tests/exit_test.py
 
-/// Waits for ever, without the lock.
+/// Blocks forever, without the lock.
 [[noreturn]] void stay();
 
-/// True once the interpreter ends, for all threads but the one that ends it.
+/// True once the interpreter is ending, for all threads except the one that ends it.
 bool interpreter_ends(std::thread::id thread = std::this_thread::get_id());
 
-/// Lets the interpreter wait at its end for what runs without the lock: asked to stop, steps do so soon (StopScope).
-/// What takes longer than ten seconds is not waited for.
+/// Makes the interpreter wait at its end for work without the lock: steps asked to stop end soon (StopScope). Waits at
+/// most ten seconds.
 void watch_for_end();
 
-/// Runs f, which asks for the lock or holds it; where the interpreter ends this thread in it, the thread stays.
+/// Runs f, which requests or holds the lock; if the interpreter's end kills this thread in it, the thread blocks
+/// instead.
 template <class F>
 void outlive(const F& f) {
 #if defined(__GLIBCXX__)
@@ -52,7 +53,7 @@ class Locked {
   std::optional<pybind11::gil_scoped_acquire> lock_;
 };
 
-/// Leaves the lock, which must be held, to others while it lives.
+/// Releases the lock, which must be held, while it lives.
 class Unlocked {
  public:
   Unlocked();

@@ -8,9 +8,9 @@
 
 namespace brim::python {
 
-/// What a Python value is in a scene: None, bool, numbers (NumPy's too), str, path, dict, list, tuple, array.
+/// A Python value as scene JSON: None, bool, numbers (NumPy's too), str, path, dict, list, tuple, array.
 /// @param where  of the value, for messages ("shape/radius")
-/// @throws InputError  for other types, numbers that are not finite, keys that are no str
+/// @throws InputError  for other types, non-finite numbers, keys that are not str
 Json json_of(const pybind11::handle& value, const std::string& where);
 
 /// Plain Python objects of a JSON value.

@@ -11,17 +11,17 @@
 
 namespace brim::python {
 
-/// Records the frames of a session into a run folder, as `brim run` does: run.h5, scene.json and summary.json, with
-/// what became of the scene's expectations. HDF5 serves one thread at a time: all of this needs the interpreter's lock.
+/// Records the frames of a session into a run folder, as `brim run` does: run.h5, scene.json and summary.json, with the
+/// results of the scene's expectations. HDF5 serves one thread at a time: all functions need the interpreter's lock.
 class Recorder {
  public:
-  /// @param scene_text  for scene.json  @param scene_path  that relative paths in it start from
-  /// @throws InputError  for folders that cannot be used
+  /// @param scene_text  for scene.json  @param scene_path  base of its relative paths
+  /// @throws InputError  for unusable folders
   Recorder(Session& session, const std::string& folder, const std::string& name, std::int64_t frames,
            int steps_per_frame, const std::string& scene_text, const std::string& scene_path, bool force);
   ~Recorder();
 
-  /// Records the frame that the session's report speaks of. @param steps  that it joins
+  /// Records the frame of the session's report. @param steps  number of steps in it
   void add(Session& session, int steps);
   /// Writes everything out and the summary. @param end  "completed", "interrupted" or "failed"
   /// @return findings: one dict per expectation

@@ -23,29 +23,28 @@ namespace brim::python {
 
 namespace py = pybind11;
 
-/// A world as Python holds it: the scene that it stands for, entry by entry, the world itself, and what Python sees of
-/// its state.
+/// A world as seen by Python: its scene, entry by entry, the world itself, and Python's view of its state.
 ///
-/// State that Python sees lies in arrays of its own, one pair a body, whose memory never moves: filled after each step,
-/// and read before the next, so that writing to them works. So arrays outlive additions and restorations, and other
-/// threads always see the last whole state.
+/// Python's view of the state lies in arrays of its own, one pair per body, whose memory never moves: written after
+/// each step, and read before the next, so that Python may write to them. So arrays outlive additions and restorations,
+/// and other threads always see the last complete state.
 class Session {
  public:
-  /// An empty world. @param scene  all of a scene but its bodies  @param folder  that relative paths start from
+  /// An empty world. @param scene  a scene without its bodies  @param folder  base of relative paths
   Session(const py::dict& scene, std::string folder);
-  /// That of a scene file. @param set, seed  as --set and --seed of the program @throws InputError
+  /// The world of a scene file. @param set, seed  as --set and --seed of the program @throws InputError
   static std::unique_ptr<Session> load(const std::string& path, const py::dict& set, std::optional<std::uint64_t> seed);
 
-  /// Adds an entry of "bodies" by way of the scene's own reader. Nothing is added when it is refused.
+  /// Adds an entry of "bodies" through the scene reader. Nothing is added on error.
   /// @return numbers of the new bodies  @throws InputError
   std::vector<int> add(const py::dict& entry);
-  /// Adds a body whose author is a Python object. @param entry  as that of a rigid body: its shape is the surface
+  /// Adds a body whose author is a Python object. @param entry  as for a rigid body: its shape is the surface
   int add_own(const py::dict& entry, const py::object& author, const py::object& q, const py::object& v,
               double mass_spacing, double stiffness_damping);
 
-  /// Adds an entry of "attachments", "joints", "forces", "filters" or "sensors" by way of the scene's own reader;
-  /// nothing when it is refused.
-  /// @return its number in the world, -1 of a filter  @throws InputError
+  /// Adds an entry of "attachments", "joints", "forces", "filters" or "sensors" through the scene reader; nothing on
+  /// error.
+  /// @return its number in the world, -1 for a filter  @throws InputError
   /// @param field  of a force's wind: (t, x) -> velocities, both of shape (n, 3), or None
   int wire(const std::string& list, const py::dict& entry, const py::object& field);
   void detach(int attachment);
@@ -69,29 +68,29 @@ class Session {
   void set_pair_material(const std::string& a, const std::string& b, const py::dict& pair);
   void set_stiffness(double stiffness);
 
-  /// One step. @param joined  the report speaks of this step and of those before it
-  /// @param forces  that act on bodies over this step, generalised, by number: arrays of shape (nv)
-  /// @throws what Python raised below it; the state is then that before the step
+  /// One step. @param joined  the report accumulates this step with those before it
+  /// @param forces  generalised forces on bodies over this step, by number: arrays of shape (nv)
+  /// @throws the exceptions of Python code below it; the state is then that before the step
   void step(bool joined, const std::map<int, py::object>& forces);
-  /// Whether forces can act on a body.
+  /// True when forces can act on a body.
   bool takes_forces(int body) const { return outer_.at(static_cast<std::size_t>(body)) != nullptr; }
 
   State state();
   void set_state(State state);
-  /// What Python sees of a body: memory that stays where it is as long as this.
+  /// Python's view of a body: memory that stays in place as long as this object.
   std::span<double> seen_q(int body) { return mirror(body).q; }
   std::span<double> seen_v(int body) { return mirror(body).v; }
 
-  /// The world up to date with what Python wrote; not while it steps. @throws py::error_already_set (RuntimeError)
+  /// The world, updated with Python's changes; not during a step. @throws py::error_already_set (RuntimeError)
   World& world();
   const StepReport& report() const { return report_; }
   const Json& head() const { return head_; }
   const Json& entries() const { return entries_; }
   const std::string& folder() const { return folder_; }
-  /// Runs f with the interpreter's lock released, and with Python bodies served.
+  /// Runs f with the interpreter's lock released, serving calls of Python bodies.
   void unlocked(const std::function<void()>& f);
 
-  /// Of a loaded scene: its file, its text; empty otherwise, or once a body was added.
+  /// For a loaded scene: its file and text; empty otherwise, or once a body was added.
   std::string file, text;
   std::vector<Expectation> expect;
   std::int64_t frames = 0;
@@ -111,7 +110,7 @@ class Session {
   void read_mirrors();
   void fill_mirrors();
   void take(std::unique_ptr<Body> body);
-  /// Changes the world with what Python wrote taken in, and shows Python the outcome.
+  /// Applies Python's changes, edits the world, and updates Python's view.
   void edit(const std::function<void()>& change);
   void include(std::vector<std::unique_ptr<Body>> bodies, const Json& entry);
 
@@ -119,11 +118,11 @@ class Session {
   std::string folder_;
   std::set<std::string> names_;
   std::unique_ptr<World> world_;
-  SolidStore solids_;                             // what bodies have that were added one by one
-  std::vector<std::unique_ptr<Mirror>> mirrors_;  // shape (bodies); nothing where Python has not looked
-  std::vector<OuterForces*> outer_;               // shape (bodies); nothing where a kind takes none
+  SolidStore solids_;                             // solids of bodies that were added one by one
+  std::vector<std::unique_ptr<Mirror>> mirrors_;  // shape (bodies); null where Python has not looked
+  std::vector<OuterForces*> outer_;               // shape (bodies); null for kinds without such forces
   std::shared_ptr<CallerThread> caller_ = std::make_shared<CallerThread>();
-  bool served_ = false;  // some body is Python's
+  bool served_ = false;  // some body is written in Python
   StepReport report_;
   bool busy_ = false;  // guarded by the interpreter's lock
 };

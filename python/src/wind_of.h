@@ -9,7 +9,7 @@
 
 namespace brim::python {
 
-/// A field of air that a Python function gives: (t, x) -> velocities [m/s], both of shape (n, 3).
+/// A wind field given by a Python function: (t, x) -> velocities [m/s], both of shape (n, 3).
 /// The interpreter's lock must be held.
 WindField wind_of(pybind11::object function, std::shared_ptr<CallerThread> caller);
 
