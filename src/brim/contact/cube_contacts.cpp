@@ -15,7 +15,7 @@ namespace brim {
 
 namespace {
 
-/// One part's samples on a cube: what has been sampled, its densities, and of solids its distances.
+/// One part's samples on a cube: the sampled nodes, their densities, and for solids their distances.
 class Samples {
  public:
   Samples(const CubeSide& side, const NodeCube& cube, double w) : side_(side), cube_(cube), w_(w) {
@@ -25,7 +25,7 @@ class Samples {
     shift_ = at;
   }
 
-  /// Sees to it that the nodes are sampled. @return how many had to be, of a solid
+  /// Samples the wanted nodes that are missing. @return number of nodes sampled of a solid
   std::int64_t need(const NodeMask& wanted) {
     NodeMask missing = wanted.without(have_);
     if (!missing.any()) return 0;
@@ -41,7 +41,7 @@ class Samples {
   }
 
   const float* rho() const { return rho_; }
-  /// Those of a solid from which contacts take its direction, or none.
+  /// Distances of a solid that define its gradient direction, or null.
   const float* told_distances() const { return side_.by_distances ? d_ : nullptr; }
   /// Distances to the surface at the nodes of a row, within its ramp, [m].
   void distances(int j, int k, float* out) const {
@@ -83,7 +83,7 @@ BRIM_INLINE CubeRow load_eight(const float* x) {
   return r;
 }
 
-/// Those of the nodes with any density, and those that are full.
+/// Finds the nodes with any density, and those that are full.
 BRIM_WIDE void classify(const float* rho, const NodeMask& nodes, NodeMask& some, NodeMask& full) {
   for (int k = 0; k < kCubeSize; ++k) {
     some.plane[k] = full.plane[k] = 0;
@@ -97,7 +97,7 @@ BRIM_WIDE void classify(const float* rho, const NodeMask& nodes, NodeMask& some,
   }
 }
 
-/// Those of the nodes where the parts overlap, or nearly do on both their slopes.
+/// Finds the nodes where the parts overlap, or nearly overlap with both on their ramps.
 BRIM_WIDE void overlapping(const float* a, const float* b, float margin, const NodeMask& nodes, NodeMask& out) {
   for (int k = 0; k < kCubeSize; ++k) {
     out.plane[k] = 0;
@@ -121,7 +121,7 @@ NodeMask inner(const NodeMask& m) {
   return in;
 }
 
-/// What the contacts of a row take of a side.
+/// Gradient and bend of a side for the contacts of a row.
 void find_side(const Samples& side, int j, int k, float inverse_h, SideRow& out) {
   RowDerivatives rho, told;
   const float* d = side.told_distances();
@@ -148,7 +148,7 @@ void append(const Samples& a, const Samples& b, const ContactPair& pair, const N
       c.bend_a = at(sa.bend), c.bend_b = at(sb.bend);
       const Vec3 g = (c.gradient_a - c.gradient_b).cast<double>();
       const double length = g.norm();
-      // Along the common normal the distances to both surfaces are known; meet half-way.
+      // The distances to both surfaces are known along the common normal: the point lies half-way between them.
       const double to_a = distance_a[i], to_b = distance_b[i], shift = 0.5 * (to_a - to_b);
       c.point = pair.h * c.node.cast<double>();
       if (length > 0.0) c.point += (shift / length) * g;
@@ -159,10 +159,10 @@ void append(const Samples& a, const Samples& b, const ContactPair& pair, const N
   });
 }
 
-/// Cheaper ones are sampled first.
+/// Sampling cost: the cheaper side is sampled first.
 int cost(const CubeSide& s) { return s.solid == nullptr ? 0 : s.solid->by_rows() ? 1 : 2; }
 
-/// Distances at the centre of a box against what contact allows there.
+/// False when the distances at the centre of a box exclude contact in it.
 bool has_room(const CubeSide& a, const CubeSide& b, const ContactPair& pair, const NodeBox& box) {
   const Vec3 center = 0.5 * pair.h * (box.lo + box.hi).cast<double>();
   const double radius = 0.5 * pair.h * (box.hi - box.lo).cast<double>().norm() + 1e-6 * pair.h;
@@ -173,7 +173,7 @@ bool has_room(const CubeSide& a, const CubeSide& b, const ContactPair& pair, con
   return to_b <= 0.5 * pair.w + radius && to_a + to_b <= gap + 2.0 * radius;
 }
 
-/// Leaves out cells of 2x2x2 nodes in which distances at their centres leave no room (as has_room), eight at a time.
+/// Removes cells of 2x2x2 nodes in which the distances at their centres exclude contact (as has_room), eight at a time.
 void cull_cells(const CubeSide& a, const CubeSide& b, const ContactPair& pair, const NodeCube& cube, NodeMask& own) {
   const double radius = (std::sqrt(0.75) + 1e-6) * pair.h;
   const auto most = static_cast<float>(0.5 * pair.w + radius),
@@ -207,7 +207,7 @@ void cull_cells(const CubeSide& a, const CubeSide& b, const ContactPair& pair, c
 }  // namespace
 
 double widest_gap(double margin) {
-  // The largest t with 3 t² − 2 t³ <= margin, from above: t² = margin/(3 − 2 t), and t <= 1/2 while margin <= 1/2.
+  // Upper bound of the largest t with 3 t² − 2 t³ <= margin: t² = margin/(3 − 2 t), and t <= 1/2 for margin <= 1/2.
   return margin <= 0.5 ? std::sqrt(0.5 * std::max(0.0, margin)) : 1.0;
 }
 
@@ -231,7 +231,7 @@ void find_in_cube(const CubeSide& side_a, const CubeSide& side_b, const ContactP
   finds.nodes += a.need(around) + b.need(around);
   classify(a.rho(), around, some, full_a);
   classify(b.rho(), around, some, full_b);
-  // Neither part has a slope where it and its neighbours are full.
+  // A part has no slope at nodes that are full and whose neighbours are full.
   NodeMask engulfed = inner(full_a);
   engulfed &= inner(full_b);
   engulfed &= touching;

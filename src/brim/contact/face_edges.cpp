@@ -10,24 +10,26 @@ namespace brim {
 
 namespace {
 
-/// [voxels] change of the gap along a face that counts as none, and by which sampled ones may fall beside an edge.
+/// [voxels] change of the gap along a face that counts as zero, and possible dip of sampled ones beside an edge.
 constexpr double kLevel = 0.02, kDip = 0.04;
-/// Least slope of the gap beyond an edge.
+/// Smallest slope of the gap beyond an edge.
 constexpr double kSteep = 0.5;
-/// Halvings of the way to an edge: 2^-6 of a voxel.
+/// Bisections of the distance to an edge: 2^-6 of a voxel.
 constexpr int kHalvings = 6;
-/// [voxels] Around an edge a sampled distance bends for a spacing, of half a voxel: beyond that, a way apart, three
-/// places tell where it lies, if their slopes differ by no more than a share.
+/// [voxels] A sampled distance bends around an edge over one spacing, half a voxel: beyond kBent three points, kBeyond
+/// apart, locate the edge if their slopes differ by at most the share kStraight.
 constexpr double kBent = 0.6, kBeyond = 0.3, kStraight = 0.12;
-/// [voxels] so far to both sides the slope across is asked for; that from which an edge lies aslant; [voxels] way in
-/// the second direction from which, where the first edge does, it is to another.
+/// [voxels] offset to both sides at which the slope along the edge is evaluated; slope above which an edge counts as
+/// oblique; [voxels] shift in the second direction above which, for an oblique first edge, it belongs to another edge.
 constexpr double kToSide = 0.25, kAslant = 0.2, kOwn = 0.1;
-/// [voxels] The way from a face's outermost node to its edge, either way, as those at its corners tell no distances;
-/// and outwards from the middle of the face, where nodes that tell it lie farther inside; from it, least.
+/// [voxels] reach from a face's outermost node to its edge in either direction, as nodes at its corners give no
+/// distances; reach outwards from the middle of the face, where usable nodes lie farther inside; smallest offset from
+/// the middle for that.
 constexpr double kToEdge = 2.0, kToCorner = 4.0, kOutwards = 1.0;
-/// [voxels] from one edge to where the other is looked for that meets it at a corner: sampled distances bend nearer.
+/// [voxels] distance from one edge at which the other edge of a corner is searched: closer to it sampled distances
+/// bend.
 constexpr double kBack = 0.6;
-/// Points that are worked on together: some 20 kB, which a first-level cache holds.
+/// Points processed together: about 20 kB, which fits a first-level cache.
 constexpr int kTogether = 64;
 
 using Numbers = std::array<double, kTogether>;
@@ -45,7 +47,7 @@ BRIM_WIDE void places_along(const Pose& pose, const Vectors& x, const Vectors& e
   }
 }
 
-/// Points, the direction in which each looks for an edge, the one across it on the face, and the gap at each, [m].
+/// Points, the search direction of each, the direction across it on the face, and the gap at each, [m].
 struct Search {
   Vectors x, e, f;
   Numbers level;
@@ -60,13 +62,13 @@ struct Search {
   }
 };
 
-/// What a search finds of each point, [m]: the way to where the gap begins to rise, and from there on to the edge; and
-/// the slope of the gap beyond it along the face across the way, 0 where the edge is.
+/// Result of a search for each point, [m]: distance to where the gap begins to rise, and from there to the edge; and
+/// the slope of the gap beyond it in the direction across, 0 when the edge is perpendicular to the search.
 struct Ways {
   Numbers begin, on, slant;
 };
 
-/// Looks along a face that two solids share.
+/// Searches along a face that two solids share.
 class EdgeFinder {
  public:
   EdgeFinder(const CubeSide& a, const CubeSide& b, double h, double reach)
@@ -83,10 +85,10 @@ class EdgeFinder {
     gaps(s, t_, gap);
   }
 
-  /// Ways from x along sign e; 0 where there is no edge within reach, or the other way is no face.
+  /// Distances from x along sign e; 0 when there is no edge within reach, or no face in the opposite direction.
   void find(const Search& all, double sign, Ways& ways) {
     for (Numbers* w : {&ways.begin, &ways.on, &ways.slant}) std::fill_n(w->begin(), all.n, 0.0);
-    // Those whose gap rises within reach, and does not change the other way.
+    // Keep points whose gap rises within reach, and does not change in the opposite direction.
     gaps(all, sign * reach_, gap_);
     rising_.n = near_.n = 0;
     for (int i = 0; i < all.n; ++i)
@@ -103,7 +105,7 @@ class EdgeFinder {
       for (int i = 0; i < near_.n; ++i)
         (gap_[i] <= near_.level[i] + kLevel * h_ ? lo_ : hi_)[i] = 0.5 * (lo_[i] + hi_[i]);
     }
-    // A ridge between here and there is no face; sampled distances dip beside an edge.
+    // A ridge in between is no face; sampled distances dip beside an edge.
     for (int i = 0; i < near_.n; ++i) t_[i] = 0.5 * sign * lo_[i];
     gaps(near_, t_, gap_);
     const double dip = (exact_ ? kLevel : kDip) * h_;
@@ -114,7 +116,7 @@ class EdgeFinder {
           ways.begin[rises_[i]] = std::max(0.0, lo_[i] - kLevel * h_);
       return;
     }
-    // Beyond an edge the gap rises along a line, which meets the level of the face there.
+    // Beyond an edge the gap rises along a line; the edge is where this line meets the level of the face.
     const auto beyond = [&](int k, Numbers& gap) {
       for (int i = 0; i < near_.n; ++i) t_[i] = sign * (lo_[i] + (kBent + k * kBeyond) * h_);
       gaps(near_, t_, gap);
@@ -135,7 +137,7 @@ class EdgeFinder {
       if (slope >= kSteep && std::abs(further - slope) <= kStraight * slope) {
         if (edge > reach_) continue;
         ways.begin[of] = begin, ways.on[of] = std::max(0.0, edge - begin);
-        // Beside a corner it changes to one side only.
+        // Beside a corner it changes on one side only.
         ways.slant[of] =
             std::min(std::abs(left_[i] - beyond_[1][i]), std::abs(right_[i] - beyond_[1][i])) / (kToSide * h_);
       } else if (far_[i] - near_.level[i] >= kSteep * (reach_ - lo_[i])) {
@@ -152,7 +154,7 @@ class EdgeFinder {
 
   const CubeSide &a_, &b_;
   double h_, reach_;
-  bool exact_;  ///< distances are no samples: they rise at edges
+  bool exact_;  ///< distances are exact, not sampled: they rise right at edges
   Search rising_, near_;
   std::array<int, kTogether> rises_;
   std::array<bool, kTogether> face_;
@@ -161,7 +163,8 @@ class EdgeFinder {
   Vectors local_;
 };
 
-/// Two unit vectors across each of the first n unit vectors: the axis that is most across it, and the third.
+/// Two unit vectors perpendicular to each of the first n unit vectors: from the axis most perpendicular to it, and the
+/// third.
 BRIM_WIDE void frames_across(const Vectors& normal, int n, Vectors& e, Vectors& f) {
   for (int i = 0; i < n; ++i) {
     const double x = normal[0][i], y = normal[1][i], z = normal[2][i];
@@ -186,7 +189,7 @@ BRIM_WIDE void go(const Vectors& e, const Numbers& way, int n, Vectors& x) {
     for (int r = 0; r < 3; ++r) x[r][i] += way[i] * e[r][i];
 }
 
-/// Carries up to kTogether points.
+/// Carries up to kTogether points to edges.
 class Carrier {
  public:
   Carrier(const CubeSide& a, const CubeSide& b, double h, double reach, double far = 0.0)
@@ -201,7 +204,7 @@ class Carrier {
     frames_across(normal_, s_.n, s_.e, s_.f);
     find_.gaps(s_, 0.0, s_.level);
     find_ways();
-    // What is left to the edge is gone last: beside it the gap has risen, and tells no other edge.
+    // The rest of the way to the edge is applied last: beside it the gap has risen already, which hides the other edge.
     first_ = s_.e, rest_ = on_;
     for (int i = 0; i < s_.n; ++i) {
       aslant_[i] = rest_[i] != 0.0 && slant_[i] > kAslant;
@@ -221,7 +224,7 @@ class Carrier {
   void clear() { s_.n = 0; }
 
  private:
-  /// Signed ways along e, [m]; between two edges to the middle, which stands for both.
+  /// Signed distances along e, [m]; between two edges to the middle between them.
   void find_ways() {
     find_.find(s_, 1.0, ahead_), find_.find(s_, -1.0, behind_);
     for (int i = 0; i < s_.n; ++i) {
@@ -232,7 +235,7 @@ class Carrier {
     }
     if (far_ > 0.0) find_outwards();
   }
-  /// The same for those that have found no edge: outwards alone, and farther.
+  /// The same for points without an edge so far: only outwards, with the larger reach.
   void find_outwards() {
     farther_.n = 0;
     for (int i = 0; i < s_.n; ++i) {

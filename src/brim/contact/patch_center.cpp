@@ -11,31 +11,30 @@ namespace {
 
 /// [voxels] higher differences of the gap up to which it counts as a parabola.
 constexpr double kParabola = 0.06;
-/// Least share that the gap's slopes on both sides of what is round have of each other. Beside an edge one side is
-/// level.
+/// Smallest ratio of the gap's slopes on both sides of a round contact. Beside an edge one side is level.
 constexpr double kAlike = 0.2;
-/// [1/voxels] curvature that is flat: half of a shift is made there.
+/// [1/voxels] curvature of a flat surface: half of the shift is applied there.
 constexpr double kFlat = 0.005;
-/// [voxels] half the width of a patch that is one place of touch; farthest that it is moved.
+/// [voxels] half width up to which a patch is a single contact; largest shift of it.
 constexpr double kNarrow = 3.0, kFarthest = 0.75;
-/// [voxels] gap by which a point lies beside the place of touch.
+/// [voxels] excess of the gap at a point that is not the contact point.
 constexpr double kBeside = 0.5;
-/// [voxels] from a rim to where a line of contact is looked at.
+/// [voxels] from a rim to where a line of contact is examined.
 constexpr double kInside = 1.25;
-/// [voxels] by how much the gap may be larger there; by how much less the higher differences must be.
+/// [voxels] largest excess of the gap there; smallest decrease of the higher differences.
 constexpr double kAlikeGap = 0.25, kClearly = 0.03;
-/// Newton's steps to the least gap.
+/// Newton steps to the smallest gap.
 constexpr int kNewton = 5;
-/// Least slope of a distance at which its surface is looked for.
+/// Smallest slope of a distance for which its surface is searched.
 constexpr double kFacing = 0.9;
-/// Weight of a node that waits, for solids that do not overlap yet.
+/// Weight of a node without overlap, for solids that do not overlap yet.
 constexpr double kWaiting = 1e-9;
 
 struct Parabola {
   double slope = 0.0, curvature = 0.0;  ///< [-], [1/m]
   double misfit = 0.0;                  ///< [voxels] the larger of the higher differences
   bool fits = false;
-  bool round = false;  ///< it rises to both sides alike, facets or not
+  bool round = false;  ///< it rises about equally on both sides, faceted or not
 };
 
 /// The gap along a line through x.
@@ -53,9 +52,9 @@ struct Principal {
   Vec3 major, minor;
 };
 
-/// The directions across n in which the gap bends most and least at x.
-/// @param both  of both diagonals, so that what the gap has beyond a parabola does not turn them. One alone turns them
-///              off the line of an edge, along which it then looks less round
+/// The tangential directions in which the gap at x has most and least curvature.
+/// @param both  use both diagonals, so that higher-order terms of the gap do not rotate the directions. With one
+///              diagonal they rotate off the line of an edge, along which the contact then looks less round
 Principal principal_directions(const CubeSide& a, const CubeSide& b, const Vec3& x, const Vec3& n, double h,
                                bool both) {
   int across = 0;
@@ -73,11 +72,11 @@ Principal principal_directions(const CubeSide& a, const CubeSide& b, const Vec3&
 
 struct Place {
   Vec3 x;
-  std::array<Vec3, 2> directions;  ///< in which the gap bends most and least there
+  std::array<Vec3, 2> directions;  ///< of most and least curvature of the gap there
 };
 
-/// x, or the place beside it from which the gap is more of a parabola in both directions: above the rim where a line of
-/// contact ends it is none, and the line's direction cannot be told.
+/// x, or the nearby point at which the gap is closer to a parabola in both directions: above the rim at the end of a
+/// line of contact it is none, and the line's direction cannot be determined.
 Place smooth_place(const CubeSide& a, const CubeSide& b, const Vec3& x, const Vec3& n, double h) {
   const auto directions = [&](const Vec3& at) {
     const Principal v = principal_directions(a, b, at, n, h, true);
@@ -108,13 +107,13 @@ Place smooth_place(const CubeSide& a, const CubeSide& b, const Vec3& x, const Ve
   return best;
 }
 
-/// The centre of the overlap and the direction across it.
+/// The centre of the overlap and its normal.
 struct Touch {
-  double weight = 0.0;  ///< none where nothing overlaps, or has a direction
+  double weight = 0.0;  ///< zero when nothing overlaps, or there is no normal
   Vec3 x, n;
 };
 
-/// @param least  weight of what does not overlap
+/// @param least  weight of nodes without overlap
 Touch middle_of(std::span<const Contact> contacts, double least) {
   Touch t{0.0, Vec3::Zero(), Vec3::Zero()};
   for (const Contact& c : contacts) {
@@ -126,10 +125,10 @@ Touch middle_of(std::span<const Contact> contacts, double least) {
   return t;
 }
 
-/// 0 for a face, towards 1 for what is round.
+/// 0 for a face, towards 1 for a round contact.
 double bent(const Parabola& p, double h) { return p.curvature / (p.curvature + kFlat / h); }
 
-/// Where the gap is least along a line through x, by Newton's steps: what is round is a parabola near there only. [m]
+/// Position of the smallest gap along a line through x, by Newton steps: a round gap is only locally a parabola. [m]
 double least_along(const CubeSide& a, const CubeSide& b, const Vec3& x, const Vec3& v, double h) {
   double t = 0.0;
   for (int k = 0; k < kNewton; ++k) {
@@ -140,13 +139,13 @@ double least_along(const CubeSide& a, const CubeSide& b, const Vec3& x, const Ve
   return v.dot(x) + t;
 }
 
-/// A direction in which the gap is a parabola, and where along it the gap is least.
+/// A direction in which the gap is a parabola, and the position of its minimum along it.
 struct Bend {
   Vec3 v = Vec3::Zero();
   double least = 0.0, share = 0.0;  ///< [m], [-]
 };
 
-/// Slope of the distance to a solid.
+/// Gradient of the distance to a solid.
 Vec3 slope_of(const CubeSide& side, const Vec3& x, double h) {
   const auto distance = [&](const Vec3& at) { return side.solid->rough_distance(side.pose.to_local(at)); };
   Vec3 slope;
@@ -163,7 +162,7 @@ double bend_of(const CubeSide& side, const Vec3& x, const Vec3& v, double h) {
   return (distance(1.0) - 2.0 * distance(0.0) + distance(-1.0)) / (h * h);
 }
 
-/// Carries points so much of the way onto the plane that touches the surface of a solid beside x.
+/// Moves points by a share of the way onto the tangent plane of a solid's surface next to x.
 void carry_to_surface(const CubeSide& side, const Vec3& x, double h, double share, std::span<Contact> contacts) {
   const Vec3 slope = slope_of(side, x, h);
   if (!(slope.norm() > kFacing)) return;
@@ -172,7 +171,7 @@ void carry_to_surface(const CubeSide& side, const Vec3& x, double h, double shar
   for (Contact& c : contacts) c.point += share * n.dot(surface - c.point) * n;
 }
 
-/// True where all that overlaps lies within a few voxels of x along v.
+/// True when all overlapping nodes lie within a few voxels of x along v.
 bool is_narrow(std::span<const Contact> contacts, const Vec3& x, const Vec3& v, double h) {
   return std::ranges::all_of(
       contacts, [&](const Contact& c) { return !(c.overlap > 0.0f) || std::abs(v.dot(c.point - x)) < kNarrow * h; });
@@ -182,16 +181,16 @@ void move_points(const Bend& bend, std::span<Contact> contacts) {
   for (Contact& c : contacts) c.point += bend.share * (bend.least - bend.v.dot(c.point)) * bend.v;
 }
 
-/// Moves the points of what is round to where it touches. @return false where nothing is round
+/// Moves the points of a round contact to the contact point. @return false when it is not round
 bool roll(const CubeSide& a, const CubeSide& b, const CubeSide& moving, Touch touch, double h,
           std::span<Contact> contacts) {
   if (!(touch.weight > 0.0) && !contacts.empty()) {
-    // Nothing overlaps yet: the node that comes nearest to it.
+    // Nothing overlaps yet: use the node closest to overlap.
     const auto nearest = std::ranges::max_element(contacts, {}, &Contact::overlap);
     touch = middle_of({&*nearest, 1}, kWaiting);
   }
   if (!(touch.weight > 0.0)) return false;
-  // The normal of what is fixed: the mean of the nodes' leans where few of them carry what rolls.
+  // Normal of the fixed solid: the mean gradient of a few nodes would be tilted.
   const CubeSide& still = &moving == &a ? b : a;
   const Vec3 fixed = slope_of(still, touch.x, h);
   const auto [x, directions] = smooth_place(a, b, touch.x, fixed.norm() > kFacing ? fixed.normalized() : touch.n, h);
@@ -204,8 +203,8 @@ bool roll(const CubeSide& a, const CubeSide& b, const CubeSide& moving, Touch to
     if (!p.fits || !p.round || !(p.curvature > 0.0) || !is_narrow(contacts, x, v, h)) continue;
     const double least = least_along(a, b, x, v, h);
     if (std::abs(least - v.dot(touch.x)) > kFarthest * h) continue;
-    // What is left to a ball of four voxels on a plane is a lever of 4e-4 of a voxel. What lies close in a hollow
-    // touches it along an arc, of which each place has a normal of its own.
+    // The remaining error for a ball of four voxels on a plane is a lever of 4e-4 of a voxel. In a close-fitting hollow
+    // the contact is an arc, with a different normal at each point.
     const double hollow = std::max(0.0, std::abs(bend_of(still, x, v, h)) - p.curvature);
     const double times = p.curvature / (kFlat / h + hollow);
     bends[k] = {v, least, times * times / (1.0 + times * times)};
@@ -231,7 +230,7 @@ double roundness(const CubeSide& a, const CubeSide& b, double h, std::span<const
     }
     return most;
   };
-  // Where there are several places of touch, their middle lies beside all of them.
+  // With several contact points their centre lies beside all of them.
   const Contact* deepest = &contacts.front();
   for (const Contact& c : contacts)
     if (c.depth > deepest->depth) deepest = &c;
@@ -242,7 +241,7 @@ void center_on_least_gap(const CubeSide& a, const CubeSide& b, const CubeSide& m
                          std::span<Contact> contacts) {
   const Touch touch = middle_of(contacts, 0.0);
   if (roll(a, b, moving, touch, h, contacts) || !(touch.weight > 0.0)) return;
-  // What does not roll leans on an edge.
+  // A contact that is not round rests on an edge.
   const auto [major, minor] = principal_directions(a, b, touch.x, touch.n, h, false);
   for (const Vec3& v : {major, minor}) {
     const Parabola p = along(a, b, touch.x, v, h);

@@ -8,7 +8,7 @@ namespace brim {
 
 namespace {
 
-/// Least slope of a distance that tells a direction: amid a solid, where two of its surfaces are as near, there is
+/// Smallest gradient of a distance that defines a direction: inside a solid, equally far from two surfaces, there is
 /// none.
 constexpr float kLeastSteepness = 0.5f;
 
@@ -17,7 +17,7 @@ BRIM_INLINE WideVectors gradient_of(const RowDerivatives& r, float scale) {
   return {scale * load_wide(r.gradient[0]), scale * load_wide(r.gradient[1]), scale * load_wide(r.gradient[2])};
 }
 
-/// scale T H T with T = 1 − ĝĝᵀ, where told; none elsewhere.
+/// scale T H T with T = 1 − ĝĝᵀ where `told` is set; zero elsewhere.
 BRIM_INLINE void put_bend(const WideVectors& g, const RowDerivatives& r, const WideFloats& scale, const WideIds& told,
                           SideRow& out) {
   const WideFloats size = length(g), none{};

@@ -32,7 +32,7 @@ BRIM_WIDE void row_derivatives(const float* rho, int j, int k, bool bent, RowDer
                   c = load(rho + cube_index(0, j + 1, k + dz - 1));
     even[dz] = smooth(a, b, c), odd[dz] = slope(a, c), second[dz] = bend(a, b, c);
   }
-  // Smoothed across x, and the slopes along y and along z with the other of the two smoothed.
+  // Smoothed across x, and the slopes along y and z, each smoothed along the other.
   const CubeRow x = smooth(even[0], even[1], even[2]), y = smooth(odd[0], odd[1], odd[2]), z = slope(even[0], even[2]);
   store(slope(before(x), behind(x)), out.gradient[0]);
   store(smooth(before(y), y, behind(y)), out.gradient[1]);
