@@ -12,29 +12,30 @@ namespace brim {
 
 namespace {
 
-/// [voxels] cell whose nodes make a point where a part deforms; least cosine of a patch's normals to its deepest
+/// [voxels] cell whose nodes make one point when a part deforms; smallest cosine of a patch's normals to its deepest
 /// node's.
 constexpr double kCell = 2.0, kAlikeInPatch = 0.9;
-/// [voxels] the gaps of a patch that one model must tell; where it does not, those so far around the deepest node are
-/// modelled first.
+/// [voxels] largest misfit of a patch's model; with a larger one, the nodes within kAround of the deepest are modelled
+/// first.
 constexpr double kMisfit = 0.1, kAround = 3.0;
 /// [voxels] rise of the gap by curvature up to which a node belongs to the flat part of a patch.
 constexpr double kFlat = 0.05;
-/// Sine of the angle to a model's normal up to which its nodes' own may turn: what lies farther along the arc of a
-/// hollow has a model of its own.
+/// Largest sine of the angle between a model's normal and those of its nodes: nodes farther along the arc of a hollow
+/// have a model of their own.
 constexpr double kAlongArc = 0.45;
-/// [voxels] overlap that nodes know of beyond that of the nearest point, above which the point takes it over.
+/// [voxels] overlap of a node beyond that of the nearest point, above which the point takes the node's overlap.
 constexpr double kUnseen = 0.05;
-/// [1/h] bend of a patch's model from which it may be that of an edge, and of a node up to which that lies on a face;
-/// [voxels] gap beyond that of such a node which the model foretells there, if it is an edge's.
+/// [1/h] smallest curvature of the model of an edge, and largest one of a node on a face; [voxels] smallest excess of
+/// the model's gap over that of such a node, for the model of an edge.
 constexpr double kEdgeBend = 0.1, kFace = 0.02, kForetold = 0.02;
-/// [voxels] gap beyond those of a face up to which a node tells of its rim; least cosine there between the two normals,
-/// of which the stencil turns one to the side face.
+/// [voxels] largest excess of a node's gap over that of a face at its rim; smallest cosine there between the two
+/// normals, of which the stencil turns one towards the side face.
 constexpr double kRim = 0.1, kTurned = 0.5;
-/// [voxels] corners nearer to another point than this say nothing new.
+/// [voxels] corners closer to another point than this are redundant.
 constexpr double kApart = 1.0;
 
-/// At an edge the point goes with the matter of the sharper surface, as on a curvature of one voxel; the other is flat.
+/// At an edge the point moves with the material of the sharper surface, as for a curvature radius of one voxel; the
+/// other is flat.
 Constraint::Bend sharp_bend(const ContactSet& s, std::size_t c, double h) {
   const double a = s.curvature_a(c).norm() * s.gradient_b[c].norm(),
                b = s.curvature_b(c).norm() * s.gradient_a[c].norm();
@@ -54,7 +55,7 @@ void Constraint::gather(const ContactSet& contacts, std::span<const Vec3> normal
   std::size_t next = 0;
   for (std::size_t p = 0; p <= contacts.pairs.size(); ++p) {
     const bool last = p == contacts.pairs.size();
-    // Both lists are ordered by part numbers, and so is what they make together.
+    // Both lists are ordered by part numbers; merge them in this order.
     const auto comes_first = [&](const PairRows& r) {
       return last || std::pair(r.part_a, r.part_b) < std::pair(contacts.pairs[p].part_a, contacts.pairs[p].part_b);
     };
@@ -109,7 +110,7 @@ void Constraint::gather_pair(const ContactSet& contacts, std::span<const Vec3> n
   else
     gather_soft(contacts, normals, pair, law);
   for (const EdgePoint& e : edges) {
-    // Rows against each other at one place cannot both be kept.
+    // Opposing rows at one place cannot both be satisfied.
     bool against = false;
     for (std::size_t i = first; i < points_.size(); ++i)
       against = against || (normal_[i].dot(e.normal) < 0.0 && (points_.point[i] - e.point).norm() < kAround * pair.h);
@@ -122,7 +123,7 @@ void Constraint::deepen(const ContactSet& contacts, std::span<const Vec3> normal
                         const ConstraintPair& law, std::size_t first) {
   const std::size_t end = points_.size();
   const double far = kAround * pair.h, unseen = kUnseen * pair.h;
-  std::size_t alone = pair.end;  // the deepest node that no point is near
+  std::size_t alone = pair.end;  // the deepest node without a point near it
   for (std::size_t c = pair.begin; c < pair.end; ++c) {
     if (!(contacts.depth[c] > unseen)) continue;
     std::size_t best = end;
@@ -144,7 +145,7 @@ void Constraint::deepen(const ContactSet& contacts, std::span<const Vec3> normal
 
 void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                              const ConstraintPair& law) {
-  // Cells that stay where they are: points then move smoothly, and keep their impulses from step to step.
+  // Fixed cells: points then move smoothly, and keep their impulses from step to step.
   using Cell = std::array<std::int64_t, 3>;
   const auto cell_of = [&](std::size_t c) {
     const Vec3 i = (contacts.node[c].cast<double>() / kCell + Vec3::Constant(1e-6)).array().floor();
@@ -154,7 +155,7 @@ void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> n
   place_.reset(pair.h);
   for (std::size_t i = 0; i < order_.size(); ++i) place_.set(contacts.node_at(order_[i], pair.h), i);
   for (const std::size_t c : order_) {
-    // Where the surfaces cancel each other nothing says which way to push.
+    // Where the gradients cancel there is no normal.
     if (!(normals[c].squaredNorm() > 0.5)) continue;
     cells[cell_of(c)].push_back(c);  // deepest first, as in order_
   }
@@ -175,13 +176,13 @@ void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> n
       std::erase_if(nodes, [&](std::size_t c) { return normals[c].dot(n) >= kAlikeInPatch; });
     }
   }
-  // A node on the face tells its gap, others a larger one.
+  // A node on the face gives the exact gap, others a larger one.
   for (const auto& [cell, c] : rims) add_point(contacts, c, contacts.point[c], normals[c], -contacts.depth[c], law, {});
 }
 
 void Constraint::gather_stiff(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                               const ConstraintPair& law, const ConstraintOptions& options) {
-  // Where each node lies, so that patches grow from neighbour to neighbour.
+  // Node lookup, so that patches grow from neighbour to neighbour.
   place_.reset(pair.h);
   for (std::size_t i = 0; i < order_.size(); ++i) place_.set(contacts.node_at(order_[i], pair.h), i);
   const auto for_neighbours = [&](std::size_t c, const auto& f) {
@@ -192,7 +193,7 @@ void Constraint::gather_stiff(const ContactSet& contacts, std::span<const Vec3> 
     if (taken_[i]) continue;
     taken_[i] = 1;
     const std::size_t seed = order_[i];
-    // The rest of a deeper patch, turned away at its edge, is none of its own.
+    // The remainder of a deeper patch, curving away at its edge, is no patch of its own.
     bool top = true;
     for_neighbours(seed, [&](std::size_t j) { top = top && j >= i; });
     if (!top) continue;
@@ -224,11 +225,11 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
     if (law.rigid && !std::all_of(fitter_.near().begin(), fitter_.near().end(), told)) {
       std::erase_if(around_, [&](std::size_t c) { return !around(c); });
       model = fitter_.fit(contacts, normals, pair.h, around_, law.fixed);
-      // Rough surfaces are no quadric anywhere: their deepest node speaks for itself.
+      // Rough surfaces fit no quadric: use their deepest node.
       if (-contacts.depth[around_.front()] < model.gap_at(deepest) - miss)
         model.least_point = deepest, model.least_gap = -contacts.depth[around_.front()];
     }
-    // Behind the edge of a face the gap rises, and before it does not fall: nodes tell it as it is.
+    // At the edge of a face the gap rises outwards and does not fall inwards: the nodes' gap is right.
     if (!law.rigid && at_edge_of_face(contacts, model, pair.h))
       model.least_point = model.x, model.least_gap = -contacts.depth[around_.front()];
     const std::size_t center = points_.size();
@@ -236,7 +237,7 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
               {model.bend_a, model.bend_b});
     if (!law.rigid) return;
     add_corners(contacts, pair, law, options, model, first, center);
-    // What lies nearer than the model says has points of its own.
+    // Nodes with smaller gaps than the model get points of their own.
     std::erase_if(rest_, [&](std::size_t c) {
       return around(c) || (-contacts.depth[c] >= model.gap_at(contacts.point[c]) - miss &&
                            model.turn_at(contacts.point[c]).norm() <= kAlongArc);
@@ -267,8 +268,8 @@ void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair
                              const ConstraintOptions& options, const PatchModel& model, std::size_t first,
                              std::size_t center) {
   const double h = pair.h;
-  // Nodes off the model lie beyond an edge, or on another surface that has its own patch. Those that it tells though it
-  // was made of others nearby belong to it as far as they lie.
+  // Nodes off the model lie beyond an edge, or on another surface with its own patch. Nodes that fit it belong to it at
+  // any distance, even if it was fitted to others nearby.
   flat_.clear();
   for (const std::size_t c : rest_)
     if (model.rise_at(contacts.point[c]) <= kFlat * h && model.turn_at(contacts.point[c]).norm() <= kAlongArc &&
@@ -281,7 +282,7 @@ void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair
       if (measure(contacts.point[c]) > measure(contacts.point[best]) + 1e-9 * h) best = c;
     return best;
   };
-  // Corners: the two farthest apart, and those farthest from the line between them on either side.
+  // Corners: the two farthest apart, and the farthest on either side of the line between them.
   const std::size_t one = farthest([&](const Vec3& y) { return (y - model.least_point).norm(); });
   const Vec3 from = contacts.point[one];
   const std::size_t two = farthest([&](const Vec3& y) { return (y - from).norm(); });
@@ -293,19 +294,19 @@ void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair
   const std::size_t corners = points_.size();
   for (const std::size_t c : {one, two, left, right}) {
     Vec3 y = contacts.point[c];
-    // A face ends at its edge, and not at its outermost node.
+    // A face ends at its edge, not at its outermost node.
     if (options.side_a != nullptr && model.bend_a.isZero(0.0) && model.bend_b.isZero(0.0))
       y = carried_to_corner(*options.side_a, *options.side_b, h, y, model.n, model.x);
     bool fresh = true;
     for (std::size_t i = first; i < points_.size(); ++i) fresh = fresh && (points_.point[i] - y).norm() > kApart * h;
     if (!fresh) continue;
-    // The gaps are the model's: bodies would rock on the noise of each node.
+    // Gaps from the model: bodies would rock on the noise of single nodes.
     const double gap = model.gap_at(y);
     add_point(contacts, c, y, model.normal_at(y), gap, law, {model.bend_a, model.bend_b});
     least = std::min(least, gap);
   }
   place_friction(contacts, model, corners);
-  // Between three corners or four the first point says nothing new, unless it lies deeper.
+  // Between three or four corners the first point is redundant, unless it is deeper.
   if (points_.size() >= center + 4 && -points_.depth[center] > least - 0.5 * kFlat * h) remove_point(center);
 }
 

@@ -1,4 +1,4 @@
-// What the rows of Constraint ask of velocities and of ways.
+// Targets of velocity and position for the rows of Constraint.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,16 +9,17 @@ namespace brim {
 
 namespace {
 
-/// Points whose gap exceeds the least of their pair by more voxels than this touch later, and do not bounce yet.
+/// [voxels] Points whose gap exceeds the smallest of their pair by more touch later, and do not bounce yet.
 constexpr double kTogether = 0.02;
-/// [voxels] overlap that is left alone; the share of the rest that a step pushes out, at no more than kPush a step.
+/// [voxels] overlap that is tolerated; share of the rest that is removed per step, and the most per step.
 constexpr double kSlop = 0.005, kShare = 0.2, kPush = 0.1;
-/// [voxels] gap that counts as touch: bodies do not rock on gaps so small.
+/// [voxels] gap that counts as contact: bodies do not rock on such small gaps.
 constexpr double kTouch = 0.005;
-/// [voxels] the same two between rigid parts whose gaps nodes tell. From place to place these differ by a tenth: pushed
-/// out to less, piles of meshes boil.
+/// [voxels] the same two for rigid parts with gaps read at nodes. These vary by a tenth from place to place: with
+/// smaller values piles of meshes never come to rest.
 constexpr double kSlopOffNodes = 0.1, kTouchOffNodes = 0.05;
-/// What lands flat bounces straight although nodes tell its gaps: all points within that touch together.
+/// [voxels] A flat landing bounces without rotation although its gaps are read at nodes: points within this touch
+/// together.
 constexpr double kTogetherOffNodes = 0.1;
 
 }  // namespace
@@ -40,7 +41,7 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
       const double gap = -points_.depth[c], open = std::max(0.0, gap);
       const double u0 = normal_[c].dot(start[c]), u1 = normal_[c].dot(free[c]), a = (u1 - u0) / dt;
       const double push = std::min(kShare * std::max(0.0, -gap - slop * pair.h), kPush * pair.h) / dt;
-      // What will bounce is not slowed down by the margin of a step before it touches.
+      // A point that will bounce is not slowed down by the margin in the step before contact.
       const bool flies = restitution_[c] > 0.0 && -u1 > options.bounce_speed;
       const double closing = -std::max(0.0, gap - (flies ? 0.0 : touch * pair.h)) / dt;
       velocity_target_[c] = closing;

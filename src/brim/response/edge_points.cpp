@@ -10,13 +10,14 @@ namespace brim {
 
 namespace {
 
-/// Least cosine between the surfaces' normals: where they turn away further, no common normal parts them.
+/// Smallest cosine between the surfaces' normals: beyond it no common normal separates them.
 constexpr double kLeastFacing = 0.0;
-/// Least cosine of a normal to that of the least gap of its group.
+/// Smallest cosine of a normal to that of the smallest gap of its group.
 constexpr double kAlikeAtEdge = 0.8;
-/// [voxels] nodes whose gap exceeds the least by less have a say; a group longer than this has two points.
+/// [voxels] excess over the smallest gap up to which nodes are averaged; length above which a group has two points.
 constexpr double kNearLeast = 0.25, kLong = 1.0;
-/// [voxels] so near to a node of a face a node belongs to that face, unless its gap is less by more than kNearer.
+/// [voxels] distance from a node of a face up to which a node belongs to that face, unless its gap is smaller by
+/// kNearer.
 constexpr int kBesideFace = 2;
 constexpr double kNearer = 0.1;
 
@@ -32,7 +33,7 @@ void EdgePoints::read(const ContactSet& s, const ContactPair& pair, std::span<co
     const Vec3 at = s.node_at(r.node, pair.h);
     return place_.any_around(at, 1, owns) || place_.any_around(at, kBesideFace, owns);
   };
-  std::size_t next = 0;  // of the faces
+  std::size_t next = 0;  // index in faces
   for (std::size_t c = pair.begin; c < pair.end; ++c) {
     if (next < faces.size() && faces[next] == c) {
       ++next;

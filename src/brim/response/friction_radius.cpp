@@ -11,7 +11,7 @@ namespace brim {
 
 namespace {
 
-/// Bulge of a rim beyond the chord between two corners, as a share, from which it is round.
+/// Bulge of a rim beyond the chord between two corners, relative, above which it counts as round.
 constexpr double kBulge = 1e-3;
 
 using Vec2 = Eigen::Vector2d;

@@ -6,7 +6,7 @@ namespace brim {
 
 namespace {
 
-/// [1/h] curvature below which a surface counts as flat; [h] farthest that a place of contact rolls.
+/// [1/h] curvature below which a surface counts as flat; [h] largest distance that a contact point rolls.
 constexpr double kNearlyFlat = 1e-4, kFarthest = 0.2;
 
 using Vec2 = Eigen::Vector2d;
@@ -43,11 +43,11 @@ RowPoint moved(const RowPoint& row, const RigidMotion& a, const RigidMotion& b, 
   const Vec2 way_a = across.transpose() * by_a, way_b = across.transpose() * by_b;
   const Vec2 tilt_a = across.transpose() * a.rotation.cross(n), tilt_b = across.transpose() * b.rotation.cross(n);
   const Mat2 bend_a = tensor_of(row.bend_a), bend_b = tensor_of(row.bend_b), bend = bend_a + bend_b;
-  // Flat directions are left to the mean motion, and rolling to bent ones.
+  // Flat directions move with the mean motion, curved ones roll.
   const Mat2 inverse = inverse_of(bend + flat * Mat2::Identity());
   Vec2 way =
       inverse * (bend_a * way_a + bend_b * way_b + bend * (inverse * (tilt_a - tilt_b)) + 0.5 * flat * (way_a + way_b));
-  // Nearly flat surfaces would roll off to where others touch.
+  // On nearly flat surfaces the point would roll too far.
   if (way.norm() > kFarthest * h) way *= kFarthest * h / way.norm();
   const double size_a = bend_a.norm() + 0.5 * flat, size_b = bend_b.norm() + 0.5 * flat;
   const double share = size_a / (size_a + size_b);

@@ -7,7 +7,7 @@ namespace brim {
 
 namespace {
 
-/// Lattice points of a dense array: at most so many for each point, and these that are always granted.
+/// Largest number of lattice points of a dense array per point, and the number that is always allowed.
 constexpr double kMostPerPoint = 8.0, kGranted = 512.0;
 
 std::array<std::int64_t, 3> corner(const std::array<std::int64_t, 3>& base, int c) {
@@ -26,7 +26,7 @@ void PatchLattice::place(std::span<const Vec3> x, double cell, const Vec3& origi
     const Vec3 p = (x[i] - origin) * inverse;
     std::array<float, 3> t{};
     for (int a = 0; a < 3; ++a) {
-      // Rounded down without a call to the library.
+      // Rounds down without a library call.
       base_[i][a] = static_cast<std::int64_t>(p[a]);
       base_[i][a] -= static_cast<double>(base_[i][a]) > p[a];
       const auto below = static_cast<double>(base_[i][a]);

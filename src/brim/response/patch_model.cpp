@@ -11,30 +11,30 @@ namespace brim {
 
 namespace {
 
-/// Nodes this many voxels short of the deepest still have a say in where the first point is.
+/// [voxels] Nodes with a depth within this of the deepest contribute to the position of the first point.
 constexpr double kNearDeepest = 0.25;
-/// Least cosine between the two surfaces' normals where they touch: elsewhere one of them turns away at an edge.
+/// Smallest cosine between the two surfaces' normals where they touch: elsewhere one of them turns away at an edge.
 constexpr double kFacing = 0.9;
-/// Part of the ramp's width within which a density tells a distance well; 1/2 is the whole ramp.
+/// Share of the ramp's width, on either side, in which a density gives a good distance; 1/2 is the whole ramp.
 constexpr double kOnRamp = 0.46;
-/// Least slope of a density over that of its ramp: 0.87 or more beside a plane, as the stencil reads it, 0.6 on the
-/// bisector within a right-angled edge, 0.5 and less at the end of an axis.
+/// Smallest slope of a density relative to its ramp's: 0.87 or more beside a plane, from the stencil, 0.6 on the
+/// bisector inside a right-angled edge, 0.5 and less at the end of an axis.
 constexpr double kSteep = 0.55;
-/// Least cosine of the normal at the least gap to the patch's.
+/// Smallest cosine of the normal at the smallest gap to the patch's.
 constexpr double kAlikeToModel = 0.9;
-/// [1/h] curvature below which the place of the least gap is not sought; [voxels] farthest that it is.
+/// [1/h] curvature below which the smallest gap is not searched; [voxels] largest shift to it.
 constexpr double kLeastBend = 0.02, kFarthestShift = 0.75;
-/// Spread of a patch, over h², below which its gradients are left as the stencil gives them.
+/// Spread of a patch, over h², below which its gradients are those of the stencil.
 constexpr double kRegular = 0.1;
-/// [1/h] curvature that the stencil's noise reaches on tilted planes, thrice.
+/// [1/h] three times the stencil's noise of curvature on tilted planes.
 constexpr double kNoise = 0.015;
-/// A surface is a plane where at least so many nodes, bent by no more than kLevel/h there, tell distances that miss one
-/// by no more than kPlane voxels.
+/// A surface is a plane if at least kFewest nodes, with curvature of at most kLevel/h, give distances that fit a plane
+/// to kPlane voxels.
 constexpr std::size_t kFewest = 8;
 constexpr double kLevel = 0.15, kPlane = 1e-3;
-/// [1/h] bend of a fixed surface up to which its own normals hold, whatever deforms on it.
+/// [1/h] curvature of a fixed surface up to which its own normals are used, whatever deformable part lies on it.
 constexpr double kFixedBend = 0.05;
-/// Spread of a patch, over h², from which its nodes' normals tell how these turn; sine that they may miss so.
+/// Spread of a patch, over h², above which its nodes' normals determine their rotation; allowed misfit of the sine.
 constexpr double kTrust = 0.3, kOneArc = 0.03;
 
 /// Half the difference of the distances to the two surfaces, (d_a − d_b)/2.
@@ -44,7 +44,7 @@ double lean(const ContactSet& s, std::size_t c, double h) {
   return length > 0.0 ? (s.point[c] - s.node_at(c, h)).dot(g) / length : 0.0;
 }
 
-/// A curvature that may be the stencil's noise counts less.
+/// Reduces a curvature that may be the stencil's noise.
 Mat3 sure(const Mat3& curvature, double h) {
   const double size = h * h * curvature.squaredNorm();
   return curvature * (size / (size + kNoise * kNoise));
@@ -56,7 +56,7 @@ struct Plane {
   Vec3 slope = Vec3::Zero();
 };
 
-/// The plane that fits nodes best: the gradients' mean normal, corrected as far as the nodes' places tell.
+/// The plane that fits nodes best: mean normal of the gradients, corrected as far as the nodes' positions determine it.
 Plane best_plane(const ContactSet& s, std::span<const std::size_t> nodes, bool of_a, const Vec3& x, double h) {
   Vec3 mean = Vec3::Zero(), normal = Vec3::Zero();
   double mean_d = 0.0;
@@ -76,10 +76,10 @@ Plane best_plane(const ContactSet& s, std::span<const std::size_t> nodes, bool o
   return {mean_d + slope.dot(x - mean), slope};
 }
 
-/// Fits a plane to what nodes say of one surface. Distances are exact where gradients by stencils are not, so the
-/// normals of flat faces become exact. Nodes at an edge that pass for level are left out, if they are few.
+/// Fits a plane to the nodes' distances to one surface. Distances are exact where stencil gradients are not, so normals
+/// of flat faces become exact. Nodes at an edge that look level are left out, if they are few.
 /// @param level  workspace
-/// @return false when the surface is no plane there, or too few nodes tell
+/// @return false when the surface is not a plane, or too few nodes can be used
 bool fit_plane(const ContactSet& s, std::span<const std::size_t> nodes, bool of_a, const Vec3& x, double h,
                std::vector<std::size_t>& level, Plane& plane) {
   level.clear();
@@ -101,7 +101,7 @@ bool fit_plane(const ContactSet& s, std::span<const std::size_t> nodes, bool of_
   return false;
 }
 
-/// Distances to the two surfaces as one node sees them: gradients, away from each part, and curvatures, [1/m].
+/// Distances to the two surfaces from one node: gradients, away from each part, and curvatures, [1/m].
 struct NodeModel {
   Vec3 away_a, away_b;
   Mat3 curvature_a, curvature_b;
@@ -113,7 +113,7 @@ NodeModel model_at(const ContactSet& s, std::size_t c) {
   return {-s.gradient_a[c] / a, -s.gradient_b[c] / b, -s.curvature_a(c) / a, -s.curvature_b(c) / b};
 }
 
-/// Normal at a shift from where the gradients hold.
+/// Normal at an offset from where the gradients hold.
 Vec3 normal_at(const Vec3& n, const Vec3& shift, const Vec3& away_a, const Vec3& away_b, const Mat3& curvature_a,
                const Mat3& curvature_b, FixedPart fixed, double h) {
   const double share = share_of_b(curvature_a.norm(), curvature_b.norm(), fixed, h);
@@ -207,7 +207,7 @@ void PatchFitter::mend_turn(const ContactSet& contacts, std::span<const std::siz
 PatchModel PatchFitter::fit(const ContactSet& contacts, std::span<const Vec3> normals, double h,
                             std::span<const std::size_t> nodes, FixedPart fixed) {
   const double deepest = contacts.depth[nodes.front()];
-  // A patch with a flat middle is flat, whatever its edges: nodes count by how flat they are.
+  // A patch with a flat middle counts as flat, whatever its edges: nodes are weighted by flatness.
   const auto weight = [&](std::size_t c, const NodeModel& m) {
     const double near = contacts.depth[c] - deepest + kNearDeepest * h;
     if (!(near > 0.0)) return 0.0;
@@ -238,7 +238,7 @@ PatchModel PatchFitter::fit(const ContactSet& contacts, std::span<const Vec3> no
   if (flat_a) curvature_a.setZero();
   if (flat_b) curvature_b.setZero();
 
-  // What every node foretells of the gap and of the two distances' gradients at x.
+  // Each node's prediction of the gap and of the two distances' gradients at x.
   const Mat3 curvature = curvature_a + curvature_b, T = Mat3::Identity() - n * n.transpose();
   double gap = 0.0;
   Vec3 away_a = Vec3::Zero(), away_b = Vec3::Zero();
@@ -251,7 +251,7 @@ PatchModel PatchFitter::fit(const ContactSet& contacts, std::span<const Vec3> no
     away_a += w * (m.away_a + curvature_a * d);
     away_b += w * (m.away_b + curvature_b * d);
   }
-  // The distances themselves are exact where the gradients' stencil is not: their regression over the patch mends both.
+  // Distances are exact where stencil gradients are not: a regression over the patch corrects both.
   Vec3 mean = Vec3::Zero(), miss_a = Vec3::Zero(), miss_b = Vec3::Zero();
   double mean_a = 0.0, mean_b = 0.0;
   const auto for_misses = [&](const auto& f) {
@@ -281,7 +281,7 @@ PatchModel PatchFitter::fit(const ContactSet& contacts, std::span<const Vec3> no
   shift -= n * n.dot(shift);
   const double length = shift.norm();
   double change = slope.dot(shift) + 0.5 * shift.dot(curvature * shift);
-  // Farther away lies no least gap but an edge that the model does not see.
+  // A larger shift leads to an edge outside the model, not to a smallest gap.
   if (!(change < 0.0 && std::isfinite(change) && length < kFarthestShift * h)) shift.setZero(), change = 0.0;
   const Vec3 found = normal_at(n, shift, away_a, away_b, curvature_a, curvature_b, fixed, h);
   PatchModel model;

@@ -14,15 +14,14 @@ namespace {
 
 constexpr double kLeastWeight = 1e-9;
 
-/// The first n of eight threes that lie one after another; zeros behind them.
+/// The first n of eight consecutive triples; zeros for the rest.
 BRIM_INLINE WideVectors load_threes(const float* from, int n) {
   WideVectors v{};
   for (int l = 0; l < n; ++l) v.x[l] = from[3 * l], v.y[l] = from[3 * l + 1], v.z[l] = from[3 * l + 2];
   return v;
 }
 
-/// Symmetric tensors as xx, yy, zz, xy, xz, yz: those that lie across g, of the three numbers that contacts keep of
-/// them.
+/// Unpacks tensors tangential to g from the three components stored by contacts to xx, yy, zz, xy, xz, yz.
 BRIM_INLINE void unpack(const WideVectors& g, const WideVectors& packed, WideFloats* m) {
   const WideFloats size = length(g), none{};
   const WideIds known = size > 0.0f;
@@ -47,7 +46,7 @@ BRIM_INLINE WideFloats curvature(const WideFloats* m, const WideVectors& n) {
   return wide_root(square > 0.0f ? square : WideFloats{});
 }
 
-/// Spreads what n contacts, from c on, say of their patch: ∇ρ_a − ∇ρ_b and the two tensors, by their weights.
+/// Spreads the data of `count` contacts from c on: ∇ρ_a − ∇ρ_b and the two tensors, by their weights.
 BRIM_WIDE void spread(const ContactSet& contacts, std::size_t c, std::size_t count, const float* weight,
                       const PatchLattice& lattice, PatchField<WidestFloats>& field) {
   const float *ga = contacts.gradient_a.data()->data(), *gb = contacts.gradient_b.data()->data();
@@ -67,7 +66,7 @@ BRIM_WIDE void spread(const ContactSet& contacts, std::size_t c, std::size_t cou
   }
 }
 
-/// How bent both parts are about each of the contacts, across the direction of the force there.
+/// Curvatures of both parts about each contact, perpendicular to the direction of the force there.
 BRIM_WIDE void read_curvatures(const PatchField<WidestFloats>& field, const PatchLattice& lattice, std::size_t count,
                                float* of_a, float* of_b) {
   for (std::size_t first = 0; first < count; first += kWideLanes) {
@@ -101,14 +100,14 @@ void PatchNormals::find(const ContactSet& contacts, const ContactPair& pair, std
   for (std::size_t i = 0; i < count; ++i)
     weight_[i] = brink ? std::max(contacts.overlap[pair.begin + i] - base, static_cast<float>(kLeastWeight))
                        : static_cast<float>(weight_of(contacts, pair.begin + i));
-  // The lattice hangs on the patch's own nodes: moving a scene by whole voxels changes nothing.
+  // The lattice is tied to the patch's own nodes: moving a scene by whole voxels changes nothing.
   Vec3i first = contacts.node[pair.begin];
   for (std::size_t c = pair.begin; c < pair.end; ++c) first = first.cwiseMin(contacts.node[c]);
   lattice_.place(std::span(contacts.point).subspan(pair.begin, count), 3.0 * pair.h, pair.h * first.cast<double>());
   average_.clear(lattice_.size());
   spread(contacts, pair.begin, count, weight_.data(), lattice_, average_);
   read_curvatures(average_, lattice_, count, curvature_a_.data(), curvature_b_.data());
-  // The flatter part gives the direction; the direction so found is smoothed once more for the normal.
+  // The flatter part gives the direction; it is smoothed once more for the normal.
   direction_.clear(lattice_.size());
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t c = pair.begin + i;

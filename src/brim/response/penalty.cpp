@@ -11,13 +11,13 @@ namespace brim {
 
 namespace {
 
-/// Curvature times h below which a surface counts as flat: the stencil reads up to 0.005 on tilted planes.
+/// Curvature times h below which a surface counts as flat: the stencil gives up to 0.005 on tilted planes.
 constexpr double kCurvatureOfNoise = 0.005;
-/// Slip, over the speed at the start of a step, below which it counts as none: less would only spoil the solve's
-/// condition.
+/// Slip, relative to the speed at the start of a step, below which it counts as zero: a smaller value would only worsen
+/// the conditioning of the solve.
 constexpr double kStick = 1e-4;
-/// Mean slip of a patch, over the one below which friction is viscous, that a deforming part is taken to stick at first
-/// in spite of: between two steps nodes of the grid change, and with them what they see.
+/// Mean slip of a patch, relative to the viscous limit of friction, up to which a deformable part is first assumed to
+/// stick: contact nodes change between two steps, and with them their slip.
 constexpr double kNearlyStuck = 40.0;
 
 double weight_of(const ContactSet& contacts, std::size_t c) { return PatchNormals::weight_of(contacts, c); }
@@ -59,7 +59,8 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
     const double kv = pairs[p].stiffness * pair.h * pair.h * pair.h;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const double along = std::max(0.0, direction_[c].dot(normal_[c]));
-      // Along the normal only: whatever force the stiffness below cannot answer would throw light bodies about.
+      // Along the normal only: a force that the stiffness below does not resist would accelerate light bodies
+      // violently.
       force_[c] = (kv * contacts.overlap[c] * along) * normal_[c];
       relative_[c] = velocity_a[c] - velocity_b[c];
       scale_[c] = kv * along;
@@ -70,10 +71,10 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
   });
   advect_rates(contacts, pairs, velocity_a, velocity_b);
 
-  // Friction starts from the loads at the start of the step; a node before overlap acts when it will overlap.
+  // Friction starts from the loads at the start of the step; a node without overlap is active if it will overlap.
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
-    // Where nothing has weight, what sticks does so to a share of the speed at which it came.
+    // The slip below which friction is viscous is at least a share of the speed at the start.
     Vec3 speed = Vec3::Zero();
     bool touching = false;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
@@ -83,7 +84,7 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
     const auto count = static_cast<double>(std::max<std::size_t>(1, pair.end - pair.begin));
     slip_[p] = {};
     slip_[p].stick = std::max(options.friction_speed, kStick * speed.norm() / count);
-    // A patch that overlaps already is held by it: the gap before it closes only as far as the rate says.
+    // A patch that overlaps already is held by the overlap: other gaps close only as far as the rate predicts.
     const bool deforms = !pairs[p].rigid;
     const double slack = touching && deforms ? 0.0 : 1.5 * options.slack / pair.w;
     double load = 0.0, slip = 0.0;
@@ -160,12 +161,12 @@ void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
     if (pair.begin == pair.end) return;
-    if (pairs[p].stiffness == 0.0) {  // held by constraints: there is no force that a rate would change
+    if (pairs[p].stiffness == 0.0) {  // held by constraints: the rate affects no force
       std::fill(rate_.begin() + static_cast<std::ptrdiff_t>(pair.begin),
                 rate_.begin() + static_cast<std::ptrdiff_t>(pair.end), 0.0);
       return;
     }
-    // The patch may travel along the surface: with part b, with part a, or between.
+    // The patch may move along the surface: with part b, with part a, or in between.
     Vec3 n = Vec3::Zero();
     for (std::size_t c = pair.begin; c < pair.end; ++c) n += weight_of(contacts, c) * normal_[c];
     n.normalize();
@@ -173,8 +174,8 @@ void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState
     Vec3 travel = pairs[p].mean_velocity_a - mean_b;
     travel -= n * n.dot(travel);
 
-    // Rate = ĝ_n·(v_a − v_b) + e_a·(v_a − c) + e_b·(v_b − c): e is what the bent part's own slope has beyond the
-    // common direction, c = mean_b + share * travel the velocity of the patch, by least squares of the whole rate.
+    // Rate = ĝ_n·(v_a − v_b) + e_a·(v_a − c) + e_b·(v_b − c): e is the curved part's own slope minus the common
+    // direction, c = mean_b + share * travel the velocity of the patch, by least squares of the whole rate.
     const auto bend = bend_[p];
     const auto split = [&](std::size_t c, Vec3& g, Vec3& ea, Vec3& eb) {
       g = std::max(0.0, direction_[c].dot(normal_[c])) * normal_[c];
@@ -193,9 +194,9 @@ void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState
     const double share = possible > 0.0 ? std::clamp(explained / possible, 0.0, 1.0) : 0.0;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       split(c, g, ea, eb);
-      // Between none and the common rate: the implicit damping then leaves a share of the velocity between 0 and 1,
-      // and cannot put energy in, whichever node it drives. Between rigid parts only the sum over the patch acts, and
-      // its scatter must stay even about zero: cut on one side it would brake what rolls.
+      // Between zero and the common rate: the implicit damping then leaves a fraction of the velocity between 0 and 1,
+      // and cannot add energy at any node. Between rigid parts only the sum over the patch acts, and its scatter must
+      // stay symmetric about zero: one-sided clipping would brake rolling.
       const double common = g.dot(velocity_a[c] - velocity_b[c]);
       const double most = std::abs(common), least = pairs[p].rigid ? -most : 0.0;
       const double travelling = rate_[c] - share * (ea + eb).dot(travel);

@@ -4,19 +4,20 @@
 #include "brim/core/parallel.h"
 #include "brim/response/penalty.h"
 
-// What solves of one sub-step tell each other: which nodes let go, and how much friction their slip calls for.
+// Updates between the solves of a sub-step: released nodes, and the friction that follows from their slip.
 
 namespace brim {
 
 namespace {
 
-/// Difference of friction between two solves, over the most there may be, from which it tells how the slip answers.
+/// Difference of friction between two solves, relative to its limit, above which it determines the response of the
+/// slip.
 constexpr double kTellingFriction = 0.02;
-/// [m/s] no speed at all.
+/// [m/s] avoids division by zero.
 constexpr double kNone = 1e-300;
-/// Least share of a pair's mass that friction can feel, as its inverse: 3.5 of a ball that slides.
+/// Largest factor on a pair's inverse mass as felt by friction: 3.5 for a ball that slides.
 constexpr double kLightest = 8.0;
-/// Share of what lies between two slips, of which one is too small and one too large, that the next is away from both.
+/// Smallest relative distance of the next slip from both of two bracketing slips.
 constexpr double kLeastShare = 0.1;
 
 }  // namespace
@@ -55,7 +56,7 @@ void Penalty::update_bonds(std::span<const Vec3> delta, double& changed, double&
     if (active_[c] || load > 0.0) total += std::abs(load);
     if ((load > 0.0) == static_cast<bool>(active_[c])) continue;
     active_[c] = !active_[c];
-    bond.waits = false;  // what is let go stays so for the step
+    bond.waits = false;  // stays released for the step
     changed += std::abs(load);
   }
 }
@@ -64,14 +65,15 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
   std::vector<double> change(contacts.pairs.size(), 0.0), total(contacts.pairs.size(), 0.0);
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
-    // Nodes that pull are let go; until the next solve they still carry part of the net load, and those that come will
-    // share it, so friction is scaled to the net.
+    // Pulling nodes are released; until the next solve they still carry part of the net load, and newly active ones
+    // will share it, so friction is scaled to the net.
     double net = 0.0, push = 0.0, come = 0.0;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const Vec3& n = normal_[c];
       const bool was_active = active_[c];
       const double separation = std::max(n.dot(relative_[c] + delta[c]), n.dot(relative_[c]));
-      // Loads of filled pairs are told, and their friction follows once: a fluid's is small, and its last load near.
+      // Loads of filled pairs are given, and their friction follows only once: a fluid's is small, and its last load
+      // close.
       if (!filled_[p])
         load_[c] = scale_[c] * (contacts.overlap[c] - implicit_time_[c] * rate_[c]) -
                    implicit_time_[c] * stiffness_[c] * n.dot(delta[c]);
@@ -133,11 +135,11 @@ Vec3 Penalty::mean_slip(const ContactPair& pair, std::span<const Vec3> delta) co
 double Penalty::SlipHistory::keep_between(double next, double found, bool too_much) {
   if (!(assumed > 0.0)) return next;
   const double excess = std::log(found / assumed);
-  // As long as friction is less than there may be, what slips is a few nodes that jump: the patch may stick.
+  // While friction is below its limit, only a few nodes slip by jumps: the patch may stick.
   if (excess > 0.0 && !too_much && !(tight.assumed > 0.0)) return next;
   (excess > 0.0 ? tight : loose) = {assumed, excess};
   if (!(tight.assumed > 0.0 && loose.assumed > 0.0)) return next;
-  if (tight.assumed >= loose.assumed) {  // loads have changed: what was seen before tells nothing
+  if (tight.assumed >= loose.assumed) {  // loads have changed: earlier results are invalid
     (excess > 0.0 ? loose : tight) = {};
     return next;
   }
@@ -149,11 +151,12 @@ double Penalty::SlipHistory::keep_between(double next, double found, bool too_mu
 Penalty::SlipForecast Penalty::expected_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta,
                                              double share) {
   SlipHistory& h = slip_[p];
-  // Friction changes the slip of rigid parts as a whole, and what they turn stays; where one deforms, each node's own.
+  // Friction changes the slip of rigid parts as a whole, and leaves their rotation; of deformable parts each node's
+  // own.
   SlipForecast f;
   if (rigid_[p]) f.mean = mean_slip(pair, delta);
   const double size = f.mean.norm();
-  double found = size, friction = 0.0, most = 0.0;  // [m/s]; [N] what has acted against the slip, and what may
+  double found = size, friction = 0.0, most = 0.0;  // [m/s]; [N] friction that has opposed the slip, and its limit
   double load = 0.0, slip = 0.0;
   for (std::size_t c = pair.begin; c < pair.end; ++c) {
     const Vec3 after = slip_after(c, delta);
@@ -166,16 +169,16 @@ Penalty::SlipForecast Penalty::expected_slip(const ContactPair& pair, std::size_
   }
   if (!rigid_[p]) found = load > 0.0 ? slip / load : 0.0;
   if (!(found > 0.0)) return f;
-  // What slides is left with v = A − b F by the friction F. Two solves whose friction differs tell b, which is never
-  // less than for whole masses; the law's own friction then leaves A − b µN where that is above zero; else it sticks.
+  // A sliding pair is left with v = A − b F by the friction F. Two solves with different friction give b, which is at
+  // least that of the whole masses; Coulomb's limit then leaves A − b µN if that is positive; else it sticks.
   const double whole = options_.dt * inverse_mass_[p], less = h.friction_before - friction;
   const double secant = (found - h.found_before) / less;
   const bool tells = h.solves > 0 && std::abs(less) > kTellingFriction * most && secant > whole;
   const double b = tells ? std::min(secant, kLightest * whole) : whole;
-  // Where a part deforms and both move, masses alone tell too little: pressed between heavy bodies, a sheet would stick
-  // and slip by turns.
+  // If a part deforms and both move, masses alone underestimate b: a sheet pressed between heavy bodies would alternate
+  // between sticking and slipping.
   if (tells || rigid_[p] || fixed_[p]) f.ratio = std::max(0.0, 1.0 + b * (friction - most) / found);
-  // Where a part deforms, some nodes of a patch stick while others slide, and friction does not fall in a line.
+  // If a part deforms, some nodes of a patch stick while others slide, and slip is not linear in friction.
   if (!rigid_[p]) f.ratio = h.keep_between(f.ratio * found, found, friction > most) / found;
   h.friction_before = friction, h.found_before = found, ++h.solves;
   return f;

@@ -12,35 +12,35 @@ namespace {
 
 using Mat2 = Eigen::Matrix2d;
 
-/// [h] distance of the parted solids, and the least that is enough.
+/// [h] distance of the displaced solids, and the smallest that is sufficient.
 constexpr double kParted = 0.5, kLeastParted = 0.1;
-/// [h] way over which differences of gradients tell a curvature.
+/// [h] distance over which differences of gradients give a curvature.
 constexpr double kDifference = 0.02;
 /// [1/h] curvature added to every direction, and below which a surface is flat.
 constexpr double kProximal = 1e-3, kNearlyPlane = 1e-3;
-/// Readings of one descent at most; [h] decrease that ends it.
+/// Maximum number of readings of one descent; [h] decrease that ends it.
 constexpr int kMostReadings = 12;
 constexpr double kEnough = 1e-5;
-/// Rounds of parting along the normal found, and the cosine at which it is the one parted along.
+/// Rounds of displacing along the normal found, and the cosine at which it equals the previous one.
 constexpr int kRounds = 8;
 constexpr double kSameNormal = 1.0 - 2e-5;
-/// Slope of the sum at its least, and the largest that the last round may leave.
+/// Slope of the sum accepted at its minimum, and the largest accepted after the last round.
 constexpr double kSlopeLeft = 0.03, kMostSlopeLeft = 0.2;
 /// [h] overlap above which other normals are tried as well.
 constexpr double kDeep = 0.03;
-/// [1/h] largest curvature of a row's surface: that of an edge.
+/// [1/h] largest curvature of a row's surface, assigned to an edge.
 constexpr double kSharp = 1.0;
-/// [h] farthest from what nodes tell that the least gap is sought.
+/// [h] largest distance of the smallest gap from the one given by nodes.
 constexpr double kReach = 3.0;
-/// Projections at most, and the way that ends them, [h].
+/// Maximum number of projections, and the displacement that ends them, [h].
 constexpr int kProjections = 16;
 constexpr double kStill = 0.05;
-/// [1/h] mean curvature of the gap of what is round: less is flat; largest skew of it, as a share.
+/// [1/h] smallest mean curvature of the gap of a round contact; largest relative skew of it.
 constexpr double kRound = 0.05, kSkew = 0.1;
-/// [h] how much nearer than its ends the least gap must be to have a row besides them.
+/// [h] how much smaller than at its ends the smallest gap must be to get a row of its own.
 constexpr double kDeeper = 0.01;
 
-/// Symmetric, with eigenvalues of at least a bound.
+/// Symmetric matrix with eigenvalues raised to at least a bound.
 Mat2 at_least(const Mat2& m, double bound) {
   const double mean = 0.5 * (m(0, 0) + m(1, 1)), half = 0.5 * (m(0, 0) - m(1, 1)), off = 0.5 * (m(0, 1) + m(1, 0)),
                spread = std::hypot(half, off);
@@ -55,7 +55,7 @@ std::array<float, 3> pack(const Mat2& m) {
   return {static_cast<float>(m(0, 0)), static_cast<float>(m(0, 1)), static_cast<float>(m(1, 1))};
 }
 
-/// Curvature of the surface itself from that of its distance d away from it; convex, and no sharper than an edge.
+/// Curvature of the surface from that of its distance at a distance d; convex, and at most that of an edge.
 std::array<float, 3> surface_bend(const Mat2& c, double d, double h) {
   Mat2 m = at_least(c, 0.0);
   const double size = 0.5 * (m(0, 0) + m(1, 1)) + std::hypot(0.5 * (m(0, 0) - m(1, 1)), m(0, 1));
@@ -92,7 +92,7 @@ bool SolidGap::approach(const Aabb& region, double most, RowPoint& near) {
   const double radius = 0.5 * region.extent().norm();
   Reading r = read(center);
   for (int i = 0;; ++i) {
-    // No place of the region has less than the tangent foretells.
+    // No point of the region is below the tangent.
     if (r.sum() - r.slope().norm() * (radius + (r.x - center).norm()) > most) return false;
     if (i == kProjections || (r.a <= 0.0 && r.b <= 0.0)) break;
     Vec3 way = -std::max(0.0, r.a) * r.away_a - std::max(0.0, r.b) * r.away_b;
@@ -156,7 +156,7 @@ bool SolidGap::find_least(RowPoint& row, double reach) {
     bend(first, bend_a, bend_b);
     parting_.least = descend(first, bend_a + bend_b, reach);
     if (parting_.least.x != first.x) bend(parting_.least, bend_a, bend_b);
-    // The flatter of the two tells the direction better.
+    // The flatter of the two gives the more accurate direction.
     const double a = bend_a.norm() + kNearlyPlane / h_, b = bend_b.norm() + kNearlyPlane / h_;
     const bool room = std::min(parting_.least.a, parting_.least.b) > 0.0;
     const Vec3 normal =
@@ -193,12 +193,12 @@ bool SolidGap::round(const RowPoint& least) const {
 }
 
 bool SolidGap::find_rows(const RowPoint& near, double widest, std::vector<RowPoint>& rows) {
-  // Nowhere is the sum of the distances less than the separation along any normal.
+  // The sum of the distances is nowhere less than the separation along any normal.
   const double most = near.gap + 1e-3 * h_;
   RowPoint least = near;
   bool found = find_least(least, kReach * h_) && least.gap <= most;
   if (!found || least.gap < -kDeep * h_) {
-    // Solids that overlap are parted along that normal that takes the least way, which need not be the first.
+    // Overlapping solids are separated along the normal of smallest displacement, which need not be the first.
     Parting best = parting_;
     parting_.part.setZero();
     const Reading r = read(near.point);

@@ -5,27 +5,27 @@
 #include "brim/response/friction_radius.h"
 #include "brim/response/solid_gap.h"
 
-// The ends of what touches, where both surfaces are flat in some direction.
+// The ends of the contact region, where both surfaces are flat in some direction.
 
 namespace brim {
 
 namespace {
 
-/// Least cosine of a surface's normal to that of an end.
+/// Smallest cosine of a surface's normal to that of an end.
 constexpr double kAlike = 0.7;
-/// [h] ring on which flat directions are sought; rise of the gap up to there, and change of slope on a little way on,
-/// at which a direction is flat.
+/// [h] radius of the ring on which flat directions are searched; largest rise of the gap up to there; further step, and
+/// largest change of slope over it, for a flat direction.
 constexpr double kRing = 0.5, kRise = 0.15, kOn = 0.1, kTurn = 2e-4;
-/// Rise on the ring, over kRise, next to which an edge may lie; bisections of the angle to it.
+/// Rise on the ring, relative to kRise, up to which an edge may lie nearby; bisections of the angle to it.
 constexpr double kMostTip = 4.0;
 constexpr int kValleySteps = 6;
-/// [h] departure of the gap from its tangent at an edge; how well the edge is found; farthest that one is sought.
+/// [h] departure of the gap from its tangent at an edge; accuracy of the edge; largest distance searched.
 constexpr double kDeparture = 0.005, kFound = 0.1, kFarthestEdge = 1000.0;
-/// [h] so far beside an edge the way goes along it.
+/// [h] distance beside an edge at which the search follows it.
 constexpr double kBeside = 0.15;
 /// Sine of the angle between two edges above which they meet in a corner.
 constexpr double kLeastAngle = 0.3;
-/// [h] gap, above the least, beyond which an end says nothing yet.
+/// [h] excess over the smallest gap beyond which an end needs no row yet.
 constexpr double kTooFar = 0.3;
 }  // namespace
 
@@ -49,7 +49,7 @@ bool SolidGap::walk(const Reading& flat, const Vec3& from, const Vec3& way, Edge
     else
       in = t;
   }
-  // What lies beyond an edge has its nearest point on it.
+  // Beyond an edge the nearest point is on the edge.
   const Vec3 turn_a = far.away_a - flat.away_a, turn_b = far.away_b - flat.away_b;
   const bool of_a = turn_a.squaredNorm() > turn_b.squaredNorm();
   const auto across = [&](const Vec3& x) { return Vec3(x - parting_.normal * parting_.normal.dot(x)); };
@@ -61,7 +61,7 @@ bool SolidGap::walk(const Reading& flat, const Vec3& from, const Vec3& way, Edge
 void SolidGap::add_end(const Reading& flat, const Vec3& x, const RowPoint& like) {
   RowPoint row = like;
   const Vec3& normal = like.normal;
-  // The surfaces are flat up to there: the ways along the normal to both.
+  // The surfaces are flat up to there: distances along the normal to both.
   const Vec3 d = x - flat.x;
   const double a = (flat.a + flat.away_a.dot(d)) / std::max(kAlike, -flat.away_a.dot(normal)),
                b = (flat.b + flat.away_b.dot(d)) / std::max(kAlike, flat.away_b.dot(normal));
@@ -73,13 +73,13 @@ void SolidGap::add_end(const Reading& flat, const Vec3& x, const RowPoint& like)
 }
 
 Vec3 SolidGap::add_edge(const Reading& flat, const Edge& edge, const RowPoint& like) {
-  // Beside the edge, where the sum has not left its tangent.
+  // Beside the edge, where the sum still follows its tangent.
   Vec3 middle = Vec3::Zero(), in = parting_.normal.cross(edge.along);
   in *= in.dot(flat.x - edge.x) > 0.0 ? kBeside * h_ : -kBeside * h_;
   for (const double sign : {1.0, -1.0}) {
     Edge end{edge.x + in, edge.along};
     if (!walk(flat, edge.x + in, sign * edge.along, end)) continue;
-    // Where the two edges meet.
+    // Intersection of the two edges.
     const Vec3 out = parting_.normal.cross(end.along);
     const double rate = out.dot(edge.along), t = out.dot(end.x - edge.x) / rate;
     const Vec3 x = std::abs(rate) > kLeastAngle ? Vec3(edge.x + t * edge.along) : end.x;
@@ -97,7 +97,7 @@ bool SolidGap::find_valley(double& angle, Reading& ring) const {
     ring = read(parting_.least.x + kRing * h_ * way(angle));
     (ring.slope().dot(way(angle + 0.5 * M_PI)) < 0.0 ? lo : hi) = angle;
   }
-  // Along an edge, exactly: across it the gradient changes.
+  // Exact direction of the edge: the gradient changes perpendicular to it.
   const Vec3 across = kRing * h_ * way(angle + 0.5 * M_PI);
   const Vec2 change = parting_.across.transpose() * (read(ring.x + across).slope() - read(ring.x - across).slope());
   if (!(change.norm() > kTurn)) return false;
@@ -113,14 +113,14 @@ void SolidGap::find_ends(const RowPoint& least) {
   constexpr int kDirections = 8;
   const auto way = [&](double angle) { return Vec3(parting_.across * Vec2(std::cos(angle), std::sin(angle))); };
   const auto beside = [&](double angle, double size) { return read(parting_.least.x + size * h_ * way(angle)); };
-  // The direction in which the gap rises least: the second harmonic of its rise around.
+  // The direction of least rise of the gap: second harmonic of the rise around the ring.
   double c = 0.0, s = 0.0;
   for (int k = 0; k < kDirections; ++k) {
     const double angle = 2.0 * M_PI * k / kDirections, rise = beside(angle, kRing).sum() - parting_.least.sum();
     c += rise * std::cos(2.0 * angle), s += rise * std::sin(2.0 * angle);
   }
   double axis = 0.5 * std::atan2(-s, -c);
-  // Along an edge, exactly: across it the gradient changes.
+  // Exact direction of the edge: the gradient changes perpendicular to it.
   const Vec2 change = parting_.across.transpose() *
                       (beside(axis + 0.5 * M_PI, 0.5 * kRing).slope() - beside(axis - 0.5 * M_PI, 0.5 * kRing).slope());
   if (change.norm() > 1e-3) axis = std::atan2(change.x(), -change.y());
@@ -135,7 +135,7 @@ void SolidGap::find_ends(const RowPoint& least) {
     const double rise = (ring.sum() - parting_.least.sum()) / (kRise * h_);
     if (rise < lowest) lowest = rise, valley = angle;
     if (rise > 1.0) continue;
-    // An edge is flat along itself only, a face across as well.
+    // An edge is flat only along itself, a face also across.
     const bool line = k % 4 == 0;
     const auto slope_change = [&](double turn) {
       const Vec3 on = way(angle) + turn * way(angle + 0.5 * M_PI),
@@ -156,7 +156,7 @@ void SolidGap::find_ends(const RowPoint& least) {
   on_face.normal = least.normal;
   face_ = face, face_found_ = best < 2.0;
   if (face_found_) {
-    // A face: one edge, and the one across from its middle; of what is round, places to the left and right besides.
+    // A face: one edge, and the opposite one from its middle; for a round face also points to the left and right.
     if (walk(face, face.x, way(side), edge)) {
       const Vec3 first = add_edge(face, edge, on_face);
       Vec3 in = parting_.normal.cross(edge.along);
@@ -169,7 +169,7 @@ void SolidGap::find_ends(const RowPoint& least) {
       }
     }
   }
-  // An edge, to both sides of the least gap.
+  // An edge: its ends on both sides of the smallest gap.
   for (int k = 0; k < 2 && (flat[0] || flat[1]); ++k) {
     const Reading& line = along[flat[0] ? 0 : 1];
     if (walk(line, flat[k] ? along[k].x : parting_.least.x, way(axis + k * M_PI), edge)) add_end(line, edge.x, least);
