@@ -13,14 +13,14 @@ namespace {
 /// Velocities up to which a body's system is inverted exactly: rigid bodies, and trees of a dozen links.
 constexpr std::size_t kDense = 48;
 
-/// A factor L D Lᵀ as Eigen keeps it: columns of L below the diagonal.
+/// A factor L D Lᵀ in Eigen's format: columns of L below the diagonal.
 struct Columns {
   const int *first, *row;
   const double *value, *d;
   std::size_t n;
 };
 
-/// x := L⁻ᵀ D⁻¹ L⁻¹ x. @param x  shape (n, N), row after row
+/// x := L⁻ᵀ D⁻¹ L⁻¹ x. @param x  shape (n, N), row by row
 template <int N>
 BRIM_INLINE void solve_columns(const Columns& L, double* x) {
   for (std::size_t j = 0; j < L.n; ++j) {
@@ -46,7 +46,7 @@ BRIM_WIDE void solve_together_wide(const Columns& L, double* x) { solve_columns<
 
 using Entries = std::vector<Eigen::Triplet<double>>;
 
-/// S A S + (1 − S) of a body that shows its matrix, S: without what is prescribed.
+/// S A S + (1 − S) of a body with a block system, S: projection off the prescribed velocities.
 Entries entries_of(const BlockSystem& system) {
   const BlockMatrix& K = *system.stiffness;
   std::vector<std::uint8_t> prescribed(K.rows(), 0);
@@ -68,7 +68,7 @@ Entries entries_of(const BlockSystem& system) {
   return entries;
 }
 
-/// The same of one that shows what its matrix does to a vector.
+/// The same for a body known only by its products with vectors.
 Entries entries_of(const Body& body, std::size_t n) {
   Entries entries;
   std::vector<double> x(n), y(n);

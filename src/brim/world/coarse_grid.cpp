@@ -12,9 +12,9 @@ namespace brim {
 
 namespace {
 
-/// Cells of a grid at most: bodies far from each other get wider ones.
+/// Maximum number of grid cells: for bodies far from each other cells get wider.
 constexpr std::size_t kGridCells = std::size_t{1} << 20;
-/// Length of the edges between nodes that a matrix couples, and their largest extent along each axis.
+/// Mean length of the edges between coupled nodes, and their largest extent along each axis.
 struct Edges {
   double sum = 0.0;
   std::size_t count = 0;
@@ -135,7 +135,7 @@ void CoarseGrid::sort_nodes(std::span<const Member> members) {
     cell_at_[k] = cell_of_[n.cell];
     cell_[cell_at_[k]].at = n.place;
   }
-  // Runs of one cell and one member; nodes of a member have velocities that follow those of the member before.
+  // Runs of one cell and one member; the velocities of a member follow those of the previous member.
   for (std::size_t c = 0; c < cell_.size(); ++c)
     for (std::size_t k = cell_[c].begin; k < cell_[c].end; ++k) {
       std::size_t m = 0;

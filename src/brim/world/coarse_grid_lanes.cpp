@@ -10,7 +10,7 @@ namespace {
 
 BRIM_INLINE void clear(float* sum) { std::fill_n(sum, kPair, 0.0f); }
 
-/// Place in kAround of a cell whose code differs by that much; kAround where it lies farther away.
+/// Index in kAround of a cell by the difference of codes; kAround when it is farther away.
 BRIM_INLINE std::size_t around(std::int32_t difference, std::int32_t width, std::int32_t height) {
   const std::int32_t plane = width * height, d = difference + 1 + width + plane;
   const std::int32_t z = d / plane, y = d % plane / width, x = d % width;

@@ -22,7 +22,7 @@ CoarseGrid& CoarseGrid::operator=(CoarseGrid&&) noexcept = default;
 
 void CoarseGrid::scatter(const float* sum, const std::array<std::int32_t, 8>& corner,
                          const std::array<std::int32_t, 8>& other, const Place& away) {
-  // Blocks behind their row belong to the row of the other corner, transposed. What two cells share is told once.
+  // Blocks below the diagonal are stored transposed in the row of the other corner. Each coupling is added once.
   const bool same = away == Place{0, 0, 0};
   for (std::size_t I = 0; I < 8; ++I)
     for (std::size_t J = 0; J < 8; ++J) {
@@ -47,7 +47,7 @@ void CoarseGrid::scatter(const float* sum, const std::array<std::int32_t, 8>& co
 void CoarseGrid::sum_bodies(std::span<const Member> members) {
   sum_.assign(kAhead * corner_.size(), BlockCholesky::Block::Zero());
   used_.assign(sum_.size(), 0);
-  // Cells of one colour share no corner, neither with cells around the other.
+  // Cells of one colour, and the cells around them, share no corner.
   std::array<std::vector<std::size_t>, 64> colour;  // of runs: the first of each cell
   for (std::size_t i = 0; i < run_.size(); ++i)
     if (i == 0 || run_[i].cell != run_[i - 1].cell) {
@@ -94,7 +94,7 @@ void CoarseGrid::sum_bodies(std::span<const Member> members) {
 }
 
 void CoarseGrid::sum_contacts(const ContactRows& rows) {
-  // Contacts by the lowest of the cells that they reach; what reaches farther than the next is left to others.
+  // Contacts by the lowest cell that they reach; contacts that reach beyond the next cell are left out.
   constexpr std::uint32_t kNone = 0xffffffff;
   std::vector<std::uint32_t> lowest(rows.size(), kNone);
   contact_first_.assign(cell_of_.size() + 1, 0);
@@ -115,7 +115,7 @@ void CoarseGrid::sum_contacts(const ContactRows& rows) {
   std::vector<std::size_t> next(contact_first_.begin(), contact_first_.end() - 1);
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (lowest[i] != kNone) contact_[next[lowest[i]]++] = static_cast<std::uint32_t>(i);
-  // What two cells of one colour and those next to them reach has no corner in common.
+  // Cells of one colour, and the cells next to them, share no corner.
   std::array<std::vector<std::size_t>, 27> colour;
   for (std::size_t c = 0; c < cell_of_.size(); ++c)
     if (contact_first_[c] < contact_first_[c + 1]) {

@@ -14,7 +14,7 @@ BRIM_INLINE Row load_row(const double* at) {
   return r;
 }
 
-/// In lanes of which the fourth means nothing.
+/// The fourth lane is unused.
 BRIM_INLINE Lanes cross(const Lanes& a, const Lanes& b) {
   const Lanes a1 = __builtin_shufflevector(a, a, 1, 2, 0, 3), b1 = __builtin_shufflevector(b, b, 1, 2, 0, 3);
   const Lanes c = a * b1 - a1 * b;
@@ -30,7 +30,7 @@ BRIM_WIDE void wrench(const double* place, const double* center, const double* f
     torque[chain] += cross(x - c, f);
   };
   std::size_t i = 0;
-  for (; i + 2 < n; i += 2) {  // what is loaded reaches into the next node
+  for (; i + 2 < n; i += 2) {  // loads reach into the next node
     add(load_lanes(place + 3 * i), load_lanes(force + 3 * i), 0);
     add(load_lanes(place + 3 * i + 3), load_lanes(force + 3 * i + 3), 1);
   }

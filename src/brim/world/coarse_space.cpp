@@ -16,11 +16,11 @@ namespace brim {
 
 namespace {
 
-/// Share of a mode that must be left beside the others for it to count.
+/// Smallest share of a mode that must be independent of the others.
 constexpr double kIndependentMode = 1e-6;
-/// Contacts of one piece of work.
+/// Contacts processed as one piece.
 constexpr std::size_t kContactsOfPatch = 4096;
-/// Numbers of a vector that one thread works on at a time.
+/// Numbers of a vector processed by one thread at a time.
 constexpr std::size_t kOfBlock = 4096;
 
 }  // namespace
@@ -31,7 +31,7 @@ void CoarseSpace::take_modes(const Body& body, std::size_t n, Modes& m) const {
   m.columns.resize(kModes * n);
   m.system.setZero();
   if (body.immobile()) return;
-  // A motion that a body's own walls forbid would carry the solve out of what its preconditioner keeps to.
+  // A motion that the body's own walls forbid would violate the constraints of its preconditioner.
   if (const auto* walled = interface_of<Walled>(body); walled && walled->confined()) return;
   const Aabb box = body.part_count() > 0 ? body.bounds(0) : Aabb{Vec3::Zero(), Vec3::Zero()};
   const Vec3 center = box.lo.allFinite() && box.hi.allFinite() ? box.center() : Vec3::Zero();
@@ -40,7 +40,7 @@ void CoarseSpace::take_modes(const Body& body, std::size_t n, Modes& m) const {
   m.place = blocks ? blocks->place : std::span<const Vec3>();
   m.center = center;
   m.basis.setZero();
-  int translations = 0;  // of the modes that are kept; they come first
+  int translations = 0;  // number of kept translations, which come first
   const auto for_blocks = [n](const auto& f) {
     parallel_blocks(n, kOfBlock, [&](std::size_t begin, std::size_t end) {
       f(static_cast<Eigen::Index>(begin), static_cast<Eigen::Index>(end - begin));
@@ -90,7 +90,7 @@ void CoarseSpace::take_modes(const Body& body, std::size_t n, Modes& m) const {
   for (int k = 0; k < m.count; ++k) {
     const std::span<const double> x(m.columns.data() + static_cast<std::size_t>(k) * n, n);
     std::fill(image.begin(), image.end(), 0.0);
-    // Nothing within a fluid resists a rigid motion, and nothing within any body one that only carries it along.
+    // Nothing inside a fluid resists a rigid motion, and nothing inside any body a translation.
     if (fluid)
       body.apply_mass(x, image);
     else if (blocks && m.free && k < translations)
@@ -102,7 +102,7 @@ void CoarseSpace::take_modes(const Body& body, std::size_t n, Modes& m) const {
     const Eigen::Map<const Eigen::VectorXd> y(image.data(), static_cast<Eigen::Index>(n));
     for (int j = 0; j < m.count; ++j) m.system(j, k) = dot(y, column(j));
   }
-  // What a fluid does as a whole follows from its pressure in as many iterations.
+  // The motion of a fluid as a whole follows from its pressure in as many iterations.
   m.coupled = fluid ? 0 : m.count;
 }
 

@@ -14,16 +14,16 @@ namespace brim {
 
 namespace {
 
-/// Solves with A at most, where its inverse is not known: for velocities, and for ways that differ from them.
+/// Maximum number of solves with A when its inverse is unknown: for velocities, and for displacements that differ.
 constexpr int kMostRefinements = 40, kPositionRefinements = 4;
-/// With more points of rigid pairs that hang together sweeps become fewer in proportion, down to this share: warm
-/// starts carry the rest from step to step, and the cost stays linear. Their residual is worth a warning where it
-/// reaches the motion of a free fall.
+/// With more connected points of rigid pairs the number of sweeps decreases in proportion, down to this share: warm
+/// starts continue the solution from step to step, and the cost stays linear. A residual the size of a free fall's
+/// motion gives a warning.
 constexpr double kManyPoints = 100.0, kLeastSweeps = 0.1, kLarge = 1.0;
-/// Sweeps that push overlaps apart: what they miss is left to the next step.
+/// Sweeps of position correction: the remaining error is left to the next step.
 constexpr double kPushTolerance = 1e-2;
 constexpr int kPushSweeps = 10;
-/// Residual over the tolerance that is worth a warning.
+/// Residual relative to the tolerance that gives a warning.
 constexpr double kWarn = 100.0;
 /// Rows n, t1, t2 of a right-handed frame.
 Mat3 frame_along(const Vec3& n) {
@@ -87,7 +87,7 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
 
   double residual = 0.0;
   solve_rows(solve, rows_.velocity_targets(), kMostRefinements, lambda_, change, residual, report);
-  // Many points are not swept to the end, but from step to step.
+  // Many points are not swept to convergence within a step, but over several.
   const bool all_sweeps = !exact_ || most_sweeps_ == settings_.max_sweeps;
   converged_ = !(residual > (all_sweeps ? kWarn * settings_.tolerance : kLarge));
   if (!converged_)
@@ -95,7 +95,7 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
         {report.time, "no_convergence",
          fmt::format("the constraint rows of {} contacts stopped at relative residual {:.1e}; allow more sweeps", n,
                      residual)});
-  // Sweeps know factored bodies by their contacts only.
+  // The sweeps represent factored bodies by their contacts only.
   const auto complete = [&](std::span<const Vec3> lambda, std::span<double> v) {
     std::vector<Vec3> more(n);
     for (std::size_t c = 0; c < n; ++c) more[c] = lambda[c] - first[c];
@@ -204,7 +204,7 @@ void ConstraintStep::finish(StepReport& report, std::vector<ContactSample>& samp
   if (!check || points.size() == 0) return;
   std::vector<double> mapped(first_v_.back(), 0.0);
   add_forces(force, mapped);
-  // Where friction acts elsewhere, it is an entry of its own.
+  // Where friction acts at another point, it is an entry of its own.
   ContactSet acting;
   std::vector<Vec3> forces;
   for (const ContactPair& pair : points.pairs) {

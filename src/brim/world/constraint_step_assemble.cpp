@@ -1,4 +1,4 @@
-// What ConstraintStep does before it solves: whom its rows move, how fast their points part, what the bodies answer.
+// Preparation of ConstraintStep: bodies of the rows, relative velocities of the points, responses of the bodies.
 #include <algorithm>
 
 #include "brim/world/constraint_step.h"
@@ -7,7 +7,7 @@ namespace brim {
 
 namespace {
 
-/// Contacts of a body up to which its answers to all of them are found: their number squared must be kept and swept.
+/// Largest number of a body's contacts with a full response matrix: it is stored and swept at quadratic cost.
 constexpr std::size_t kMostDirect = 400;
 
 }  // namespace
@@ -134,7 +134,7 @@ void ConstraintStep::add_forces(std::span<const Vec3> force, std::span<double> Q
   if (mapped_) return add_mapped_forces(force, Q);
   for_grips([&](const ContactPair& pair, std::size_t c, const Vec3& way) {
     const Vec3 torque = way.cross(force[c]);
-    // Of friction alone: across the normal no way has a torque about it but the normal's own.
+    // Friction only: tangential motion has no torque about the tangents, only about the normal.
     const Vec3 turn = rows_.normals()[c] * rows_.normals()[c].dot(torque);
     const auto add = [&](std::int32_t part, double sign) {
       if (is_fixed(parts_[part])) return;
@@ -199,7 +199,7 @@ void ConstraintStep::choose_inverses() {
   if (direct) std::replace(wanted.begin(), wanted.end(), std::uint8_t{1}, std::uint8_t{2});
   inverses_.begin(bodies_, first_v_, wanted);
   exact_ = exact();
-  // One body that cannot be factored leaves nothing exact.
+  // A single body without factor makes the whole solve inexact.
   if (direct && !exact_) inverses_.begin(bodies_, first_v_, touched_);
 }
 

@@ -1,4 +1,4 @@
-// How ConstraintStep passes impacts on, one after the other.
+// Propagation of impacts in ConstraintStep, one after the other.
 #include <algorithm>
 #include <limits>
 
@@ -8,9 +8,9 @@ namespace brim {
 
 namespace {
 
-/// [voxels] gap that touches, across which any impact is passed on.
+/// [voxels] gap that counts as contact, across which impacts are passed on.
 constexpr double kTouching = 0.02;
-/// Share of the fastest rebound of a step below which another one is none.
+/// Rebound relative to the fastest of a step, below which it is ignored.
 constexpr double kSlightBounce = 1e-3;
 /// Rounds of one impact, and impacts of one pair in a step.
 constexpr int kStrikeRounds = 50, kMostStrikes = 100;
@@ -19,7 +19,7 @@ constexpr int kStrikeRounds = 50, kMostStrikes = 100;
 
 void ConstraintStep::pass_impacts_on(std::vector<double> v) {
   const std::size_t n = rows_.points().size();
-  // What rounding bounces is left out.
+  // Ignore bounces at rounding level.
   double least = 0.0;
   for (const double t : rows_.velocity_targets()) least = std::max(least, kSlightBounce * t);
   const double slow = std::max(settings_.rows.bounce_speed, least), never = -std::numeric_limits<double>::infinity();
@@ -29,9 +29,9 @@ void ConstraintStep::pass_impacts_on(std::vector<double> v) {
               grid_step.begin() + static_cast<std::ptrdiff_t>(pair.end), pair.h);
   std::vector<Vec3> impulse(n, Vec3::Zero());
   std::vector<std::uint8_t> hit(sweep_.groups(), 0);
-  std::vector<double> hardest(n, 0.0);  // [m/s] at which each point was hit, negative
+  std::vector<double> hardest(n, 0.0);  // [m/s] normal velocity of each point's hardest hit, negative
   const auto velocity = [&](std::size_t c) { return offset_[c].x() + sweep_.velocity(c, v).x(); };
-  // One pair after the other, as if nothing else touched it. @return false where nothing hits
+  // Solves one pair alone, as if nothing else touched it. @return false when nothing hits
   const auto strike = [&](std::size_t g, bool first) {
     const auto [begin, end] = sweep_.group(g);
     const double h = grid_step[begin];

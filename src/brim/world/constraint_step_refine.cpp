@@ -1,5 +1,5 @@
-// How ConstraintStep goes on where sweeps know the bodies roughly: by directions in λ that the step's own solve
-// answers.
+// Refinement in ConstraintStep when the sweeps know the bodies only approximately: by directions in λ whose response
+// comes from the step's own solve.
 #include <algorithm>
 #include <cmath>
 
@@ -9,14 +9,14 @@ namespace brim {
 
 namespace {
 
-/// Least part of a direction that is gone.
+/// Minimum step of the line search.
 constexpr double kLeastWay = 0.02;
-/// Share of a direction's curvature that must be left once it is made conjugate to the last: below it, the two are
-/// parallel and what is left is rounding.
+/// Smallest share of a direction's curvature after it is made conjugate to the last: below it the two are parallel and
+/// the rest is rounding.
 constexpr double kIndependent = 1e-8;
-/// Their tolerance over that of the sweeps.
+/// Tolerance of the refinement, relative to that of the sweeps.
 constexpr double kRefined = 30.0;
-/// Tolerance of the sweeps that find a direction for them, over what is left; sweeps at most.
+/// Tolerance of the sweeps that find a direction, relative to the remaining error; maximum number of sweeps.
 constexpr double kRough = 0.1;
 constexpr int kRoughSweeps = 30;
 
@@ -26,7 +26,7 @@ void ConstraintStep::refine(const ImplicitStep::Respond& solve, std::span<const 
                             std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual,
                             StepReport& report) {
   const std::size_t n = lambda.size(), nv = first_v_.back();
-  // What a direction in λ does: to the velocities, and to u at every contact.
+  // Effect of a direction in λ: on the velocities, and on u at every contact.
   struct Direction {
     std::vector<Vec3> lambda, u;
     std::vector<double> v;
@@ -63,7 +63,7 @@ void ConstraintStep::refine(const ImplicitStep::Respond& solve, std::span<const 
     if (!s.finite) break;
     for (std::size_t c = 0; c < n; ++c) now.u[c] = sweep_.velocity(c, now.v);
 
-    // Conjugate to the last direction, unless that leads out of a cone; the model foretells how far the way goes down.
+    // Made conjugate to the last direction, unless that leaves a cone; the model predicts the decrease along it.
     double t = 0.0;
     const auto measure = [&](Direction& d) {
       double down = 0.0;
@@ -103,7 +103,7 @@ double ConstraintStep::longest_way(std::span<const Vec3> from, std::span<const V
     const double room = 1e-12 * (1.0 + from[c].norm());
     return l.x() >= -room && l.tail<2>().norm() <= rows_.friction()[c] * l.x() + room;
   };
-  // The cones are convex: what lies on the way to a place inside is inside too.
+  // The cones are convex: points between two inside points are inside.
   for (std::size_t c = 0; c < from.size(); ++c)
     while (most > kLeastWay && !inside(c, most)) most *= 0.8;
   return most;

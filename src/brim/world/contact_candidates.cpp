@@ -10,28 +10,28 @@
 #include "brim/world/fluid_coupling.h"
 #include "brim/world/part_filter.h"
 
-// Which pairs of parts may touch, and on which layers they are looked at.
+// The broad phase: pairs of parts that may touch, and the layers on which they are searched.
 
 namespace brim {
 
 namespace {
 
-/// Least margin of pairs that rows hold apart. At touch the nodes next to a ball of two voxels, or to an edge, are up
-/// to a quarter of a voxel away from both surfaces together, which the ramp, 3 voxels wide, shows as 0.1.
+/// Smallest margin of pairs under rows. At contact the nodes next to a ball of two voxels, or to an edge, are up to a
+/// quarter of a voxel away from both surfaces together, 0.1 on a ramp of 3 voxels.
 constexpr double kRowMargin = 0.1;
-/// The same where a part deforms: it moves farther in a step than its speed tells where a load on it ends. From 0.01 to
-/// 0.05 balls and cubes that are pressed have the force that they should; at 0 rows come and go, and at 0.1 nodes that
-/// are too far from the surfaces have a say in their patches.
+/// The same when a part deforms: after a load on it ends it moves farther in a step than its speed predicts. From 0.01
+/// to 0.05 pressed balls and cubes have the correct force; at 0 rows appear and vanish, and at 0.1 nodes too far from
+/// the surfaces affect their patches.
 constexpr double kSoftRowMargin = 0.03;
 
-/// Boxes whose partners one thread looks for at a time.
+/// Number of boxes whose partners one thread searches at a time.
 constexpr std::size_t kBoxesOfWork = 64;
 
-/// What a step keeps of a pair whose boxes overlap, [bytes].
+/// [bytes] memory of a step per pair with overlapping boxes.
 constexpr double kPairBytes = 300.0;
 
-/// Tiles are counted in 32 bits, and beyond 1e9 steps positions in double precision are rough against a step.
-/// @throws InputError  when what two parts share is farther from the origin
+/// Tiles are numbered in 32 bits, and beyond 1e9 steps positions in double precision are inaccurate relative to a step.
+/// @throws InputError  when the common region of two parts is farther from the origin
 void require_near(const WorldPart& a, const WorldPart& b, const Aabb& region, double h) {
   const double far = std::max(region.lo.cwiseAbs().maxCoeff(), region.hi.cwiseAbs().maxCoeff());
   if (far > 1e9 * h)
@@ -41,10 +41,10 @@ void require_near(const WorldPart& a, const WorldPart& b, const Aabb& region, do
                     a.body->name(), b.body->name(), far, h));
 }
 
-/// Most tiles that presence may have to look at in the region of one part: seconds of work.
+/// Largest number of tiles that presence may examine in the region of one part: seconds of work.
 constexpr double kMostTiles = 2e8;
 
-/// @throws InputError  when what touches a part lies so far apart that looking for it would not end
+/// @throws InputError  when the region of a part is so large that the search would take too long
 void require_few(const WorldPart& part, const Aabb& region, double h) {
   const Vec3 tiles = region.extent() / (kTileSize * h) + Vec3::Constant(2.0);
   if (tiles.prod() > kMostTiles)
@@ -91,7 +91,7 @@ void ContactStage::sweep_boxes(double memory_limit) {
   swept_.clear();
   for (const Outline& o : outline_) swept_.push_back(o.swept);
   sweep_.build(swept_);
-  // Each of a fixed number of boxes finds its partners by itself.
+  // The boxes are divided into blocks of fixed size, whose partners are found independently.
   near_.resize((n + kBoxesOfWork - 1) / kBoxesOfWork);
   std::atomic<std::size_t> found = 0;
   parallel_for(near_.size(), [&](std::size_t k) {
@@ -111,7 +111,7 @@ void ContactStage::sweep_boxes(double memory_limit) {
   first_touch_.assign(n + 1, 0);
   for (const auto& near : near_)
     for (const auto& pair : near) ++first_touch_[pair.first + 1];
-  // Ordered: sorted by the first part by counting, then each part's own.
+  // Counting sort by the first part, then each part's own partners.
   for (std::size_t p = 0; p < n; ++p) first_touch_[p + 1] += first_touch_[p];
   touching_.resize(found);
   std::vector<std::int32_t> next(first_touch_.begin(), first_touch_.end() - 1);
@@ -134,8 +134,8 @@ ContactStage::Meeting ContactStage::meet(std::span<const WorldPart> parts, std::
   if (!box_a.overlaps(box_b)) return m;
   m.region = box_a.intersection(box_b);
   m.level = meeting_level(a, b);
-  m.h = meeting_step(a, b);  // the finer of their two, seen at that level
-  // Nodes whose gap may close within the step count as contacts that wait.
+  m.h = meeting_step(a, b);  // the finer of the two steps, at that level
+  // Nodes whose gap may close within the step count as inactive contacts.
   const double speed =
       (outline_[pa].velocity - outline_[pb].velocity).norm() + outline_[pa].spread + outline_[pb].spread;
   const double least = held || meet_by_rigid_rows(a, b, options) ? kRowMargin
@@ -180,7 +180,7 @@ void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<c
     c.averaged = average_ && parts[pa].info.conforming != parts[pb].info.conforming;
     c.by_part = PartFilter::concerns(parts[pa], parts[pb]);
     c.tiles.clear(), c.octants.clear();
-    // What is no solid is averaged from samples half as far apart.
+    // Parts that are not solids are averaged from samples at half the step.
     const auto level = [&](std::int32_t p) { return c.averaged && !parts[p].info.conforming ? 1 : m.level; };
     c.layer_a = access_[pa].is_solid() ? -1 : layer_of(pa, m.h, level(pa), m.region);
     c.layer_b = access_[pb].is_solid() ? -1 : layer_of(pb, m.h, level(pb), m.region);

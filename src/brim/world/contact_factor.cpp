@@ -19,7 +19,7 @@ using Block = BlockCholesky::Block;
 /// Sums blocks of one row by column.
 class ContactFactor::RowSum {
  public:
-  /// Makes room for columns below `columns`.
+  /// Allocates for columns below `columns`.
   void begin(std::size_t columns) {
     if (slot_.size() < columns) slot_.resize(columns, -1);
   }
@@ -33,7 +33,7 @@ class ContactFactor::RowSum {
       value_[s] += block;
     }
   }
-  /// Makes room for these columns alone, which get their sums at `value`; forget takes the room back.
+  /// Reserves only these columns, which are summed at `value`; forget releases them.
   void expect(std::span<const std::int32_t> column, Block* value) {
     for (std::size_t k = 0; k < column.size(); ++k) {
       slot_[column[k]] = static_cast<std::int32_t>(k);
@@ -44,7 +44,7 @@ class ContactFactor::RowSum {
   void forget(std::span<const std::int32_t> column) {
     for (const std::int32_t c : column) slot_[c] = -1;
   }
-  /// Appends the row in ascending columns and forgets it. @return its length
+  /// Appends the row in ascending columns and clears it. @return its length
   std::size_t take(std::vector<std::int32_t>& column, std::vector<Block>& value) {
     sorted_ = column_;
     std::sort(sorted_.begin(), sorted_.end());
@@ -166,7 +166,7 @@ void ContactFactor::assemble(const ContactRows& rows) {
 }
 
 void ContactFactor::fill_pieces() {
-  // Where each row begins in its chunk.
+  // Start of each row in its chunk.
   std::vector<std::size_t> begin(touched_.size());
   for (std::size_t t = 0; t < touched_.size(); ++t)
     begin[t] = t % kRows == 0 ? 0 : begin[t - 1] + static_cast<std::size_t>(length_[t - 1]);
@@ -206,7 +206,7 @@ void ContactFactor::assemble_again(const ContactRows& rows) {
 template <class F>
 void ContactFactor::for_pieces(const std::function<void()>& beside, const F& f) {
   const bool two = beside && !complete();
-  // To order a large piece is the work of one thread.
+  // Ordering a large piece is single-threaded work.
   parallel_for(two ? 2 : 1, [&](std::size_t part) {
     if (part == 0)
       parallel_for(touched_.empty() ? 0 : piece_count_, [&](std::size_t p) { f(pieces_[p]); });

@@ -9,9 +9,9 @@ namespace brim {
 
 namespace {
 
-/// [blocks] that one thread works on at a time: clusters are dealt to pieces until they have as many.
+/// [blocks] processed by one thread at a time: clusters are added to a piece until it has this many.
 constexpr std::size_t kPiece = 512;
-/// The same where nothing is cut, of islands of bodies.
+/// The same for islands of bodies when nothing is cut.
 constexpr std::size_t kWholePiece = 256;
 
 }  // namespace
@@ -67,7 +67,7 @@ void ContactFactor::take_blocks_of_six() {
     for (std::size_t r = 0; r + 1 < o.sixes.first.size(); ++r)
       for (std::int32_t k = o.sixes.first[r]; k < o.sixes.first[r + 1]; ++k)
         local_[o.first_v + 6 * r] = local_[o.first_v + 6 * static_cast<std::size_t>(o.sixes.column[k])] = 0;
-    // A block counts whole, but for what is prescribed.
+    // A block is touched as a whole, except for prescribed velocities.
     for (std::size_t v = o.first_v; v < end_of(b); v += 6)
       if (std::max(local_[v], local_[v + 3]) == 0)
         for (const std::size_t three : {v, v + 3}) local_[three] = prescribed_[three] ? -1 : 0;
@@ -75,7 +75,7 @@ void ContactFactor::take_blocks_of_six() {
 }
 
 void ContactFactor::take_thin_whole(std::size_t most) {
-  // What is touched already, and what thin bodies would add.
+  // Number of blocks touched so far, and those that thin bodies would add.
   std::size_t blocks = 0;
   std::vector<std::uint8_t> taken(owner_.size(), 0);
   for (std::size_t b = 0; b < owner_.size(); ++b) {

@@ -10,7 +10,7 @@ namespace brim {
 
 namespace {
 
-/// Contacts that one thread works on at a time.
+/// Contacts processed by one thread at a time.
 constexpr std::size_t kContactsOfStretch = 512;
 
 const SparseMap* sparse(const Map& map) { return dynamic_cast<const SparseMap*>(&map); }
@@ -32,7 +32,7 @@ void ContactMaps::build(std::span<const WorldPart> parts, const ContactSet& cont
   first_side_.assign(first_v.size(), 0);
   for (const WorldPart& p : parts) ++first_side_[p.body_index + 1];
   for (std::size_t b = 1; b < first_side_.size(); ++b) first_side_[b] += first_side_[b - 1];
-  // Stretches of a pair's contacts, and where their chosen ones go.
+  // Ranges of a pair's contacts, and destinations of their chosen ones.
   struct Stretch {
     std::size_t pair, begin, end, chosen = 0, row_a = 0, row_b = 0;
   };
@@ -182,7 +182,7 @@ void ContactMaps::gather_rows(ContactRows& out) const {
   out.contact.assign(chosen_.begin(), chosen_.end());
   out.stiffness.resize(n);
   out.first.resize(n + 1);
-  // Where the entries of each contact begin, and its blocks that are no multiples of the identity.
+  // Start of each contact's entries, and its number of general blocks (not multiples of the identity).
   std::vector<std::int32_t> general(n + 1, 0);
   out.first[0] = 0;
   const auto for_sides = [&](std::size_t i, const auto& f) {

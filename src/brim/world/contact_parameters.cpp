@@ -14,7 +14,7 @@ namespace brim {
 
 namespace {
 
-/// The pair's own word counts first, then a body's "constraint", then its "penalty", then the world's.
+/// Precedence: the pair's own response, then a body's "constraint", then a body's "penalty", then the world's.
 Response choose_response(Response pair, Response a, Response b, Response world) {
   if (pair != Response::Inherit) return pair;
   if (a == Response::Constraint || b == Response::Constraint) return Response::Constraint;
@@ -22,31 +22,31 @@ Response choose_response(Response pair, Response a, Response b, Response world) 
   return world;
 }
 
-/// How much stiffer the faces of a rigid body on something fixed are than the loads ask for: an edge that carries the
-/// whole weight sinks in little enough for its body not to lean.
+/// Factor on the stiffness required by the loads, for the faces of a rigid body on a fixed part: an edge that carries
+/// the whole weight then sinks in so little that the body does not lean.
 constexpr double kFaces = 40.0;
 
-/// Stiffness over the chosen one above which contact may throw. The energy that nodes bring into it within a step, over
-/// all there was before: 1.6 to 2.4 at 10 times, of boxes and soft cubes dropped by 0.4 m; 4 to 15 at 30 times; 8 to 64
-/// at 60 times. Soft cubes leave faster than they came at 300 times.
+/// Stiffness relative to the chosen one above which contact may throw. Energy gained by contact nodes within a step,
+/// relative to all energy before, for boxes and soft cubes dropped by 0.4 m: 1.6 to 2.4 at a factor of 10; 4 to 15 at
+/// 30; 8 to 64 at 60. At 300 soft cubes leave faster than they came.
 constexpr double kThrowing = 30.0;
 
-/// Stiffness over what the lighter of two bodies asks for by itself up to which the loads of others count. A cloth of
-/// 0.12 kg/m² on the floor onto which balls of 40 and 400 kg and 0.2 m roll is thrown by 4 and 25 m without a bound, by
-/// 4 m at 10,000, and not at 3,000. Where a box of 500 kg and 0.25 m has fallen on it, it overlaps at rest by 0.06
-/// voxel at 3,000, and by 1.6 at 1,000.
+/// Largest factor by which the loads of others raise the stiffness over that required by the lighter of two bodies.
+/// Balls of 40 and 400 kg and 0.2 m that roll onto a cloth of 0.12 kg/m² on the floor throw it by 4 and 25 m without a
+/// bound, by 4 m at 10,000, and not at 3,000. A box of 500 kg and 0.25 m fallen on it overlaps at rest by 0.06 voxel at
+/// 3,000, and by 1.6 at 1,000.
 constexpr double kBearable = 3000.0;
 
-/// How much stiffer a body meets itself than one layer of it asks for: its folds lie on each other, and what falls on
-/// its edge has the mass of all that stands on it. A strip of 1.2 m that falls on its edge ends with folds that overlap
-/// by 1.2 voxels at 1 and 3 times, and by 0.4 at 10 and 30.
+/// Factor on the stiffness of self-contact over that required by one layer: folds lie on each other, and impact on an
+/// edge has the mass of everything that stands on it. A strip of 1.2 m that falls on its edge ends with folds that
+/// overlap by 1.2 voxels at factors of 1 and 3, and by 0.4 at 10 and 30.
 constexpr double kFolds = 10.0;
 
-/// [Pa] where nothing has weight: any contact may be this stiff.
+/// [Pa] without any weight: any contact may be this stiff.
 constexpr double kWeightless = 1e6;
 
-/// kFaces as a pair has it: what is round keeps what the loads ask for. The stiffer it is, the more the load of what
-/// rolls swings as nodes come and go under it.
+/// kFaces for a pair: a round contact keeps the stiffness required by the loads. With a stiffer one the load of a
+/// rolling body fluctuates more as nodes appear and vanish under it.
 double faces_of(const ContactPair& pair) {
   const double flat = 1.0 - pair.roundness;
   return 1.0 + (kFaces - 1.0) * flat * flat;
@@ -130,7 +130,7 @@ PairMaterial ContactParameters::material_of(const PartInfo& a, const PartInfo& b
 
 void ContactParameters::warn(std::span<const WorldPart> parts, const WorldOptions& options, StepReport& report) const {
   if (options.stiffness == 0.0 && options.pair_materials.empty()) return;
-  // One part stands for all of its material and modulus.
+  // One part represents all with its material and modulus.
   std::map<std::pair<std::string, double>, const WorldPart*> example;
   for (const WorldPart& p : parts)
     if (!p.info.conforming) example.try_emplace({p.info.material.name, p.info.modulus}, &p);
@@ -180,7 +180,7 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
     const WorldPart &a = parts[pairs[i].part_a], &b = parts[pairs[i].part_b];
     const PairMaterial m = material_of(a.info, b.info, options);
     const bool filled = fills(a, b);
-    // What takes the shape of another has no few points to hold it by: rows are for what keeps its own.
+    // A conforming part has no few points by which rows could hold it.
     const bool conforming = a.info.conforming || b.info.conforming;
     const bool itself = pairs[i].part_a == pairs[i].part_b;
     const bool constrained = !conforming && !itself && m.response == Response::Constraint;
@@ -203,7 +203,7 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
                      a.body->mean_velocity(a.index, velocities_of(a, v, first_v)),
                      b.body->mean_velocity(b.index, velocities_of(b, v, first_v)),
                      {a.info.conforming, b.info.conforming},
-                     hard && stiff,  // rods and grains do not yield to what presses them, but they bend
+                     hard && stiff,  // rods and grains do not yield to pressure, but they bend
                      filled,
                      inverse_mass_of(a) + inverse_mass_of(b),
                      fixed};
@@ -213,7 +213,7 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
 void ContactParameters::leave_to_links(std::size_t first) {
   for (std::size_t i = first; i < penalties_.size(); ++i) {
     penalties_[i] = PairState{};
-    // Without gradients there are no normals to find, and no loads.
+    // Without gradients there are no normals and no loads.
     penalties_[i].conforming = {true, false};
     penalties_[i].filled = true;
     constraints_[i] = ConstraintPair{};

@@ -18,7 +18,7 @@ std::size_t may_differ(std::size_t acting) {
   return std::min(ContactPreconditioner::kMayDiffer, acting / ContactPreconditioner::kFew);
 }
 
-/// Contacts of the rows that act.
+/// Number of contacts of the rows that are active.
 std::size_t count_held(const ContactRows& rows, std::span<const std::uint8_t> acting) {
   return static_cast<std::size_t>(std::ranges::count_if(rows.contact, [&](std::uint32_t c) { return acting[c] != 0; }));
 }
@@ -73,7 +73,7 @@ void ContactPreconditioner::reserve(const ContactMaps& all) {
 
 void ContactPreconditioner::make(const ContactMaps& acting, const Penalty& response, bool first,
                                  const std::function<void()>& beside) {
-  // Contacts that let go stay as rows without stiffness, and a few that come are left out: what is touched stays.
+  // Released contacts stay as rows without stiffness, and a few new ones are left out: the touched blocks stay.
   const std::size_t acting_now = count_acting(response.acting());
   const bool known = !first && acting_now - count_held(rows_, response.acting()) <= may_differ(acting_now);
   if (!known) {

@@ -28,7 +28,7 @@ bool inside(const TileKey& t, const TileRange& r) {
   return t.x >= r.lo.x && t.x <= r.hi.x && t.y >= r.lo.y && t.y <= r.hi.y && t.z >= r.lo.z && t.z <= r.hi.z;
 }
 
-/// Sorts the tiles and joins the octants of those that are there more than once.
+/// Sorts the tiles and merges the octants of repeated ones.
 void sort_unique(std::vector<OctantTile>& tiles) {
   const auto before = [](const OctantTile& s, const OctantTile& t) { return s.tile < t.tile; };
   if (!std::is_sorted(tiles.begin(), tiles.end(), before)) std::sort(tiles.begin(), tiles.end(), before);
@@ -41,7 +41,7 @@ void sort_unique(std::vector<OctantTile>& tiles) {
   tiles.resize(n);
 }
 
-/// What a part's presence is on a tile; no octant where it is not there. @param sorted  by tile
+/// A part's presence on a tile; no octant when absent. @param sorted  by tile
 Octants octants_on(const std::vector<OctantTile>& sorted, const TileKey& tile) {
   const auto at = std::lower_bound(sorted.begin(), sorted.end(), tile,
                                    [](const OctantTile& s, const TileKey& t) { return s.tile < t; });
@@ -56,10 +56,10 @@ void sort_unique(std::vector<TileKey>& tiles) {
 /// Own nodes of an octant.
 constexpr std::int64_t kOctantNodes = std::int64_t{kTileSize} * kTileSize * kTileSize / 8;
 
-/// Tiles of one piece of a search.
+/// Tiles per piece of a search.
 constexpr std::size_t kTilesOfWork = 16;
 
-/// What a step keeps of a contact, [bytes], as measured between rigid boxes.
+/// [bytes] memory of a step per contact, measured between rigid boxes.
 constexpr double kContactBytes = 1300.0;
 
 }  // namespace
@@ -85,7 +85,7 @@ void ContactStage::find(std::span<const WorldPart> parts, std::span<const double
   const ScopedSeconds timer(seconds(Phase::Detect));
   rigid_.find(held_, options.constraint_every_node, average_);
   plan_work();
-  // Work past the limit is not begun.
+  // Work beyond the limit is not started.
   const double most = options.memory_limit / kContactBytes;
   std::atomic<std::int64_t> found = 0;
   parallel_for(work_count_, [&](std::size_t i) {
@@ -147,7 +147,7 @@ void ContactStage::refine(const WorldOptions& options) {
     Candidate& c = candidates_[i];
     if (c.layer_a < 0 && c.layer_b < 0) return;
     BoundedPart pa = access_[c.pair.part_a].bounded, pb = access_[c.pair.part_b].bounded;
-    // What is averaged is no ramp of the distance, but empty beyond half a ramp from the surface.
+    // An averaged density is no ramp of the distance, but zero beyond half a ramp from the surface.
     if (c.level > 0 && pa.body != nullptr) pb.body = nullptr;
     const std::vector<OctantTile>& one = layers_[c.layer_a >= 0 ? c.layer_a : c.layer_b].present;
     const std::vector<OctantTile>& other = layers_[c.layer_b >= 0 ? c.layer_b : c.layer_a].present;
@@ -193,7 +193,7 @@ void ContactStage::rasterize(std::span<const WorldPart> parts, double ramp, Step
     const ProfileScope scope("rasterize", *part.body);
     profile_bytes(static_cast<double>(blocks.size_bytes()));
     for (std::size_t t = 0; t < blocks.size(); ++t) blocks[t].octants = layer.octants[t];
-    // Solids average themselves, as does what has no finer level.
+    // Solids average themselves, and so do parts without a finer level.
     if (layer.level > 0 && average_ && access_[layer.part].posed == nullptr)
       return rasterize_averaged(*part.body, part.index, {layer.h, ramp, layer.level}, layer.needed, blocks);
     part.body->rasterize(part.index, layer.h, ramp * layer.h, layer.needed, blocks);
@@ -225,7 +225,7 @@ void ContactStage::search(Work& work) const {
     const CubeSide a = side_of(c.pair.part_a, c), b = side_of(c.pair.part_b, c);
     if ((lo.array() <= hi.array()).all()) find_between_solids(a, b, c.pair, {lo, hi}, work.finds);
     carry_to_edges(a, b, h, work.finds.contacts);
-    // Only what rolls on something fixed: between two free bodies single points leave a residue of momentum.
+    // Only for contact with a fixed part: between two free bodies single points leave an error of momentum.
     if (access_[c.pair.part_a].immobile || access_[c.pair.part_b].immobile) {
       work.roundness = roundness(a, b, h, work.finds.contacts);
       center_on_least_gap(a, b, access_[c.pair.part_a].immobile ? b : a, h, work.finds.contacts);

@@ -44,7 +44,7 @@ double enclosed_volume(const Shown& body) {
 }
 
 int count_under(const Shown& body, const Shown& sheet) {
-  // 1: some of the sheet above the point, 2: some below.
+  // Flags: 1 for sheet above the point, 2 for sheet below.
   std::vector<unsigned char> sides(body.x.size(), 0);
   for (const Triangle& t : sheet.triangles) {
     const Vec3 a = corner(sheet, t, 0), u = corner(sheet, t, 1) - a, w = corner(sheet, t, 2) - a;
@@ -75,7 +75,7 @@ double surface_level(const Shown& fluid, double width, const Shown* without) {
     if (without == nullptr || outline.distance((at.first + 0.5) * width, (at.second + 0.5) * width) > width)
       heights.push_back(z + fluid.radius);
   if (heights.empty()) return kNothing;
-  // A median: a surface bends down where it meets a wall, and drops fly above it.
+  // A median, since a surface bends down at a wall, and drops fly above it.
   const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
   std::ranges::nth_element(heights, middle);
   return *middle;

@@ -10,11 +10,10 @@ namespace brim {
 
 namespace {
 
-/// First number of what memory holds of edits: what others keep starts otherwise (Levels, Links, Sleep,
-/// ReferencePoses).
+/// First number of edits in memory; differs from those of Levels, Links, Sleep and ReferencePoses.
 constexpr double kEditsMark = -0.75;
 
-/// Words of records.
+/// Keywords of records.
 enum Word : int { kNone, kRemoved, kFrozen, kGravity, kStiffness, kMaterial, kPair, kRule, kBase };
 
 /// Writes records.
@@ -37,7 +36,7 @@ class RecordWriter {
   std::size_t start_ = 0;
 };
 
-/// Reads the numbers of a record; past their end all are zero.
+/// Reads the numbers of a record; zeros past their end.
 class RecordReader {
  public:
   explicit RecordReader(std::span<const double> numbers) : numbers_(numbers) {}
@@ -61,7 +60,7 @@ class RecordReader {
   bool good_ = true;
 };
 
-/// Numbers from the mark on that belong to edits; 0 where there is no mark.
+/// Count of numbers that belong to edits, mark included; 0 without mark.
 std::size_t size_in(std::span<const double> memory) {
   if (memory.size() < 2 || memory[0] != kEditsMark || !(memory[1] >= 0.0)) return 0;
   return 2 + static_cast<std::size_t>(std::min(memory[1], static_cast<double>(memory.size() - 2)));

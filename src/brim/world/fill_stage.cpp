@@ -16,11 +16,11 @@ namespace brim {
 namespace {
 
 constexpr std::size_t kGrain = 512;
-/// Step of central differences of a distance, over the reach.
+/// Step of central differences of a distance, relative to the reach.
 constexpr double kDifference = 1e-3;
-/// Distance up to which a density tells its own, over that gap: further out a meshless body's does not.
+/// Distance, relative to the gap, up to which a density gives a distance: beyond it a meshless body's is wrong.
 constexpr double kReadable = 1.6;
-/// Step of second differences, over the gap of the layer at a surface.
+/// Step of second differences, relative to the gap of the layer at a surface.
 constexpr double kBendWidth = 0.6;
 
 const Filling* filling(const WorldPart& p) { return p.info.conforming ? interface_of<Filling>(*p.body) : nullptr; }
@@ -29,7 +29,7 @@ bool inside(const Aabb& box, const Vec3& x) {
   return (x.array() >= box.lo.array()).all() && (x.array() <= box.hi.array()).all();
 }
 
-/// The tile whose own nodes hold the cell of x; node: its lowest corner within the tile.
+/// The tile whose own nodes contain the cell of x; node: its lowest corner within the tile.
 TileKey tile_of(const Vec3& x, double h, Vec3i& node) {
   TileKey t;
   std::int32_t* key[3] = {&t.x, &t.y, &t.z};
@@ -91,8 +91,8 @@ void FillStage::find(std::span<const std::unique_ptr<Body>> bodies, std::span<co
       set.resize(pair.end);
       for (const Found& s : found_) {
         Contact contact{};
-        // Where the element is, not where the surface is: of what turns together nothing slips, and drag and friction
-        // have no torque of their own. Pressure acts along n, the same from either place.
+        // At the element, not at the surface: nothing slips when both rotate together, and drag and friction have no
+        // torque of their own. Pressure acts along n, the same from either place.
         contact.point = places[s.element];
         contact.node = (contact.point / h).array().round().cast<int>();
         contact.depth = static_cast<float>(filler.body->fill_gap() - s.distance);
@@ -134,7 +134,7 @@ void FillStage::find_in_solid(const PosedShape& solid, const Aabb& bounds, const
       }
       const double length = n.norm();
       if (!(length > 0.0)) continue;
-      // Second differences over a width that edges are seen with.
+      // Second differences over a width that resolves edges.
       const double wide = kBendWidth * filler.fill_gap();
       double bend = -6.0 * d;
       for (int a = 0; a < 3; ++a) {
@@ -150,7 +150,7 @@ void FillStage::find_in_solid(const PosedShape& solid, const Aabb& bounds, const
 void FillStage::find_on_grid(const WorldPart& part, double h, const Aabb& region, const Filling& filler) {
   const auto places = filler.fill_places();
   const double reach = kReadable * filler.fill_gap();
-  // Distances are read from the ramp of the density, which must reach as far as is seen.
+  // Distances are read from the density's ramp, which must extend over the whole reach.
   const double w = std::max(3.0 * h, 2.0 * reach + h);
   const Aabb bounds = part.body->bounds(part.index).inflated(0.5 * w).intersection(region);
   present_.clear(), binned_.clear();

@@ -11,7 +11,7 @@ namespace brim {
 
 namespace {
 
-/// What flows; a fluid that is frozen is met by contact.
+/// The part as a fluid; a frozen fluid is handled by contact instead.
 const FlowsAround* fluid_of(const WorldPart& p) {
   return p.info.conforming && !p.frozen ? interface_of<FlowsAround>(*p.body) : nullptr;
 }
@@ -68,7 +68,7 @@ void FluidCoupling::find(std::span<const std::unique_ptr<Body>> bodies, std::spa
     if (!fluid.sides.empty()) find_rows(fluid, parts);
     fluid.told = !octant_.empty();
   }
-  // One that knows of solids leaves its pressure to the solve, far as they may be from what is wet.
+  // A fluid that knows of solids leaves its pressure to the solve, even if they are far from its wet cells.
   std::erase_if(fluids, [](const Fluid& f) { return !f.told; });
   fluids_ = std::move(fluids);
   for (Fluid& f : fluids_) {
@@ -106,13 +106,13 @@ void FluidCoupling::find_rows(Fluid& fluid, std::span<const WorldPart> parts) {
   std::vector<float> share(g.faces(), 0.0f), best(g.faces(), 0.0f);
   std::vector<std::int32_t> source(g.faces(), 0), touched, sources;
   std::vector<float> all(g.faces(), 0.0f);
-  // Calls f(face, share of its cube); solids that overlap each have their part of what there is.
+  // Calls f(face, share of its cube); overlapping solids divide what is available.
   const auto for_faces = [&](const Eighth& e, const auto& f) {
     const Vec3i at(e.place % n.x(), e.place / n.x() % n.y(), e.place / (n.x() * n.y()));
     const float part = 0.125f * e.share / std::max(1.0f, octant_[e.place]);
     for (int a = 0; a < 3; ++a) {
       Vec3i cell = at / 2;
-      // At the box's sides as the fluid continues what it is told (set_solids).
+      // At the box's sides as the fluid extrapolates its solids (set_solids).
       for (const int side : {0, g.n[a]}) {
         const int layer = side == 0 ? at[a] : n[a] - 1 - at[a];
         if (layer > 1) continue;
@@ -143,7 +143,7 @@ void FluidCoupling::find_rows(Fluid& fluid, std::span<const WorldPart> parts) {
       const bool wet_low = hi[a] > 0 && fluid.flow->is_wet(low);
       const bool wet_high = hi[a] < g.n[a] && fluid.flow->is_wet(high);
       if ((wet_low || wet_high) && all[f] > 0.0f && share[f] > 0.0f) {
-        // All that is not open to the fluid is the solids'.
+        // Everything not open to the fluid belongs to solids.
         const double part = std::min(double{share[f]} / all[f], 1.0) * (1.0 - fluid.flow->open_share(f));
         side.rows.push_back({wet_low ? low : -1, wet_high ? high : -1, a, part * g.dx * g.dx});
         side.points.push_back(g.face_position(a, hi.x(), hi.y(), hi.z()));

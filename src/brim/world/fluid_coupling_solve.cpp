@@ -6,16 +6,16 @@
 #include "brim/core/stop.h"
 #include "brim/world/fluid_coupling.h"
 
-/// How the velocities of fluids and of solids in them keep the volume of cells.
+/// Volume conservation of cells for the velocities of fluids and of solids in them.
 namespace brim {
 
 namespace {
 
-/// Flow that may remain in a cell after a solve, over the largest before.
+/// Remaining flow of a cell after a solve, relative to the largest before.
 constexpr double kFlowTolerance = 1e-6;
-/// The same where a whole system is relieved, of which a millionth may be what acts.
+/// The same when a whole system is relieved, of which only a millionth may act.
 constexpr double kSharp = 1e-11;
-/// The same over the flow through a face: of velocities that are kept, and where it is rounding.
+/// The same relative to the flow through a face: for kept velocities, and rounding level.
 constexpr double kKept = 1e-9, kFlowRounding = 1e-15;
 constexpr int kMostIterations = 300, kMostRounds = 3;
 
@@ -80,8 +80,7 @@ void FluidCoupling::push(const std::vector<double> Fluid::*pressure, std::span<d
 }
 
 int FluidCoupling::solve(const Invert& invert, double tolerance) {
-  // The fluids' own part is a Poisson equation; each of the few motions with which solids yield costs an iteration
-  // where they are light.
+  // The fluids' own part is a Poisson equation; each of the few ways in which light solids yield costs an iteration.
   double most = 0.0, rz = 0.0;
   for (Fluid& f : fluids_) {
     std::fill(f.x.begin(), f.x.end(), 0.0);
@@ -180,7 +179,7 @@ void FluidCoupling::keep_volume(const Invert& invert, std::span<const double> v,
 void FluidCoupling::resist(const Invert& invert, std::span<double> r) { resist(invert, kFlowTolerance, r); }
 
 void FluidCoupling::resist(const Invert& invert, double tolerance, std::span<double> r) {
-  // From the last on, which hardly changes within a solve, only what is new is computed.
+  // Starts from the last pressure, which hardly changes within a solve; only the difference is computed.
   push(&Fluid::guess, r);
   velocity_.resize(first_.back());
   invert(r, velocity_, Of::All);

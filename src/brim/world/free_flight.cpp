@@ -15,7 +15,7 @@ namespace brim {
 
 namespace {
 
-/// Share of the momentum of a rigid motion that a body free to make it may miss: rounding.
+/// Relative momentum of a rigid motion that may be missing for a body free to make it: rounding.
 constexpr double kRounding = 1e-9;
 
 }  // namespace
@@ -48,7 +48,7 @@ void FreeFlight::set_back(const Body& body, double dt, std::span<const double> d
                           std::span<double> q, std::span<const double> v) {
   const double m = body.mass();
   if (v.empty() || !std::isfinite(m) || !(m > 0.0)) return;
-  // Joint velocities that finish_step has carried to a new pose cannot be compared with those before.
+  // After finish_step moved a tree to a new pose, its joint velocities cannot be compared with those before.
   std::vector<double> motion(delta.begin(), delta.end());
   for (std::size_t i = 0; i < v.size() && q.size() == v.size(); ++i) motion[i] += v[i] - advanced[i];
   const Vec3 momentum = body.linear_momentum(motion);

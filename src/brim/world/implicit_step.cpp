@@ -13,17 +13,17 @@ namespace brim {
 
 namespace {
 
-/// Tolerance of a solve that another one follows, over that of the last.
+/// Tolerance of a solve that is followed by another, relative to that of the last.
 constexpr double kDraft = 10.0;
-/// Change of the contact forces, over the one that ends the passes, below which the next solve may be the last.
+/// Change of the contact forces, relative to the tolerance, below which the next solve may be the last.
 constexpr double kNear = 20.0;
 /// Velocities up to which a body's system is one block of its diagonal.
 constexpr std::size_t kSmall = 6;
-/// Tolerance where the preconditioner is the inverse.
+/// Tolerance when the preconditioner is the inverse.
 constexpr double kExact = 1e-10;
-/// Share of what acts on fluids and solids in them, before their pressure is taken out, that is rounding after it.
+/// Rounding error after the pressure is removed, relative to the impulses on fluids and solids in them.
 constexpr double kRelieved = 1e-9;
-/// Times as many solves may be made there: each lets go of a third of the nodes that hold a body that tips over.
+/// Factor on the number of solves then allowed: each releases a third of the nodes that hold a toppling body.
 constexpr int kExactPasses = 3;
 
 }  // namespace
@@ -38,7 +38,7 @@ bool ImplicitStep::solve(const StepContext& context, const Settings& settings, s
   contact_delta_.assign(context.contacts.size(), Vec3::Zero());
   const ScopedSeconds timer(context.report.seconds[static_cast<std::size_t>(Phase::Solve)]);
   if (alone_ && solve_frames(delta)) {
-    // Each body by its own mass and inertia; what rows do besides is theirs.
+    // Each body by its own mass and inertia; the rows act afterwards.
     ++context.report.solves;
     const ScopedSeconds rows_timer(contact_seconds());
     return !correct || correct([](std::span<const double>, std::span<double>) { return SolveReport{}; }, delta, {});
@@ -63,7 +63,7 @@ bool ImplicitStep::make_passes(std::span<double> delta) {
   scale_.clear(), iterations_made_ = 0;
   for (int pass = 0; pass < passes; ++pass) {
     find_right_hand_side(pass == 0);
-    // What only tells which contacts let go and how friction is loaded is solved less sharply than what is kept.
+    // Solves that only determine released contacts and friction loads are less accurate than the one that is kept.
     const bool kept = settled_ || pass + 1 == passes;
     const SolveReport s = solve_once(pass, kept, near, delta);
     if (!s.finite) return false;
@@ -83,7 +83,7 @@ bool ImplicitStep::make_passes(std::span<double> delta) {
       break;
     }
   }
-  // The forces that are told are those of the solve; what it left of the bodies' momenta follows.
+  // The reported forces are those of the solve; the bodies' missing momenta are given back afterwards.
   if (c.coupling.empty()) {
     residual_.assign(cg_.residual().begin(), cg_.residual().end());
   } else {
@@ -117,8 +117,8 @@ void ImplicitStep::find_right_hand_side(bool first) {
 
 SolveReport ImplicitStep::solve_once(int pass, bool kept, bool near, std::span<double> delta) {
   StepReport& report = context_->report;
-  // Loads that have settled leave the preconditioner as good as it was, and so do few contacts that change; the inverse
-  // of a rigid system must be exact.
+  // The preconditioner stays good when loads have settled or only few contacts change; the inverse of a rigid system
+  // must be exact.
   const bool held = pass > 0 && !whole_ && (settled_ || preconditioner_.serves(context_->response));
   if (!held) prepare(pass == 0);
   FluidCoupling& coupling = context_->coupling;
@@ -133,7 +133,7 @@ SolveReport ImplicitStep::solve_once(int pass, bool kept, bool near, std::span<d
     if (coupling.empty()) {
       r = cg_.solve(system_, rhs_, tolerance, most, delta, scale_);
     } else {
-      // A Δ' = b − A Δ₀ among velocities that keep the volume of every cell, Δ = Δ₀ + Δ'.
+      // A Δ' = b − A Δ₀ among volume-conserving velocities, Δ = Δ₀ + Δ'.
       shifted_.resize(rhs_.size());
       system_.apply(flowing_, shifted_);
       for (std::size_t i = 0; i < rhs_.size(); ++i) shifted_[i] = rhs_[i] - shifted_[i], delta[i] -= flowing_[i];
@@ -190,7 +190,7 @@ void ImplicitStep::give_back(std::span<double> delta) {
 
 bool ImplicitStep::correct_by(const Correct& correct, std::span<double> delta) {
   const StepContext& c = *context_;
-  // Rows, their sweeps and the solves that they ask for are there because of contact: all of it counts, once.
+  // Rows, their sweeps and their solves exist because of contact: all their time counts as contact, once.
   double within = 0.0;
   const double before = contact_seconds();
   auto rows_timer = std::make_optional<ScopedSeconds>(within);
@@ -203,7 +203,7 @@ bool ImplicitStep::correct_by(const Correct& correct, std::span<double> delta) {
   if (finite && !c.coupling.empty()) c.coupling.keep_volume(invert_, c.v, delta);
   if (contacts_ > 0) c.maps.relative(delta, contact_delta_), c.fill.finish(c.first_v, delta, contact_delta_);
   if (!added_.empty()) {
-    // Rows then hold to what the solve left: a velocity of the size of its tolerance.
+    // Rows are then exact up to the residual of the solve: a velocity of the size of its tolerance.
     find_residual(delta, added_);
     give_back(delta);
   }

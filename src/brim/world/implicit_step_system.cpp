@@ -16,12 +16,12 @@ namespace brim {
 
 namespace {
 
-/// Share of the velocities whose change is rounding: where nothing acts, the solve need not resolve it.
+/// Share of the velocities whose change is rounding: without forces, the solve need not resolve it.
 constexpr double kNegligible = 1e-11;
-/// Tolerance of an island with links, over the usual one: rigid ones rule the residual, and what it leaves of softer
-/// motions would shake them.
+/// Factor on the tolerance of an island with links: rigid ones dominate the residual, and its error in softer motions
+/// would make these vibrate.
 constexpr double kLinked = 1e-2;
-/// Overlap above which what lies on something fixed is guided by it: rows hold it at the brink.
+/// Overlap above which a particle on a fixed part is guided by it: rows hold it close to contact.
 constexpr float kGuided = -0.1f;
 
 }  // namespace
@@ -54,7 +54,7 @@ bool ImplicitStep::solve_frames(std::span<double> delta) {
 
 void ImplicitStep::guide() {
   const StepContext& c = *context_;
-  // Particles that a force at one of these contacts would reach.
+  // Particles reached by a force at one of these contacts.
   contact_force_.assign(c.contacts.size(), Vec3::Zero());
   bool any = false;
   for (std::size_t p = 0; p < c.contacts.pairs.size(); ++p) {
@@ -82,7 +82,7 @@ void ImplicitStep::begin_bodies() {
   const StepContext& c = *context_;
   const double dt = settings_->dt;
   const std::size_t n = c.v.size();
-  // Inner forces: dt (Q + dt ∂Q/∂q v), and the matrices of the bodies.
+  // Internal forces: dt (Q + dt ∂Q/∂q v), and the matrices of the bodies.
   internal_.assign(n, 0.0), scratch_.assign(n, 0.0);
   parallel_for(c.bodies.size(), [&](std::size_t b) {
     if (asleep(b)) return;
@@ -227,7 +227,7 @@ void ImplicitStep::begin_preconditioner() {
     modes_.begin(c.bodies, c.first_v, c.parts, without_);
   }
   if (contacts_ > room_) {
-    // Memory follows the number of contacts, not which of them act.
+    // Memory depends on the number of contacts, not on which of them are active.
     const ScopedSeconds contact_timer(contact_seconds());
     acting_.build(c.parts, c.contacts, c.first_v);
     preconditioner_.reserve(acting_);

@@ -9,13 +9,13 @@ namespace brim {
 
 namespace {
 
-/// First number of what memory holds of levels: sleep, rows and references start otherwise.
+/// First number of levels in memory; differs from those of sleep, rows and references.
 constexpr double kLevelsMark = -0.25;
 constexpr int kMostLevel = 8;
 
-/// Finer again only when a step takes less than this share of the budget: a level less costs up to four times as much.
+/// Share of the budget below which levels get finer again: one level less costs up to four times as much.
 constexpr double kFinerBelow = 0.25;
-/// A level chosen by distance is left only past a tenth of the distance at which it began.
+/// Hysteresis: a level chosen by distance is left only a tenth beyond the distance at which it began.
 constexpr double kPast = 1.1;
 
 int level_at(double distance, double near, int most) {
@@ -29,7 +29,7 @@ std::string stem(const std::string& name) {
   return dot == std::string::npos ? name : name.substr(0, dot);
 }
 
-/// Numbers of a memory before those of the bodies.
+/// Count of numbers in memory before those of the bodies.
 constexpr std::size_t kNumbers = 14;
 
 }  // namespace

@@ -12,14 +12,14 @@ namespace brim {
 
 namespace {
 
-/// First number of what memory holds of links: what others keep starts otherwise (Levels, Edits, Sleep,
-/// ReferencePoses).
+/// First number of links in memory; differs from those of Levels, Edits, Sleep and ReferencePoses.
 constexpr double kLinksMark = -0.125;
-constexpr double kOlderMark = -0.25;  ///< of runs from before Levels had it; theirs is longer (Levels::read)
+constexpr double kOlderMark =
+    -0.25;  ///< of runs before Levels used it; the records of Levels are longer (Levels::read)
 /// [s] A gap between two sides closes as exp(−t / kClosing).
 constexpr double kClosing = 0.1;
 
-/// Value and rate that a drive aims at over a sub-step, as JointForces has it.
+/// Target value and rate of a drive over a sub-step, as in JointForces.
 std::pair<double, double> aim_of(const JointDrive& d, double time, double dt) {
   if (d.keys.empty()) return {d.target, d.target_velocity};
   const auto at = [&](double t) {
@@ -175,7 +175,7 @@ void Links::drive(const Link& link, const Tie& tie, const Vec3& velocity, Bond& 
       double miss = target - value;
       if (j.kind == JointKind::Revolute) miss = std::remainder(miss, 2.0 * std::numbers::pi);
       const double wanted = d.stiffness * miss + d.damping * (rate - u), size = std::abs(wanted);
-      // As JointForces: the secant keeps to the limit where the joint is held.
+      // As in JointForces: the secant respects the limit when the joint is held.
       const double s = size > d.force_limit ? d.force_limit / size : 1.0;
       force += s * wanted, K += s * d.stiffness, D += s * d.damping;
     }
@@ -222,7 +222,7 @@ void Links::begin(const ContactSet& set, std::span<const Vec3> velocity_a, std::
         bond.one_way = link.given.pulls_only;
         if (!bond.one_way) break;
         bond.n = -tie.n;
-        bond.waits = !(tie.n.dot(tie.error + dt_ * u) > 0.0);  // slack, and slack at the end of the step as well
+        bond.waits = !(tie.n.dot(tie.error + dt_ * u) > 0.0);  // slack now, and at the end of the step too
         break;
       default:
         drive(link, tie, u, bond);
@@ -243,7 +243,7 @@ void Links::finish(const ContactSet& set, std::span<const Vec3> force, double ti
     const Tie& tie = ties_[i];
     LinkReport& r = report.links[tie.link];
     const Hold hold = links_[tie.link].held[tie.held].hold;
-    // What acts along a coordinate that turns is one of a couple: the points that are held give the other.
+    // A force along a rotational coordinate is half of a couple: the held points provide the other half.
     r.force += force[first + i];
     if (hold == Hold::Drive || hold == Hold::Lower || hold == Hold::Upper) {
       r.effort += tie.lever * tie.n.dot(force[first + i]);

@@ -11,25 +11,25 @@
 #include "brim/core/error.h"
 #include "brim/world/links.h"
 
-/// How links are taken in: which points of both sides they hold, and how.
+/// Construction of links: which points of both sides they hold, and how.
 namespace brim {
 
 namespace {
 
-/// Distance of the two ends, over the step of the grid, up to which they are at the same place.
+/// Distance of the two ends, relative to the grid step, up to which they coincide.
 constexpr double kSamePlace = 1e-3;
 
-/// Gap between two sides, over the step, up to which they are taken to be at the same place: it closes.
+/// Gap between two sides, relative to the step, up to which they count as the same place: it closes.
 constexpr double kSeam = 0.5;
-/// The same of a joint, whose two sides have been placed where their matter is nearest to each other, and of loose
-/// nodes, which lie beside what they are held to.
+/// The same for a joint, whose two sides are placed where their material is nearest to each other, and for loose nodes,
+/// which lie beside the part that holds them.
 constexpr double kJointSeam = 3.0;
-/// Turns in which each side follows the other to a place that both have matter at.
+/// Rounds in which each side moves to the other's point, to find a place with material on both sides.
 constexpr int kTogether = 12;
-/// [voxels] Distance of the points that a joint needs to hold a direction.
+/// [voxels] Distance of points that a joint needs to hold a direction.
 constexpr double kLeastSpread = 0.1;
 
-/// The part of a side that is meant, or the one whose box lies nearest to x.
+/// The given part of a side, or the one whose box is nearest to x.
 int choose_part(std::span<const WorldPart> parts, const std::vector<int>& mine, int wanted, const Vec3& x) {
   if (wanted >= static_cast<int>(mine.size()))
     throw InputError(
@@ -38,7 +38,7 @@ int choose_part(std::span<const WorldPart> parts, const std::vector<int>& mine, 
   return mine[MatterPoints::nearest_part(parts.subspan(static_cast<std::size_t>(mine[0]), mine.size()), x)];
 }
 
-/// [kg] that a side has behind its points: of loose nodes their own.
+/// [kg] mass behind a side's points: for loose nodes their own.
 double mass_behind(const WorldPart& part, const MatterPoints& points) {
   const double mass = part.body->mass();
   if (!points.loose()) return mass;
@@ -46,7 +46,7 @@ double mass_behind(const WorldPart& part, const MatterPoints& points) {
   return mass * std::min(1.0, static_cast<double>(points.size()) / nodes);
 }
 
-/// Some of the points, spread: each is the farthest from those before it.
+/// Some well-spread points: each is the farthest from those before it.
 std::vector<Vec3> spread_of(const std::vector<Vec3>& x, std::size_t most) {
   if (x.size() <= most) return x;
   std::vector<double> distance(x.size(), std::numeric_limits<double>::infinity());
@@ -66,10 +66,10 @@ bool is_solid(const WorldPart& p) {
   return bound != nullptr && bound->solid(p.index) != nullptr;
 }
 
-/// Shortest distance from a hinge's axis that its angle is read at, as a share of the axis' held length.
+/// Shortest distance from a hinge's axis used to read its angle, relative to the held length of the axis.
 constexpr double kArm = 0.02;
 
-/// Distance of the third held point from the line through the others, as a share of their distance: the smaller one of
+/// Distance of the third held point from the line through the others, relative to their distance: the smaller value of
 /// the two sides.
 double least_arm(std::span<const Vec3> a, std::span<const Vec3> b) {
   double least = std::numeric_limits<double>::infinity();
@@ -81,8 +81,8 @@ double least_arm(std::span<const Vec3> a, std::span<const Vec3> b) {
   return least;
 }
 
-/// [voxels] Least distance of the points of a joint from its place where a side has loose nodes: theirs is about two,
-/// and each point needs one of its own.
+/// [voxels] Smallest distance of the points of a joint from its position when a side has loose nodes: their spacing is
+/// about two, and each point needs a node of its own.
 constexpr double kLooseSpan = 2.0;
 
 /// A quarter of the smallest extent of either side, where it has one. @param b  none: space
@@ -115,7 +115,7 @@ std::vector<Vec3> points_in(const Body& body, const std::function<bool(const Vec
   return x;
 }
 
-/// As messages name it.
+/// Name of the link in messages.
 std::string told(const Attachment& given) {
   return fmt::format("{} '{}'", given.joint ? "joint" : "attachment", given.name);
 }
@@ -191,7 +191,7 @@ Links::Link Links::make(const Attachment& given, std::span<const WorldPart> part
       if (!given.joint) link.part_b = choose_part(parts, b.parts, given.to_part, y[0]);
       const WorldPart& pb = parts[link.part_b];
       link.body_b = pb.body_index;
-      // What carries any point follows what does not.
+      // The side that can carry any point follows the other.
       const bool b_first = !given.to_point && MatterPoints::takes_any(pa) && !MatterPoints::takes_any(pb);
       const auto bind_a = [&] { link.a = MatterPoints::of_part(pa, ramp_voxels * pa.h, a.q, x); };
       const auto bind_b = [&] { link.b = MatterPoints::of_part(pb, ramp_voxels * pb.h, b.q, y); };
@@ -206,7 +206,7 @@ Links::Link Links::make(const Attachment& given, std::span<const WorldPart> part
         bind_a();
         if (!given.to_point) y = same(link.a);
         bind_b();
-        // Where neither carries any point, each follows the other in turn; the turn that brings them nearest counts.
+        // If neither can carry any point, each follows the other in turn; the round with the smallest distance counts.
         std::vector<Vec3> nearest = x;
         double least = worst_gap(link.a, link.b), now = least;
         for (int i = 1; i < kTogether && given.joint && least > kSamePlace * pa.h; ++i) {
@@ -262,16 +262,16 @@ void Links::choose_held(Link& link, double h) {
   };
   const bool both_loose = link.a.loose() && link.b.loose();
   if (!link.given.joint) {
-    // Two nodes are not at one place: a line between them leaves no torque.
+    // Two nodes never coincide: a line between them leaves no torque.
     const double seam = both_loose ? same_place : kSeam * h;
     const double reach = link.a.loose() || link.b.loose() ? kJointSeam * h : seam;
     const bool line = link.given.to_point || link.given.length || link.given.pulls_only;
     for (std::size_t i = 0; i < n; ++i) {
       const Vec3 gap = link.a.positions()[i] - link.b.positions()[i];
       const double apart = gap.norm(), length = link.given.length.value_or(apart);
-      // A line needs two ends; what is at the same place is held there.
+      // A line needs two ends; coincident ends are held as a point.
       const bool along = line ? link.given.pulls_only || std::max(length, apart) > same_place : apart > seam;
-      if (!line && n > 1 && apart > reach) continue;  // of a region: the other side has no matter there
+      if (!line && n > 1 && apart > reach) continue;  // of a region: the other side has no material there
       hold(i, along ? Hold::Along : Hold::Point, 1.0);
       link.held.back().length = length;
       if (!along) link.held.back().gap = gap;

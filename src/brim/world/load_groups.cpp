@@ -9,11 +9,11 @@ namespace brim {
 
 namespace {
 
-/// Share of the momentum of a rigid motion that a body free to make it may miss: rounding.
+/// Relative momentum of a rigid motion that may be missing for a body free to make it: rounding.
 constexpr double kMissed = 1e-9;
 
-/// How many times its own loads what just rests on others counts with, at most as they: contact ten times stiffer than
-/// chosen throws nothing, and in a stack of up to ten equal bodies all contacts are as stiff as the lowest.
+/// Largest factor on the own loads of a body that only rests on others: contact ten times stiffer than chosen throws
+/// nothing, and in a stack of up to ten equal bodies all contacts are as stiff as the lowest.
 constexpr double kResting = 10.0;
 
 Loads several_within(const Loads& l, double times, const Loads& most) {
@@ -21,7 +21,7 @@ Loads several_within(const Loads& l, double times, const Loads& most) {
           std::min(times * l.impact_energy, most.impact_energy)};
 }
 
-/// True where a body cannot be moved as a whole in every direction: nodes or a base of it are fixed, or walls hold it.
+/// True when a body cannot move as a whole in every direction: it has fixed nodes or a fixed base, or walls hold it.
 bool is_pinned(const Body& body) {
   if (interface_of<Walled>(body) != nullptr) return true;
   const double m = body.mass();
@@ -70,7 +70,7 @@ void LoadGroups::find(std::span<const WorldPart> parts, const ContactStage& stag
   for (std::size_t b = 0; b < n; ++b) first_edge_[b + 1] += first_edge_[b];
 
   order_.assign(n, -1), parent_.assign(n, -1), visited_.clear();
-  // From what is held, so that what is visited later rests on what was visited before.
+  // Starts from held bodies, so that bodies visited later rest on those visited before.
   for (const bool held : {true, false})
     for (std::size_t b = 0; b < n; ++b)
       if (order_[b] < 0 && (held_[b] != 0 || !held)) visit(static_cast<std::int32_t>(b));
@@ -78,7 +78,7 @@ void LoadGroups::find(std::span<const WorldPart> parts, const ContactStage& stag
 }
 
 void LoadGroups::visit(std::int32_t root) {
-  std::vector<std::size_t> next;  // edge to be looked at, of each body from the root to b
+  std::vector<std::size_t> next;  // next edge to visit, for each body from the root to b
   const auto enter = [&](std::int32_t b) {
     order_[b] = static_cast<std::int32_t>(visited_.size());
     visited_.push_back(b);
@@ -99,12 +99,12 @@ void LoadGroups::visit(std::int32_t root) {
 }
 
 void LoadGroups::share() {
-  // From the leaves on: what rests on each body, and the first body that any of it touches besides.
+  // From the leaves up: the load that rests on each body, and the first visited body that any of it touches.
   carried_ = own_;
   std::vector<std::int32_t> first = order_;
   for (auto it = visited_.rbegin(); it != visited_.rend(); ++it) {
     const std::int32_t b = *it, parent = parent_[b];
-    bool by_parent = false;  // one contact with the parent is the one that b was reached by
+    bool by_parent = false;  // the one contact with the parent by which b was reached
     for (std::size_t e = first_edge_[b]; e < first_edge_[b + 1]; ++e) {
       const std::int32_t to = edges_[e].second;
       if (to != parent || by_parent) first[b] = std::min(first[b], order_[to]);
@@ -115,7 +115,7 @@ void LoadGroups::share() {
     held_[parent] |= held_[b];
     carried_[parent].raise_to(carried_[b]);
   }
-  // From the roots on: what does not just rest on its parent carries all that it does.
+  // From the roots down: a body that does not just rest on its parent carries all that its parent does.
   bool on_ground = false;
   for (const std::int32_t b : visited_) {
     const std::int32_t parent = parent_[b];

@@ -7,8 +7,8 @@ namespace brim {
 
 namespace {
 
-/// How far the middle of a box can come down onto the lowest thing that does not move, [m], lying on its flattest side
-/// in the end: what stands may topple, but its own height is no fall.
+/// [m] largest descent of a box's centre onto the lowest immobile part, ending on its flattest side: a standing body
+/// may topple, but its own height is no drop.
 double drop_height(std::span<const WorldPart> parts, const Vec3& down, const Aabb& box) {
   double lowest = -std::numeric_limits<double>::infinity();
   for (const WorldPart& p : parts)
@@ -56,7 +56,7 @@ std::vector<Loads> estimate_loads(std::span<const WorldPart> parts, std::span<co
     const double extent = std::max(all.hi[a] - all.lo[a], 1e-12);
     return std::clamp(static_cast<int>(kColumns * (x - all.lo[a]) / extent), 0, kColumns - 1);
   };
-  // From the top down, so that each column holds what lies above.
+  // From the top down, so that each column contains the weight above.
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < parts.size(); ++i)
     if (!is_fixed(parts[i])) order.push_back(i);
@@ -86,7 +86,7 @@ std::vector<Loads> estimate_loads(std::span<const WorldPart> parts, std::span<co
 
 namespace {
 
-/// What keeps bodies from passing through each other, given the share of p that static loads ask for.
+/// Stiffness that keeps bodies from passing through each other, with the factor on p for static loads.
 double least_stiffness(double share, const Loads& loads, double w, double dt) {
   return std::max(
       {share * loads.pressure, 8.0 * loads.impact_energy / w, 4.0 * loads.areal_mass * w / (1.2 * dt * dt)});

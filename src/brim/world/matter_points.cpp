@@ -17,13 +17,14 @@ namespace brim {
 
 namespace {
 
-/// Density from which a node counts as matter's.
+/// Smallest density of a node that counts as material.
 constexpr double kMatter = 0.05;
-/// Rounds until a point lies on the middle of a sheet or rod: each leaves two thirds of its offset at most.
+/// Maximum number of rounds to project a point onto the middle of a sheet or rod: each reduces its offset to two
+/// thirds.
 constexpr int kRounds = 120;
-/// Offset over the step at which it does.
+/// Offset relative to the step at which it counts as on the middle.
 constexpr double kOnMiddle = 1e-10;
-/// [voxels] within which a point of a region is still the one that was asked for.
+/// [voxels] distance within which a point of a region replaces the requested one.
 constexpr double kBeside = 2.0;
 
 const PosedShape* solid_of(const WorldPart& part) {
@@ -31,7 +32,7 @@ const PosedShape* solid_of(const WorldPart& part) {
   return bound != nullptr ? bound->solid(part.index) : nullptr;
 }
 
-/// The sources of the nodes nearest to points, −1 where no matter is near.
+/// The sources of the nodes nearest to points, −1 without material nearby.
 std::vector<std::int32_t> nearest_sources(const WorldPart& part, double w, std::span<const Vec3> x) {
   const double h = part.h;
   const auto tile_of = [](int node) { return node >= 0 ? node / kTileSize : -((kTileSize - 1 - node) / kTileSize); };
@@ -67,7 +68,7 @@ std::vector<std::int32_t> nearest_sources(const WorldPart& part, double w, std::
   return source;
 }
 
-/// Places of nodes in the room of their velocities, so that a body's map gives those of points.
+/// Node positions in the layout of velocities, so that a body's map gives positions of points.
 std::vector<double> as_velocities(const Body& body, std::span<const double> q) {
   const std::size_t per_node = velocities_per_node(body);
   std::vector<double> out(per_node * (q.size() / 3), 0.0);
@@ -85,9 +86,9 @@ Vec3 nearest_vertex(const Body& body, const Vec3& x) {
   return best;
 }
 
-/// For each point the one that stands in for it: itself where it was found within two voxels of where it was wanted,
-/// else the one of those that was wanted nearest; where there are none, itself.
-/// @param lost  nonzero where none was found; or empty
+/// Replacement of each point: itself if it was found within two voxels of the requested place, else the found point
+/// whose request is nearest; itself if there are none.
+/// @param lost  nonzero when nothing was found; or empty
 std::vector<std::size_t> stand_ins(std::span<const Vec3> wanted, std::span<const Vec3> found,
                                    std::span<const std::uint8_t> lost, double h) {
   const auto good = [&](std::size_t i) {
@@ -174,7 +175,7 @@ MatterPoints MatterPoints::of_part(const WorldPart& part, double w, std::span<co
     m.source_ = nearest_sources(part, w, m.x_);
     if (std::count(m.source_.begin(), m.source_.end(), -1) > 0) throw refuse();
   }
-  // A map with an offset gives J q beside the point; on the middle it gives the point itself.
+  // A map with an offset gives J q beside the point; without offset, on the middle, it gives the point itself.
   const std::vector<Vec3> wanted = m.x_;
   std::vector<Vec3> there(m.x_.size());
   std::unique_ptr<Map> map;
@@ -196,7 +197,7 @@ MatterPoints MatterPoints::of_part(const WorldPart& part, double w, std::span<co
     }
     loose = std::move(still);
   }
-  // At the rim of a scan's matter a few have no such place, or one that is far: those beside them hold for these.
+  // At the rim of a scan's material some points have no such place, or a distant one: their neighbours replace them.
   std::vector<std::uint8_t> is_loose(m.x_.size(), 0);
   for (const std::size_t i : loose) is_loose[i] = 1;
   if (2 * loose.size() > m.x_.size()) throw refuse();

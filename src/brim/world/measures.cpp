@@ -14,7 +14,7 @@ namespace brim {
 
 namespace {
 
-/// Rotation that carries the points a onto b best, both about their centres (Kabsch 1976).
+/// Best-fit rotation from the points a to b, both relative to their centres (Kabsch 1976).
 Mat3 best_rotation(std::span<const Vec3f> a, std::span<const Vec3f> b) {
   Vec3 ca = Vec3::Zero(), cb = Vec3::Zero();
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -65,7 +65,7 @@ Measures::Measures(const World& world, std::vector<Expectation> expectations, do
       posed_[b] = {ranges.of(pieces->piece(0).surface().vertices), pieces->piece(0).pose().rotation};
     if (movable) {
       if (body.v_size() > 6) particles_ += static_cast<double>(body.v_size() / velocities_per_node(body));
-      // A surface that changes keeps no vertices by which a turn could be told.
+      // A changing surface has no persistent vertices from which a rotation could be found.
       if (posed_[b].vertices == nullptr && !changing_surface(body)) display_now(body, start_[b]);
     }
     if (std::ranges::any_of(expectations, [&](const Expectation& e) { return asks_about(e, body.name(), movable); }))
@@ -180,7 +180,7 @@ void Measures::keep(const World& world, const StepReport& frame, int steps, std:
   last_ = std::move(f);
 }
 
-/// Adds a frame to the windows that it lies in. A window has at least the first frame that is not before it.
+/// Adds a frame to the windows that contain it. A window has at least the first frame not before it.
 void Measures::take(const MeasuredFrame& frame) {
   for (Asked& a : asked_) {
     const bool inside = a.begun ? frame.report.time <= end_of(a.expectation) + slack_
@@ -200,7 +200,7 @@ ExpectationResult Measures::find(const Asked& a) const {
   }
   finding.reached = last_.report.time >= end_of(e) - slack_;
   std::unique_ptr<MetricFold> last_frame;
-  if (!a.begun) {  // the last frame speaks for a window that the run did not reach
+  if (!a.begun) {  // the last frame represents a window that the run did not reach
     last_frame = new_fold(a);
     last_frame->add(last_);
   }
@@ -213,7 +213,7 @@ ExpectationResult Measures::find(const Asked& a) const {
     finding.ok = finding.reached && within(finding.value);
     return finding;
   }
-  // Of several bodies the one nearest to (or farthest beyond) a bound speaks for all.
+  // Of several bodies the one closest to (or farthest beyond) a bound counts.
   double least_margin = std::numeric_limits<double>::infinity();
   bool all = true;
   for (std::size_t i = 0; i < values.size(); ++i) {

@@ -17,7 +17,7 @@ namespace {
 using Take = NumberFold::Take;
 using Quantity = double (*)(const MeasuredFrame&);
 
-/// Metrics that are one quantity of each frame, folded.
+/// Metrics that are one quantity per frame, accumulated.
 struct SimpleMetric {
   Take take;
   Quantity of;
@@ -44,7 +44,7 @@ const std::map<std::string, SimpleMetric>& simple_metrics() {
   return table;
 }
 
-/// Metrics that are the sum of one quantity over that of another.
+/// Metrics that are the ratio of two summed quantities.
 struct RatioMetric {
   Quantity above, below;
 };
@@ -102,7 +102,7 @@ class ConstantFold : public MetricFold {
   double value_;
 };
 
-/// How much a vector is another one at the end of the window than at its start.
+/// Change of a vector from the start of the window to its end.
 class ChangeFold : public MetricFold {
  public:
   explicit ChangeFold(Vec3 MeasuredFrame::*of) : of_(of) {}
@@ -118,8 +118,8 @@ class ChangeFold : public MetricFold {
   Vec3 first_ = Vec3::Zero(), last_ = Vec3::Zero();
 };
 
-/// Largest energy over an earlier one: over that of the window's start (rise), or over the least before (growth). The
-/// run's first frame has no report of its own: the energy of the run's start is that after its first step.
+/// Largest energy relative to an earlier one: that of the window's start (rise), or the least before (growth). The
+/// run's first frame has no report: the energy at the start of the run is that after its first step.
 class EnergyFold : public MetricFold {
  public:
   explicit EnergyFold(bool over_least) : over_least_(over_least) {}

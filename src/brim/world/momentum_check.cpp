@@ -21,7 +21,7 @@ void check_momentum(std::span<const std::unique_ptr<Body>> bodies, std::span<con
                     std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const double> mapped,
                     std::span<const Vec3> force_on_a, StepReport& report) {
   std::vector<Resultant> sum(bodies.size());
-  // Points without a force say nothing of how far forces reach; nobody asks what holds the fixed ones.
+  // Points without force do not extend the reach of the forces; supports of fixed bodies are not checked.
   const auto add = [&](std::int32_t part, const Vec3& x, const Vec3& f, double h) {
     if (f == Vec3::Zero() || is_fixed(parts[part])) return;
     Resultant& r = sum[parts[part].body_index];

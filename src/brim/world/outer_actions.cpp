@@ -135,7 +135,7 @@ void OuterActions::add_in_flow(const AppliedForce& given, const Body& body, std:
   dynamic_cast<const FlowPlaces&>(body).velocity_places(place);
   std::vector<double> inside(Q.size()), image(Q.size(), 0.0);
   for (std::size_t i = 0; i < Q.size(); ++i) inside[i] = given.region(place[i]) ? 1.0 : 0.0;
-  body.filter(inside);  // what walls hold and what is dry takes none
+  body.filter(inside);  // walls and dry cells take none
   body.apply_mass(inside, image);
   Vec3 mass = Vec3::Zero();
   for (std::size_t i = 0; i < Q.size(); ++i) mass[static_cast<int>(i % 3)] += image[i];
@@ -217,7 +217,7 @@ std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Bo
       const bool by_middle = given.attractor && !has_nodes(body);
       if (uniform == Vec3::Zero() && given.torque == Vec3::Zero() && !by_middle) continue;
       motion.assign(n, 0.0), image.assign(n, 0.0);
-      // The middle of the mass: p × F of a uniform field is m c × a.
+      // Centre of mass: p × F of a uniform field is m c × a.
       std::array<Vec3, 3> moment = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
       const double m = body.mass();
       for (int a = 0; a < 3; ++a) {
@@ -233,7 +233,7 @@ std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Bo
         add(scale * dt);
       }
       if (given.torque == Vec3::Zero()) continue;
-      // I α = T with I from the momenta of the three rotations about the middle.
+      // I α = T with I from the momenta of the three rotations about the centre.
       Mat3 inertia;
       for (int a = 0; a < 3; ++a) {
         const Vec3 w = Vec3::Unit(a);

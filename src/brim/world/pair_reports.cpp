@@ -20,7 +20,7 @@ void warn_of_saturation(std::span<const WorldPart> parts, const PairReport& r, d
 void warn_of_start(std::span<const WorldPart> parts, double time, StepReport& report) {
   constexpr double kDeep = 2.0;  // [voxels]
   for (const PairReport& r : report.pairs) {
-    // What takes the shape of another starts where that leaves it room.
+    // A conforming part starts where the other leaves room.
     const bool conforming = parts[r.part_a].info.conforming || parts[r.part_b].info.conforming;
     if (conforming || !(r.worst_overlap > kDeep)) continue;
     if (report.warnings.size() >= 16) return;
@@ -35,7 +35,7 @@ void warn_of_start(std::span<const WorldPart> parts, double time, StepReport& re
 
 void warn_of_mass_ratio(std::span<const WorldPart> parts, const ContactParameters& laws, const WorldOptions& options,
                         double time, StepReport& report) {
-  // A load over a light box sinks by 0.01 voxel at 100 times its mass, 0.05 at 300, 0.3 to 1.3 at 1,000, and goes
+  // A load on a light box sinks by 0.01 voxel at 100 times its mass, 0.05 at 300, 0.3 to 1.3 at 1,000, and passes
   // through it at 10,000.
   constexpr double kRatio = 300.0, kCarried = 10.0;
   for (const PairReport& r : report.pairs) {
@@ -62,7 +62,7 @@ void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, 
   report.pairs.clear();
   const auto pairs = std::span(contacts.pairs).first(contacts.first_link_pair());
   for (std::size_t first = 0, next = 0; first < pairs.size(); first = next) {
-    // What meets itself does so in several places.
+    // Self-contact occurs at several places.
     const std::int32_t a = pairs[first].part_a, b = pairs[first].part_b;
     while (next < pairs.size() && pairs[next].part_a == a && pairs[next].part_b == b) ++next;
     PairReport r;

@@ -13,7 +13,7 @@ int PartFilter::add(const TouchRule& rule) {
 }
 
 void PartFilter::meet(std::span<const std::unique_ptr<Body>> bodies) {
-  // Bodies that are met at one time share their places.
+  // Bodies met at the same time share their start places.
   std::map<int, std::shared_ptr<StartPlaces>> fresh;
   for (int r = 0; r < size(); ++r)
     for (std::size_t b = 0; b < bodies.size(); ++b) {

@@ -7,14 +7,14 @@ namespace brim {
 
 namespace {
 
-/// Numbers of a reference in memory: the part and its pose.
+/// Count of numbers of a reference in memory: the part and its pose.
 constexpr std::size_t kReference = 13;
 
 std::size_t count_in(std::span<const double> memory) {
   return memory.empty() || memory[0] >= 0.0 ? 0 : static_cast<std::size_t>(-1.0 - memory[0]);
 }
 
-/// Motion between two poses, and how far it takes the farthest corner of a box, [m].
+/// Motion between two poses, and the displacement of the farthest corner of a box, [m].
 RigidMotion motion_between(const Pose& from, const Pose& to) {
   RigidMotion m;
   m.none = from.rotation == to.rotation && from.translation == to.translation;
@@ -23,12 +23,12 @@ RigidMotion motion_between(const Pose& from, const Pose& to) {
   m.turn = turn - Mat3::Identity();
   m.center = from.translation;
   m.shift = to.translation - from.translation;
-  // Of a small turn: the axis of its skew part is its vector but for the third order.
+  // For a small rotation the axial vector of the skew part is the rotation vector up to third order.
   m.rotation = 0.5 * Vec3(turn(2, 1) - turn(1, 2), turn(0, 2) - turn(2, 0), turn(1, 0) - turn(0, 1));
   return m;
 }
 
-/// How far any point of a solid moves, at most, [m].
+/// Upper bound of the displacement of any point of a solid, [m].
 double farthest(const RigidMotion& m, const Pose& from, const Aabb& local, double reach) {
   if (m.none) return 0.0;
   if (!local.lo.allFinite() || !local.hi.allFinite()) return std::numeric_limits<double>::infinity();
@@ -38,7 +38,8 @@ double farthest(const RigidMotion& m, const Pose& from, const Aabb& local, doubl
                  corner & 4 ? local.hi.z() : local.lo.z());
     most = std::max(most, (m.turn * (from.rotation * x) + m.shift).squaredNorm());
   }
-  // A ball is less than its box: its points move by no more than its place and its turn, |R − 1| = 2 sin(θ/2), say.
+  // A ball is smaller than its box: its points move at most by its displacement plus its rotation, |R − 1| = 2
+  // sin(θ/2).
   const double turn = std::sqrt(0.5) * m.turn.norm();
   return std::min(std::sqrt(most), reach > 0.0 ? m.shift.norm() + turn * reach : std::sqrt(most));
 }

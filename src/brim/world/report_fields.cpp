@@ -10,7 +10,7 @@ namespace brim {
 
 namespace {
 
-/// A recorded number as that of a report. Whole numbers are kept within what their type holds, whatever a file says.
+/// Converts a recorded number to a report's. Integers are clamped to their type's range, whatever a file contains.
 template <class T>
 T as(double x) {
   if constexpr (std::is_same_v<T, bool>) return x != 0.0;

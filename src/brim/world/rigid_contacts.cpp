@@ -22,17 +22,17 @@ namespace brim {
 
 namespace {
 
-/// What a step keeps of a row, [bytes], with all of its pair: as measured of 500,000 pairs of boxes.
+/// [bytes] memory of a step per row, with its pair: measured for 500,000 pairs of boxes.
 constexpr double kRowBytes = 1800.0;
 
-/// The part as one solid that moves as a whole, a rigid body or a link of one, or null.
+/// The part as a solid that moves as a whole, a rigid body or a link, or null.
 const PosedShape* rigid_solid(const WorldPart& part) {
   const auto* bound = interface_of<DistanceBound>(*part.body);
   const PosedShape* solid = bound != nullptr ? bound->solid(part.index) : nullptr;
   return solid != nullptr && solid->known_distance() != nullptr ? solid : nullptr;
 }
 
-/// A curvature in tangents_of(n), [1/m]. Hollow directions count as flat: the other surface is bent more than they are.
+/// A curvature in tangents_of(n), [1/m]. Concave directions count as flat: the other surface has the larger curvature.
 std::array<float, 3> pack_bend(const Mat3& bend, const Vec3& n) {
   if (bend == Mat3::Zero()) return {};
   const Eigen::Matrix<double, 3, 2> t = tangents_of(n);
@@ -53,7 +53,7 @@ bool before(std::int32_t a, std::int32_t b, const RigidContacts::Touch& t) {
 
 }  // namespace
 
-/// Contacts of one pair on their way to rows.
+/// Contacts of one pair during conversion to rows.
 struct RigidContacts::Workspace {
   CubeFinds finds;
   ContactSet contacts;
@@ -98,7 +98,7 @@ void RigidContacts::start(std::span<const WorldPart> parts, const ContactParamet
   for (const std::size_t a : example)
     for (const std::size_t b : example) {
       laws_.push_back(laws.constraint_between(parts[a], parts[b], options));
-      laws_.back().rigid = true;  // solids do not deform, however many joints move them
+      laws_.back().rigid = true;  // solids do not deform, even if joints move them
       any_ = any_ || laws_.back().constrained;
     }
 }
@@ -145,13 +145,13 @@ void RigidContacts::find(std::span<const Touch> touches, bool every_node, bool a
     Pair& p = pairs_[i];
     const std::uint64_t a = references_.stamp(static_cast<std::size_t>(t.part_a)),
                         b = references_.stamp(static_cast<std::size_t>(t.part_b));
-    // Stamps belong to one part each and are never given twice.
+    // Stamps are unique to a part and never reused.
     const bool same = p.stamp_a == a && p.stamp_b == b && p.touch.margin == t.margin && p.touch.level == t.level;
     if (same) continue;
     p.touch = t, p.stamp_a = a, p.stamp_b = b;
     fresh_.push_back(i);
   }
-  // What is past the limit is not begun.
+  // Work beyond the limit is not started.
   std::atomic<std::int64_t> rows = 0;
   for (const std::size_t i : fresh_) pairs_[i].rows.clear();
   for (const Pair& p : pairs_) rows += static_cast<std::int64_t>(p.rows.size());
@@ -176,7 +176,7 @@ void RigidContacts::find(std::span<const Touch> touches, bool every_node, bool a
 }
 
 bool RigidContacts::apart(std::int32_t a, std::int32_t b, double gap) const {
-  // d_a(x) + d_b(x) >= d_a(c) − |x − c| + |x − c| − reach at every x, with c the place of b.
+  // d_a(x) + d_b(x) >= d_a(c) − |x − c| + |x − c| − reach at every x, c: origin of b.
   const CubeSide& side = side_[a];
   return reach_[b] > 0.0 && side.solid->least_distance(side.pose.to_local(side_[b].pose.translation)) > reach_[b] + gap;
 }
@@ -229,7 +229,7 @@ void RigidContacts::sample(Pair& pair, Workspace& ws, bool every_node) const {
   pair.deepest = {set.point[deepest], ws.normal[deepest], -set.depth[deepest], Vec3::Zero(), {}, {}};
   ConstraintOptions options;
   options.every_node = every_node;
-  if (t.level == 0) options.side_a = &a, options.side_b = &b;  // what is averaged has no edges
+  if (t.level == 0) options.side_a = &a, options.side_b = &b;  // averaged solids have no edges
   ws.rows.gather(set, ws.normal, std::span(&law(t.part_a, t.part_b), 1), options);
   const ContactSet& points = ws.rows.points();
   for (std::size_t c = 0; c < points.size(); ++c) {
@@ -258,7 +258,7 @@ GatheredRows RigidContacts::gather() {
 
 void RigidContacts::report(std::span<const WorldPart> parts, double time, StepReport& report) const {
   const std::size_t others = report.pairs.size();
-  std::size_t next = 0;  // of the gathered rows
+  std::size_t next = 0;  // index in the gathered rows
   for (const Pair& p : pairs_) {
     if (p.contacts == 0) continue;
     const std::size_t end = next + p.rows.size();
@@ -267,7 +267,7 @@ void RigidContacts::report(std::span<const WorldPart> parts, double time, StepRe
     PairReport r;
     r.part_a = p.touch.part_a, r.part_b = p.touch.part_b;
     r.contacts = p.contacts;
-    // Between nodes the overlap may be more than at any.
+    // The overlap between nodes may exceed that at any node.
     double gap = deepest.gap;
     for (; next < end; ++next) gap = std::min(gap, rows_[next].gap);
     r.worst_overlap = std::max(0.0, -gap / p.touch.h);
@@ -298,7 +298,7 @@ void RigidContacts::append_boxes(std::vector<std::pair<NodeBox, double>>& out) c
 void RigidContacts::keep(std::vector<double>& memory) const {
   std::vector<std::int32_t> elsewhere;
   for (std::size_t p = 0; p < solid_.size(); ++p) {
-    if (references_.stamp(p) == 0 || solid_[p] == nullptr) continue;  // of what was removed
+    if (references_.stamp(p) == 0 || solid_[p] == nullptr) continue;  // of a removed body
     const Pose &now = solid_[p]->pose(), &then = references_.pose(p);
     if (now.rotation != then.rotation || now.translation != then.translation)
       elsewhere.push_back(static_cast<std::int32_t>(p));

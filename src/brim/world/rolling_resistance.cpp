@@ -11,7 +11,7 @@ namespace brim {
 
 namespace {
 
-/// One side of a contact: how it turns, and what impulses do to it.
+/// One side of a contact: its rotation, and its response to impulses.
 struct RollingSide {
   Vec3 lever = Vec3::Zero();  ///< [m] from its centre to the centre of pressure
   Vec3 spin;                  ///< [rad/s] after the sub-step
@@ -28,7 +28,8 @@ struct RollingSide {
   }
 };
 
-/// Resists between a and b. @param n  unit normal  @param load  N dt, [N s]  @param friction  impulse on a, [N s]
+/// Applies the resistance between a and b. @param n  unit normal  @param load  N dt, [N s]  @param friction  impulse on
+/// a, [N s]
 void resist(const RollingSide& a, const RollingSide& b, const Vec3& n, double load, const Vec3& friction, double mu,
             double reach) {
   const Vec3 w = a.spin - b.spin;

@@ -4,9 +4,9 @@ namespace brim {
 
 namespace {
 
-/// Numbers of a point: parts, position, force on a.
+/// Count of numbers per point: parts, position, force on a.
 constexpr std::size_t kRecord = 8;
-/// [voxels] farthest that a point is taken for one of the last step.
+/// [voxels] largest distance from the matching point of the last step.
 constexpr double kSamePoint = 2.0;
 
 }  // namespace

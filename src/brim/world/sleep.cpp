@@ -9,7 +9,7 @@ namespace brim {
 
 namespace {
 
-/// First number of what memory holds of sleep: rows and references start otherwise (ReferencePoses).
+/// First number of sleep in memory; differs from those of rows and references (ReferencePoses).
 constexpr double kMark = -0.5;
 
 bool may_rest(const Body& body) {
@@ -90,14 +90,14 @@ void Sleep::settle(std::span<const WorldPart> parts, std::span<const PairReport>
   for (std::size_t b = 0; b < n; ++b)
     if (!asleep(b)) rest_[b] = parted[b] && !fixed[b] && !stirs[b] && may_rest(*body_[b]) ? rest_[b] + dt : 0.0;
 
-  // Of bodies awake, named by their first.
+  // Islands of awake bodies, named by their first body.
   Islands islands(n);
   for (const PairReport& p : pairs) {
     const std::int32_t a = parts[p.part_a].body_index, b = parts[p.part_b].body_index;
     if (!fixed[a] && !fixed[b]) islands.join(a, b);
   }
   std::vector<std::uint8_t> rests(n, 1);
-  // As sums of time steps round.
+  // Tolerance for the rounding of summed time steps.
   for (std::size_t b = 0; b < n; ++b)
     if (rest_[b] < kRest - 0.5 * dt) rests[islands.first_of(static_cast<std::int32_t>(b))] = 0;
   for (std::size_t b = 0; b < n; ++b) {

@@ -30,7 +30,7 @@ void SolidShares::sample(const MacGrid& g, const WorldPart& part, const PosedSha
   const Vec3i n = 2 * g.n;
   const Vec3 origin = g.origin / h + Vec3::Constant(0.5);
   const Vec3i first = origin.array().floor().cast<int>();
-  const Vec3 t = origin - first.cast<double>();  // of a middle of an eighth, from the node below it
+  const Vec3 t = origin - first.cast<double>();  // centre of an eighth relative to the node below it
   const int p = part.index;
   const Aabb region = part.body->bounds(p).inflated(g.dx).intersection(g.box().inflated(g.dx));
   tiles_.clear(), out.clear();
@@ -73,7 +73,7 @@ void SolidShares::sample(const MacGrid& g, const WorldPart& part, const PosedSha
           const double width = h * (length > 1e-6 ? slope.lpNorm<1>() / length : 1.0);
           double share = std::clamp(0.5 - d / width, 0.0, 1.0);
           if (solid != nullptr && std::abs(d) < h) {
-            // What is known everywhere is asked at the middles of eighths of it: edges are no planes.
+            // A known distance is evaluated at the centres of eighths of the eighth, since edges are no planes.
             share = 0.0;
             const Vec3 middle = g.origin + h * (at.cast<double>() + Vec3::Constant(0.5));
             for (int corner = 0; corner < 8; ++corner) {

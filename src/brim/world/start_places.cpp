@@ -20,7 +20,7 @@ const PosedShape* solid_part(const Body& body, int part) {
   return bound != nullptr ? bound->solid(part) : nullptr;
 }
 
-/// Cell (x, y, z) as one number; cells 2^21 apart share one, which costs time and no more.
+/// Cell (x, y, z) as one number; cells 2^21 apart share one, which only costs time.
 std::uint64_t cell_key(const Vec3i& c) {
   const auto bits = [](int i) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(i)) & 0x1fffffu; };
   return bits(c.x()) | bits(c.y()) << 21 | bits(c.z()) << 42;
@@ -40,7 +40,7 @@ StartPlaces::StartPlaces(const Body& body) : body_(body) {
   display_now(body, start_);
   Aabb box;
   for (const Vec3f& x : start_) box.extend(x.cast<double>());
-  // About a vertex a cell where they lie on a surface.
+  // About one cell per vertex if they lie on a surface.
   cell_ = std::max(box.extent().norm() / std::sqrt(static_cast<double>(start_.size())), 1e-9);
 }
 
@@ -65,7 +65,7 @@ Vec3 StartPlaces::of(int part, const Vec3& x) {
     const double d = (now_[static_cast<std::size_t>(i)].cast<double>() - x).squaredNorm();
     if (d < least || (d == least && i < best)) least = d, best = i;
   };
-  // Rings of cells outward, until none farther out can hold a nearer vertex.
+  // Search rings of cells outwards, until no farther ring can contain a nearer vertex.
   constexpr int kRings = 4;
   for (int ring = 0; ring <= kRings + 1 && !(least <= std::pow((ring - 1) * cell_, 2)); ++ring)
     for (int k = -ring; k <= ring; ++k)

@@ -15,12 +15,12 @@ namespace brim {
 
 namespace {
 
-/// Share of the thickness of two parts together by which they may move in one sub-step.
+/// Share of the combined thickness of two parts that they may move in one sub-step.
 constexpr double kShareOfThickness = 0.25;
-/// [voxels] of a part whose thickness is not known: voxels are chosen so that two fit.
+/// [voxels] assumed for a part of unknown thickness: voxels are chosen so that two fit.
 constexpr double kLeastThickness = 2.0;
 
-/// The speeds of the two fastest parts, [m/s]: together no two may be faster.
+/// The speeds of the two fastest parts, [m/s]: their sum bounds every relative speed.
 class FastestTwo {
  public:
   void add(double speed) {
@@ -33,7 +33,7 @@ class FastestTwo {
   double first_ = 0.0, second_ = 0.0;
 };
 
-/// An upper bound of the pieces without looking at pairs: the two fastest parts met at the finest step.
+/// An upper bound of the pieces without looking at pairs: the two fastest parts at the finest step.
 double most_pieces(const FastestTwo& speeds, std::span<const WorldPart> parts, const WorldOptions& options,
                    double time) {
   double h = std::numeric_limits<double>::infinity();
@@ -41,7 +41,7 @@ double most_pieces(const FastestTwo& speeds, std::span<const WorldPart> parts, c
   return speeds.sum() * time / (options.max_motion_voxels * h);
 }
 
-/// The same before parts are looked at in clusters; infinite where one of them is.
+/// The same before parts are divided into clusters; infinite when a part has clusters.
 double most_pieces_of_whole(std::span<const WorldPart> parts, std::span<const double> v,
                             std::span<const std::size_t> first_v, const WorldOptions& options, double time,
                             double change) {
@@ -55,7 +55,7 @@ double most_pieces_of_whole(std::span<const WorldPart> parts, std::span<const do
   return most_pieces(speeds, parts, options, time);
 }
 
-/// @param first  of the clusters of each part, and behind the last
+/// @param first  first cluster of each part, and the end
 double most_pieces_of_clusters(std::span<const MotionCluster> clusters, std::span<const std::size_t> first,
                                std::span<const WorldPart> parts, const WorldOptions& options, double time) {
   FastestTwo speeds;
@@ -68,13 +68,13 @@ double most_pieces_of_clusters(std::span<const MotionCluster> clusters, std::spa
   return most_pieces(speeds, parts, options, time);
 }
 
-/// Clusters of one piece of work, and pairs of them.
+/// Clusters per piece of work, and pairs of them.
 constexpr std::size_t kEntriesOfWork = 256, kPairsOfWork = 64;
-/// Parts of one piece of work where each is one cluster.
+/// Parts per piece of work when each is one cluster.
 constexpr std::size_t kPartsOfWork = 256;
 
 struct FastPair {
-  double bound;      ///< pieces, at most
+  double bound;      ///< upper bound of pieces
   double per_speed;  ///< [s/m] pieces for a relative speed
   std::int32_t a, b;
 };
@@ -99,7 +99,7 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
   const auto velocities = [&](const WorldPart& part) {
     return v.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
   };
-  // Clusters of those parts that have some; every other part is one.
+  // Clusters of the parts that have several; every other part is one.
   std::vector<std::vector<MotionCluster>> several;
   std::vector<std::int32_t> number(parts.size(), -1), cut;
   for (std::size_t p = 0; p < parts.size(); ++p)
@@ -137,19 +137,19 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
           boxes[k] = now;
           boxes[k].extend(Aabb{now.lo + time * c.velocity.lo, now.hi + time * c.velocity.hi});
           part[k] = static_cast<std::int32_t>(p);
-          // Those of a group are not held against each other; parts have the numbers from 0 on.
+          // Members of a group are not tested against each other; parts are numbered from 0 on.
           group[k] = by_itself ? -1 - static_cast<std::int32_t>(k) : part[k];
         }
       },
       kPartsOfWork);
   if (most_pieces_of_clusters(clusters, first, parts, options, time) <= 1.0) return 1.0;
   sweep.build(boxes, group);
-  // Pairs of clusters that ask for more than one piece, by bounds that are far from sharp.
+  // Pairs of clusters that need more than one piece, by loose bounds.
   std::vector<std::vector<FastPair>> fast_of((boxes.size() + kEntriesOfWork - 1) / kEntriesOfWork);
   parallel_blocks(boxes.size(), kEntriesOfWork, [&](std::size_t begin, std::size_t end) {
     std::vector<FastPair>& fast = fast_of[begin / kEntriesOfWork];
     std::vector<std::int32_t> partners;
-    std::int32_t last_a = -1, last_b = -1;  // neighbours in the order are often of the same two parts
+    std::int32_t last_a = -1, last_b = -1;  // consecutive entries often belong to the same two parts
     double per_speed = 0.0;                 // [s/m]
     for (std::size_t i = begin; i < end; ++i) {
       const std::int32_t own = sweep.at(i);
@@ -170,11 +170,10 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
   for (const auto& f : fast_of) fast.insert(fast.end(), f.begin(), f.end());
   if (fast.empty()) return 1.0;
 
-  // They are looked at more closely, by finer clusters: those with the largest bounds first, until no bound exceeds
-  // what has been found.
+  // They are refined by finer clusters: those with the largest bounds first, until no bound exceeds the result so far.
   std::vector<std::uint8_t> wanted(clusters.size(), 0);
   for (const FastPair& f : fast) wanted[f.a] = wanted[f.b] = 1;
-  std::vector<std::vector<MotionCluster>> finer(clusters.size());  // itself where there are none
+  std::vector<std::vector<MotionCluster>> finer(clusters.size());  // itself if it has none
   parallel_for(
       clusters.size(),
       [&](std::size_t k) {

@@ -9,7 +9,7 @@ namespace brim {
 
 namespace {
 
-/// Greedy match with * and ?; goes back to the last * where it fails.
+/// Greedy match with * and ?; on failure backtracks to the last *.
 bool matches_pattern(std::string_view pattern, std::string_view name) {
   std::size_t p = 0, n = 0, star = std::string_view::npos, from = 0;
   while (n < name.size()) {

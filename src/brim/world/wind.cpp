@@ -15,8 +15,8 @@ namespace brim {
 
 namespace {
 
-/// The force of air on one side of a triangle. @param facing  A n, towards where the air goes
-/// @param slope  change of the force's size with the speed
+/// The force of air on one side of a triangle. @param facing  A n, in the direction of the air's motion
+/// @param slope  derivative of the force's magnitude with respect to the speed
 Vec3 force_on_face(const AppliedForce::Wind& wind, const Vec3& air, const Vec3& facing, double& slope) {
   const double speed = air.norm(), area = facing.norm();
   if (!(speed > 0.0) || !(area > 0.0)) return Vec3::Zero();
@@ -26,7 +26,7 @@ Vec3 force_on_face(const AppliedForce::Wind& wind, const Vec3& air, const Vec3& 
   return 0.5 * wind.density * area * speed * speed * cosine * (wind.drag * cosine * c + wind.lift * (n - cosine * c));
 }
 
-/// Drag ½ ρ D A |c| c of a body of that frontal area, less where that would outrun the air.
+/// Drag ½ ρ D A |c| c of a body of that frontal area, limited so that the body does not outrun the air.
 Vec3 drag(const AppliedForce::Wind& wind, const Vec3& air, double area, double mass, double dt) {
   const double slope = wind.density * wind.drag * area * air.norm();
   return 0.5 * slope / (mass > 0.0 ? 1.0 + dt * slope / mass : 1.0) * air;
@@ -42,8 +42,8 @@ Vec3 middle_of(std::span<const Vec3f> vertex, const Triangle& t) {
   return ((vertex[t[0]] + vertex[t[1]] + vertex[t[2]]) / 3.0f).cast<double>();
 }
 
-/// Adds the force of air on triangles through the map of their part. @param x, facing  middles [m] and A n [m²] of each
-/// @param source  of each middle, as make_map takes it
+/// Adds the force of air on triangles through the map of their part. @param x, facing  centres [m] and A n [m²] of each
+/// @param source  of each centre, for make_map
 void blow(const AppliedForce::Wind& wind, double scale, const WorldPart& part, std::span<const Vec3> x,
           std::span<const Vec3> facing, std::span<const std::int32_t> source, std::span<const double> v, double time,
           double dt, std::span<double> Q) {
@@ -55,20 +55,20 @@ void blow(const AppliedForce::Wind& wind, double scale, const WorldPart& part, s
   if (wind.field) wind.field(time, x, flow);
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Vec3 air = scale * flow[i] - u[i];
-    // Air pushes what faces it: both sides of a sheet, of a closed surface its windward side.
+    // Air pushes faces turned towards it: both sides of a sheet, the windward side of a closed surface.
     const double into = facing[i].dot(air);
     Vec3 windward = into < 0.0 ? Vec3(-facing[i]) : facing[i];
     if (!part.body->display().two_sided && !(into < 0.0)) windward.setZero();
     double slope = 0.0;
     const Vec3 f = force_on_face(wind, air, windward, slope);
-    // No more than what brings light matter to the air's speed.
+    // At most the force that brings light matter to the air's speed.
     const double mass = part.info.areal_mass * windward.norm();
     u[i] = mass > 0.0 ? Vec3(f / (1.0 + dt * slope / mass)) : f;
   }
   map->apply_transpose(u, Q);
 }
 
-/// The part of each vertex of the display, where each part has vertices of its own; else all 0.
+/// The part of each display vertex if each part has vertices of its own; else all 0.
 std::vector<std::size_t> parts_of_vertices(const Body& body) {
   std::vector<std::size_t> part(body.display().vertices, 0);
   if (body.part_count() == 1) return part;

@@ -18,7 +18,7 @@ void need_state(const Body& body, std::span<const double> numbers, const char* w
       throw InputError(fmt::format("state: {} {} of '{}' is {}; all must be finite", what, i, body.name(), numbers[i]));
 }
 
-/// A rigid body's coordinates are its place and a quaternion.
+/// Checks that a rigid body's quaternion is valid.
 void need_turn(const Body& body, std::span<const double> q) {
   if (interface_of<RigidFrame>(body) == nullptr || q.size() != 7) return;
   const double length = Eigen::Map<const Eigen::Vector4d>(q.data() + 3).stableNorm();
@@ -56,7 +56,7 @@ int World::add(std::unique_ptr<Body> body) {
   Impl& w = *impl_;
   if (w.names.contains(body->name()))
     throw InputError(fmt::format("world: two bodies are named '{}'; names must be unique", body->name()));
-  // All that may throw comes first.
+  // Everything that may throw comes first.
   std::vector<double> q0(body->q_size()), v0(body->v_size());
   body->initial_state(q0, v0);
   body->update(w.state.time, q0, v0);
@@ -138,7 +138,7 @@ void World::set_state(State state) {
     need_state(body, v.first(body.v_size()), "velocity");
     q = q.subspan(body.q_size()), v = v.subspan(body.v_size());
   }
-  w.start();  // what is chosen from the initial state stays as it was chosen there
+  w.start();  // choices based on the initial state stay as made there
   std::vector<double> before, after;
   w.edits.keep(before);
   w.bring_back();
@@ -156,7 +156,7 @@ void World::set_state(State state) {
     if (std::any_of(w.v(b).begin(), w.v(b).end(), [](double x) { return x != 0.0; })) w.sleep.wake(b);
   w.keep_memory();
   w.update_bodies();
-  // What was found of the state before holds no longer.
+  // Results for the previous state are invalid.
   w.samples.clear();
   w.stage.forget();
   for (const auto& watcher : w.watchers) watcher->restored(*this);

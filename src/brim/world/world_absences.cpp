@@ -5,10 +5,10 @@
 #include "brim/world/space.h"
 #include "brim/world/world_impl.h"
 
-/// What a world does about its edits: which bodies are out, and what of parts and laws is not as it was given.
+/// Effects of edits on a world: absent bodies, and changed properties of parts and parameters.
 namespace brim {
 
-// ---- what is out ---------------------------------------------------------------------------------------------------
+// ---- absent bodies -------------------------------------------------------------------------------------------------
 
 bool World::Impl::out(std::size_t b) const {
   const auto it = absences.find(b);
@@ -63,7 +63,7 @@ void World::Impl::leave_out() {
                   state.q.begin() + static_cast<std::ptrdiff_t>(first_q[b + 1]));
     state.v.erase(state.v.begin() + static_cast<std::ptrdiff_t>(first_v[b]),
                   state.v.begin() + static_cast<std::ptrdiff_t>(first_v[b + 1]));
-    // Kept for ever: what was made for one object must not be taken for that of another one at its address.
+    // Kept for ever: data cached for one object must not be used for another at the same address.
     if (!absence.other) absence.other = std::make_unique<Space>(bodies[b]->part_count());
     std::swap(bodies[b], absence.other);
     absence.out = true;
@@ -72,14 +72,14 @@ void World::Impl::leave_out() {
   show_whole();
 }
 
-// ---- what was edited -----------------------------------------------------------------------------------------------
+// ---- edited properties ---------------------------------------------------------------------------------------------
 
 PartInfo World::Impl::info_of(const WorldPart& p) const {
   PartInfo info = p.body->part(p.index);
   const auto it = edits.materials.find(p.body_index);
   if (it != edits.materials.end()) info.material = it->second;
   if (edits.frozen.contains(p.body_index)) {
-    // What stays where it is does not give way, and keeps its shape.
+    // A frozen body neither yields nor deforms.
     info.areal_mass = 0.0;
     info.modulus = std::numeric_limits<double>::infinity();
     info.conforming = false;
@@ -110,7 +110,7 @@ void World::Impl::follow_edits() {
   int regions = 0;
   for (const TouchRule& rule : given.touch_rules) rules.add(rule, rule.about_part() ? regions++ : -1);
   for (const Edits::Rule& edit : edits.rules) {
-    if (edit.region >= filter.size()) continue;  // a rule that this world has not been told
+    if (edit.region >= filter.size()) continue;  // a rule unknown to this world
     const TouchRule rule = edit.region < 0 ? edit.rule : filter.rule(edit.region);
     options.touch_rules.push_back(rule);
     rules.add(rule, edit.region);
@@ -123,7 +123,7 @@ void World::Impl::follow_edits() {
   for (std::size_t i = 0; i < parts.size(); ++i) {
     WorldPart& p = parts[i];
     p.info = info_of(p);
-    p.h = absent(p) ? coarsest : part_h[i];  // what is not there must not be the finest
+    p.h = absent(p) ? coarsest : part_h[i];  // absent parts must not be the finest
     p.frozen = edits.frozen.contains(p.body_index);
     p.sides = rules.sides(p.body->name()), p.rules = &rules;
   }

@@ -182,18 +182,18 @@ void World::set_gravity(const Vec3& gravity) {
 
 void World::set_touch(const TouchRule& rule) {
   TouchRules more = impl_->rules;
-  more.add(rule);  // throws where there are too many
+  more.add(rule);  // throws when there are too many
   int region = -1;
   if (rule.about_part()) {
     impl_->start();
     impl_->update_bodies();
     PartFilter with = impl_->filter;
     region = with.add(rule);
-    with.meet(std::span(impl_->bodies).first(impl_->count()));  // throws where it cannot be
+    with.meet(std::span(impl_->bodies).first(impl_->count()));  // throws when a body carries no region along
     impl_->filter = std::move(with);
   }
   if (!impl_->started && impl_->state.step == 0 && region < 0) {
-    // As if the world had been made with it: no edit that a state of another world would undo.
+    // As if the world had been constructed with it: not an edit that setting a state would undo.
     impl_->given.touch_rules.push_back(rule);
     impl_->options.touch_rules.push_back(rule);
     impl_->rules = std::move(more);
@@ -203,7 +203,7 @@ void World::set_touch(const TouchRule& rule) {
   for (int i = 0; i < body_count(); ++i) wake(i);
 }
 
-// ---- at a time -----------------------------------------------------------------------------------------------------
+// ---- scheduled edits -----------------------------------------------------------------------------------------------
 
 void World::schedule(double at, std::function<void(World&)> edit) {
   if (!std::isfinite(at)) throw InputError(fmt::format("an edit cannot be at time {}", at));

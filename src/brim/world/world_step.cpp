@@ -11,7 +11,7 @@ namespace brim {
 
 void World::Impl::start() {
   if (started) return;
-  filter.meet(std::span(bodies).first(count()));  // may refuse: then nothing is begun
+  filter.meet(std::span(bodies).first(count()));  // may throw: then nothing has begun
   started = true;
   double h0 = options.voxel_size;
   if (h0 == 0.0) {
@@ -42,7 +42,7 @@ void World::Impl::update_bodies() {
   if (updated_time != state.time) stir();
   updated_q.resize(state.q.size()), updated_v.resize(state.v.size()), fresh.resize(bodies.size(), 0);
   updated_time = state.time;
-  // A step begins where the last was measured: what is known is not found again.
+  // A step begins at the state that was measured last: unchanged bodies are not updated again.
   const auto taken = [](std::span<const double> from, std::span<double> to) {
     if (from.empty() || std::memcmp(from.data(), to.data(), from.size_bytes()) == 0) return false;
     std::copy(from.begin(), from.end(), to.begin());
@@ -109,7 +109,7 @@ void World::Impl::measure(StepReport& report) {
   stage.rigid().keep(state.warm_start);
   if (sleep.on()) {
     if (report.ok) sleep.settle(parts, report.pairs, report.dt, state.v, first_v);
-    // What is linked does not sleep: its links would have to be followed.
+    // Linked bodies do not sleep: their links would have to be followed.
     for (std::size_t l = 0; l < links.size(); ++l)
       if (const auto [a, b] = links.bodies(l); !links.broken(l)) {
         sleep.wake(static_cast<std::size_t>(a));

@@ -21,7 +21,7 @@ namespace brim {
 
 namespace {
 
-/// Motion of a sub-step, over what is allowed, above which it is solved again in pieces.
+/// Motion of a sub-step relative to the limit, above which it is solved again in pieces.
 constexpr double kOutrun = 1.25;
 
 /// [m/s²] gravity of the earth.
@@ -45,7 +45,7 @@ bool World::Impl::wake_touched() {
     woke = sleep.wake(i) || woke;
     woke = sleep.wake(j) || woke;
   };
-  // No two that sleep are looked at, nor one and something fixed that does not move.
+  // Pairs of sleeping bodies, or of a sleeping and a fixed one, are not searched.
   for (const ContactPair& p : stage.contacts().pairs)
     if (p.begin < p.end) touch(p.part_a, p.part_b);
   stage.rigid().for_pairs(touch);
@@ -127,7 +127,7 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
     PenaltyOptions p;
     p.dt = dt;
     p.damping = options.damping_steps * options.time_step;
-    // Where nothing weighs, that of the earth: friction over a speed near zero is more than single precision holds.
+    // Without gravity, that of the earth: friction divided by a speed near zero would exceed single precision.
     p.friction_speed = options.friction_speed > 0.0 ? options.friction_speed
                                                     : std::max(1e-3 * (g > 0.0 ? g : kEarth) * options.time_step, 1e-9);
     p.release_speed = 0.2 * g * dt;
@@ -218,7 +218,7 @@ double World::Impl::substep(double left, StepReport& report) {
   before_v = state.v;
   const std::size_t warnings = report.warnings.size();
   bool finite = solve_substep(dt, report);
-  // What contact throws may outrun the choice, which knows the speeds before only: cut again, once.
+  // Contact may throw a body faster than predicted from the speeds before: cut again, once.
   if (finite && report.substeps + 1 < options.max_substeps) {
     advance_v = state.v;
     for (std::size_t i = 0; i < advance_v.size(); ++i) advance_v[i] += delta[i];
@@ -255,7 +255,7 @@ double World::Impl::substep(double left, StepReport& report) {
     fill.add_forces(normal_force);
     report_pairs(parts, contacts, normal_force, friction_force, state.time, report, samples);
     stage.rigid().report(parts, state.time, report);
-    // Before stiff contact has pushed apart what lies within each other.
+    // Before stiff contact has separated overlapping bodies.
     if (state.step == 0 && report.substeps == 1) warn_of_start(parts, state.time, report);
     for (std::size_t c = 0; c < contacts.size(); ++c) normal_force[c] += friction_force[c];
     std::vector<double> mapped(last && contacts.size() > 0 ? state.v.size() : 0, 0.0);
@@ -296,7 +296,7 @@ double World::Impl::substep(double left, StepReport& report) {
   levels.shift().pass(dt);
   state.time += dt;
   if (!coupling.empty()) {
-    // The masses of faces change as solids move; what is seen as a step begins follows from the state alone.
+    // The masses of faces change as solids move; at the start of a step they must follow from the state alone.
     update_bodies();
     if (filter.size() > 0) filter.moved();
     coupling.find(bodies, parts, filter, state.q, first_v, state.v);

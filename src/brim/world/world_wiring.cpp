@@ -13,8 +13,8 @@ namespace brim {
 
 namespace {
 
-constexpr double kGrabFrequency = 3.0;  ///< [Hz] of a body on the spring that pulls it
-constexpr double kGrabReach = 2.0;      ///< [voxels] about the place at which what gives way is held
+constexpr double kGrabFrequency = 3.0;  ///< [Hz] of a body on the grab spring
+constexpr double kGrabReach = 2.0;      ///< [voxels] radius of the material that is held of a deformable body
 
 }  // namespace
 
@@ -22,7 +22,7 @@ void World::Impl::show_space() {
   append(std::make_unique<Space>(), {}, {});
   has_space = true;
   if (!started) return;
-  // What was chosen as the world began stays.
+  // Steps chosen at the start of the world stay.
   part_h.push_back(*std::ranges::max_element(part_h));
   if (sleep.on()) sleep.follow(bodies);
   follow_edits();
@@ -40,7 +40,7 @@ int World::Impl::find(const std::string& name) const {
       if (out(b)) throw InputError(fmt::format("\"{}\" was removed", name));
       return static_cast<int>(b);
     }
-  // Of a repeated body each copy has a name of its own.
+  // Copies of a repeated body have individual names.
   for (std::size_t b = 0; b < count(); ++b)
     if (own(b).name() == name + ".0")
       throw InputError(fmt::format("\"{}\" is repeated; name one of its copies, such as \"{}.0\"", name, name));
@@ -124,7 +124,7 @@ void World::grab(int b, const Vec3& at, double stiffness, double damping) {
   hold.damping = damping > 0.0 ? damping : m * omega;
   hold.motion = [goal, at](double, const Vec3& x, const Vec3&) -> Vec3 { return x + (*goal - at); };
   const Links::Side side = w.side_of(b);
-  // What gives way is held by some matter about the place, not by one node.
+  // A deformable body is held by the material around the place, not by one node.
   if (!side.parts.empty() && !MatterPoints::takes_any(w.parts[static_cast<std::size_t>(side.parts[0])])) {
     const double reach = kGrabReach * w.parts[static_cast<std::size_t>(side.parts[0])].h;
     std::vector<Vec3f> shown(body.display().vertices);

@@ -9,14 +9,14 @@ namespace brim {
 
 void ContactArea::add(const Vec3& position, const Vec3& normal_force, double h) {
   if (!(normal_force.squaredNorm() > 0.0)) return;
-  // Forces of opposite sides must not cancel.
+  // Forces on opposite sides must not cancel.
   normal_ += normal_.dot(normal_force) < 0.0 ? Vec3(-normal_force) : normal_force;
   nodes_.push_back({position, h});
 }
 
 double ContactArea::take() {
   if (nodes_.empty()) return 0.0;
-  // Projected along the main axis of the normal, nodes of a grid stay a grid; the slope makes up for it.
+  // Projected along the main axis of the normal, grid nodes remain a grid; the slope corrects the area.
   Eigen::Index axis = 0;
   const double norm = normal_.norm();
   const double slope = norm > 0.0 ? normal_.cwiseAbs().maxCoeff(&axis) / norm : 1.0;

@@ -8,9 +8,9 @@ namespace brim {
 
 namespace {
 
-/// Numbers that memory holds of a pair.
+/// Count of numbers per pair in memory.
 constexpr std::size_t kPairNumbers = 8;
-/// Share of a sub-step by which a pause may miss the gap: times are sums of sub-steps.
+/// Tolerance of a pause's end, relative to a sub-step: times are sums of sub-steps.
 constexpr double kTimeSlack = 1e-6;
 
 }  // namespace
@@ -29,7 +29,7 @@ ContactSensor::ContactSensor(const SensorModel& model, const World& world)
 
 void ContactSensor::find_bodies(const World& world) {
   selection_.find_bodies(world);
-  // Pairs keep their bodies, whatever numbers these have now; of one that is gone nothing can be said.
+  // Pairs keep their bodies under any numbering; contacts of a removed body end unreported.
   std::vector<const Body*> now;
   for (int b = 0; b < world.body_count(); ++b) now.push_back(&world.body(b));
   if (now == bodies_) return;
@@ -63,7 +63,7 @@ void ContactSensor::substep(const SensedContacts& contacts, std::vector<ContactE
   for (const ContactSample& s : contacts.samples) {
     const ContactSelection::Side side = selection_.side(s);
     if (side.sign == 0.0) continue;
-    // Two bodies of the sensor's are one pair, whichever of them the sample has first.
+    // Two bodies of the sensor form one pair, in either order of the sample.
     const bool swap = side.within && side.body_b < side.body_a;
     const auto pair = swap ? std::pair(side.body_b, side.body_a) : std::pair(side.body_a, side.body_b);
     Load& load = load_[pair];

@@ -14,7 +14,7 @@ namespace {
 
 /// Density at a surface.
 constexpr double kSurface = 0.5;
-/// Most tiles of a column: a taller body is refused a reading rather than memory.
+/// Maximum number of tiles of a column: for a taller body there is no reading, to save memory.
 constexpr int kMostColumnTiles = 4096;
 
 }  // namespace
@@ -48,7 +48,7 @@ void LevelSensor::runs_of(const World& world, int part, std::vector<Run>& runs) 
   if (box.empty()) return;
   box = box.inflated(0.5 * world.options().ramp_voxels * h + h);
   if (x < box.lo.x() || x > box.hi.x() || y < box.lo.y() || y > box.hi.y()) return;
-  // The tile whose own nodes begin at or below the line; its halo has the next ones.
+  // The tile whose own nodes begin at or below the line; its halo contains the next ones.
   const auto tile = [h](double c) { return static_cast<std::int32_t>(std::floor(c / h / kTileSize)); };
   const std::int32_t first = tile(box.lo.z()), last = std::min(tile(box.hi.z()), first + kMostColumnTiles - 1);
   tiles_.clear();

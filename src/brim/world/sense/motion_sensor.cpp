@@ -13,7 +13,7 @@ namespace brim {
 
 namespace {
 
-/// [m] arms at whose ends a spin is read.
+/// [m] arms at whose ends the velocity is read for the spin.
 constexpr double kSpinArm = 1.0;
 
 Vec3 mean_shown(const Body& body, std::vector<Vec3f>& shown) {
@@ -62,7 +62,7 @@ MotionSensor::State MotionSensor::now(const World& world) {
   if (points_) {
     const auto x = points_->positions(world), u = points_->velocities(world);
     s.x = x[0], s.u = u[0];
-    // Along the arms as they lie now: ω = ½ Σ d × (u(x + d) − u(x)) / |d|².
+    // With the present arms d: ω = ½ Σ d × (u(x + d) − u(x)) / |d|².
     for (std::size_t i = 1; i < x.size(); ++i)
       s.spin += 0.5 * (x[i] - x[0]).cross(u[i] - u[0]) / (x[i] - x[0]).squaredNorm();
   }

@@ -14,7 +14,7 @@ namespace brim {
 
 namespace {
 
-/// Most cells of a map.
+/// Maximum number of cells of a map.
 constexpr int kMostCells = 1 << 18;
 
 const PosedShape* only_solid(const Body& body) {
@@ -64,7 +64,7 @@ void PressureSensor::begin_step(const World&) {
   time_ = outside_ = 0.0;
 }
 
-/// Shares of a square of that width around (s, t) go to the cells it covers; what lies beyond the grid goes outside.
+/// Distributes `amount` over the cells covered by a square of that width around (s, t); the rest goes to outside_.
 void PressureSensor::spread(double s, double t, double width, double amount) {
   const SensorModel::Grid& g = *model_.grid;
   const double dx = g.x.norm() / g.columns, dy = g.y.norm() / g.rows;
@@ -74,7 +74,7 @@ void PressureSensor::spread(double s, double t, double width, double amount) {
     };
     return std::pair(std::max(clamp(middle - 0.5 * w), 0), std::min(clamp(middle + 0.5 * w), cells - 1));
   };
-  // The share of [middle − w/2, middle + w/2] in cell i; all of it where w is 0.
+  // The share of [middle − w/2, middle + w/2] in cell i; all of it for w = 0.
   const auto share = [](double middle, double w, double cell, int i) {
     if (!(w > 0.0)) return 1.0;
     const double lo = std::max(middle - 0.5 * w, i * cell), hi = std::min(middle + 0.5 * w, (i + 1) * cell);
@@ -105,7 +105,7 @@ void PressureSensor::substep(const SensedContacts& contacts, std::vector<Contact
     const ContactSelection::Side side = selection_.side(sample);
     if (side.sign == 0.0 || side.within) continue;
     Vec3 at = sample.position.cast<double>(), force = side.sign * (sample.force + sample.friction).cast<double>();
-    if (start_) {  // back to where the grid was given
+    if (start_) {  // back to the grid's original pose
       at = start_->translation + start_->rotation * now.to_local(at);
       force = start_->rotation * (now.rotation.transpose() * force);
     }

@@ -11,7 +11,7 @@ namespace brim {
 
 namespace {
 
-/// The part whose box lies nearest to x.
+/// The part whose box is nearest to x.
 int nearest_part(const Body& body, const Vec3& x) {
   int best = 0;
   double least = std::numeric_limits<double>::infinity();

@@ -17,11 +17,11 @@ namespace brim {
 
 namespace {
 
-/// First number of what memory holds of sensors: what others keep starts otherwise (Sleep, Links, ReferencePoses).
+/// First number of sensors in memory; differs from those of Sleep, Links and ReferencePoses.
 constexpr double kSensorsMark = -0.03125;
-/// Stands for the contacts of bodies that sleep, where a hash of a name would be.
+/// Marks the contacts of sleeping bodies, in place of the hash of a name.
 constexpr double kHeldMark = -1.0;
-/// Numbers that memory holds of a contact.
+/// Count of numbers per contact in memory.
 constexpr std::size_t kSampleNumbers = 12;
 
 /// FNV-1a of a name; a double holds it exactly.
@@ -127,7 +127,7 @@ void Sensors::find_bodies(const World& world) {
   for (int b = 0; b < world.body_count(); ++b) now.push_back({&world.body(b), world.body(b).name()});
   std::vector<PartRef> parts;
   for (int p = 0; p < world.part_count(); ++p) parts.push_back(world.part(p));
-  // Contacts that are held keep their parts, whatever numbers these have now.
+  // Held contacts keep their parts under any numbering.
   const auto number = [&](std::int32_t old) {
     const PartRef& part = parts_[static_cast<std::size_t>(old)];
     for (std::size_t p = 0; p < parts.size(); ++p)
@@ -278,7 +278,7 @@ void Sensors::keep(const World& world, std::vector<double>& memory) const {
     e.sensor->keep(numbers);
     put(name_hash(e.sensor->model().name));
   }
-  // Whoever sleeps now will not be looked at in the next step.
+  // Bodies now asleep will not be searched in the next step.
   for (const ContactSample& s : last_)
     if (held(world, s)) append_sample(s, numbers);
   put(kHeldMark);

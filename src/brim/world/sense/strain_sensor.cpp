@@ -12,7 +12,7 @@ namespace brim {
 
 namespace {
 
-/// Extent of a region along a direction, over its largest, below which it does not span the direction.
+/// Extent of a region along a direction, relative to its largest, below which it does not span the direction.
 constexpr double kFlat = 1e-3;
 
 }  // namespace
@@ -73,7 +73,7 @@ void StrainSensor::read(const World& world, const StepReport&, std::span<double>
   for (std::size_t i = 0; i < now_.size(); ++i) moment += now_[i] * start_[i].transpose();
   const Mat3 F = moment * inverse_;
   const Mat3 E = 0.5 * (F.transpose() * F - projection_);
-  // Principal strains within what the region spans; across it E is zero.
+  // Principal strains within the span of the region; E is zero perpendicular to it.
   const SymmetricAxes axes = symmetric_axes(E);
   double largest = -std::numeric_limits<double>::infinity(), least = -largest;
   for (int i = 0; i < 3; ++i) {
