@@ -47,6 +47,53 @@ TEST(Substeps, CommonMotionAndDistantBodiesNeedNone) {
             1);
 }
 
+TEST(Substeps, MotionAlongAPlaneNeedsNoneByHand) {
+  const auto pieces = [](const Vec3& velocity, const Quat& turn, double spin, AlongPlanes along) {
+    WorldOptions o = options_at(0.125);
+    o.max_motion_voxels = 2.0;
+    const auto floor = obstacle("floor", make_half_space(), 0.5, Vec3::Zero(), turn);
+    const auto one = ball("ball", {turn * Vec3(0, 0, 0.55)});
+    std::vector<double> q(7), v(12);
+    for (const auto& [body, at] : {std::pair(floor.get(), 0), std::pair(one.get(), 6)}) {
+      body->initial_state(q, std::span(v).subspan(static_cast<std::size_t>(at), 6));
+      body->update(0.0, q, std::span(v).subspan(static_cast<std::size_t>(at), 6));
+    }
+    Eigen::Map<Vec3>(v.data() + 6) = turn * velocity;
+    v[5] = spin;
+    const std::vector<WorldPart> parts = {{floor.get(), 0, 0, 0.125, floor->part(0)},
+                                          {one.get(), 1, 0, 0.125, one->part(0)}};
+    BoxSweep sweep;
+    return motion_pieces(parts, v, std::vector<std::size_t>{0, 6, 12}, o, 0.1, 0.0, sweep, along);
+  };
+  const Quat tilted(Eigen::AngleAxisd(0.3, Vec3(1, 2, 0).normalized()));
+  for (const Quat& turn : {Quat::Identity(), tilted}) {
+    EXPECT_EQ(pieces(Vec3(30, -20, 0), turn, 0.0, AlongPlanes::Ignored), 1.0);
+    // 5 m/s towards it for 0.1 s are 4 voxels, whatever the ball does along it: two pieces of two.
+    EXPECT_NEAR(pieces(Vec3(0, 0, -5), turn, 0.0, AlongPlanes::Ignored), 2.0, 1e-9);
+    EXPECT_NEAR(pieces(Vec3(30, 0, -5), turn, 0.0, AlongPlanes::Ignored), 2.0, 1e-9);
+    EXPECT_NEAR(pieces(Vec3(30, 0, 0), turn, 0.0, AlongPlanes::Counted), 12.0, 1e-9);
+    EXPECT_NEAR(pieces(Vec3(30, 0, 0), turn, 0.1, AlongPlanes::Ignored), 12.0, 1e-9) << "a plane that turns";
+  }
+}
+
+TEST(Substeps, BallsFallByLessThanASixthOfTheirRadiusInEachByHand) {
+  const auto substeps = [](double radius, double gravity) {
+    WorldOptions o = options_at(0.125);
+    o.time_step = 0.02;
+    o.environment.gravity = Vec3(0, 0, -gravity);
+    World w(o);
+    PointsOptions grains;
+    grains.radius = {radius};
+    w.add(testing::named<PointsBody>("grains", std::vector<Vec3>{Vec3::Zero()}, grains));
+    return w.step().substeps;
+  };
+  // g dt² = 4 mm in one step, and 0.16 R = 4 mm, 1.6 mm, 0.4 mm.
+  EXPECT_EQ(substeps(0.025, 10.0), 1);
+  EXPECT_EQ(substeps(0.01, 10.0), 2);
+  EXPECT_EQ(substeps(0.0025, 10.0), 4);
+  EXPECT_EQ(substeps(0.0025, 0.0), 1);
+}
+
 TEST(Substeps, SpinCountsWithTheReachOfTheBody) {
   WorldOptions o = options_at(0.125);
   o.time_step = 0.1;
@@ -222,23 +269,26 @@ TEST(Substeps, PiecesMakeUpTheStepExactly) {
 TEST(Substeps, WhatIsSqueezedOutMovesNoFartherThanAllowed) {
   // Between two steep slopes a ball that overlaps both is at rest, and is thrown up within the step: the speeds before
   // it ask for one sub-step.
-  const double h = 0.125, tilt = 4.0 * std::numbers::pi / 180.0;
-  WorldOptions o = options_at(h);
-  o.environment.gravity = Vec3::Zero();
-  o.damping_steps = 0.0;
-  o.stiffness = 1e10;
-  World w(o);
-  for (const double side : {-1.0, 1.0}) {
-    const Vec3 n(-side * std::cos(tilt), 0, std::sin(tilt));
-    w.add(obstacle(side < 0 ? "left" : "right", make_half_space(), 0.0, Vec3(side * (0.5 - 0.7 * h), 0, 0),
-                   Quat::FromTwoVectors(Vec3(0, 0, 1), n)));
+  for (const bool planes : {false, true}) {
+    const double h = 0.125, tilt = 4.0 * std::numbers::pi / 180.0;
+    WorldOptions o = options_at(h);
+    o.environment.gravity = Vec3::Zero();
+    o.damping_steps = 0.0;
+    o.stiffness = 1e10;
+    World w(o);
+    for (const double side : {-1.0, 1.0}) {
+      const Vec3 n(-side * std::cos(tilt), 0, std::sin(tilt)), at(side * (0.5 - 0.7 * h), 0, 0);
+      w.add(obstacle(side < 0 ? "left" : "right", planes ? make_half_space() : make_box(Vec3::Constant(4.0)), 0.0,
+                     planes ? at : Vec3(at - 2.0 * n), Quat::FromTwoVectors(Vec3(0, 0, 1), n)));
+    }
+    w.add(ball("seed", {}, 0.0));
+    const StepReport r = w.step();
+    const double speed = testing::velocity(w, 2).norm();
+    EXPECT_GT(speed * o.time_step, 3.0 * h) << "the case does not throw";
+    EXPECT_GT(r.substeps, 1);
+    // Once it flies along planes, it may go as far as it likes.
+    if (!planes) EXPECT_LE(speed * o.time_step / r.substeps, 2.0 * h);
   }
-  w.add(ball("seed", {}, 0.0));
-  const StepReport r = w.step();
-  const double speed = testing::velocity(w, 2).norm();
-  EXPECT_GT(speed * o.time_step, 3.0 * h) << "the case does not throw";
-  EXPECT_GT(r.substeps, 1);
-  EXPECT_LE(speed * o.time_step / r.substeps, 2.0 * h);
 }
 
 }  // namespace

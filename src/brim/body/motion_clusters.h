@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <span>
 #include <vector>
 
@@ -29,6 +30,13 @@ inline bool may_meet(const MotionCluster& a, const MotionCluster& b, double reac
 inline double relative_speed(const MotionCluster& a, const MotionCluster& b) {
   const Vec3 most = (a.velocity.hi - b.velocity.lo).cwiseMax(b.velocity.hi - a.velocity.lo);
   return most.norm() + a.deviation + b.deviation;
+}
+
+/// The same of the speed along a unit vector n: the normal of a half-space to which one of the two belongs.
+inline double relative_speed(const MotionCluster& a, const MotionCluster& b, const Vec3& n) {
+  const Vec3 lo = a.velocity.lo - b.velocity.hi, hi = a.velocity.hi - b.velocity.lo;
+  const double middle = 0.5 * n.dot(hi + lo), half = 0.5 * n.cwiseAbs().dot(hi - lo);
+  return std::abs(middle) + half + a.deviation + b.deviation;
 }
 
 /// Optional interface of bodies whose parts move non-uniformly: fast motion of one corner then shortens sub-steps only

@@ -176,6 +176,7 @@ class HalfSpace final : public ShapeOf<HalfSpace> {
   void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
     half_space_distances({pose, cube}, wanted, d);
   }
+  bool half_space() const override { return true; }
   Aabb bounds() const override {
     const double inf = std::numeric_limits<double>::infinity();
     return {Vec3::Constant(-inf), Vec3(inf, inf, 0.0)};

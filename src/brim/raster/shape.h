@@ -28,6 +28,8 @@ class Shape {
   virtual Aabb placed_bounds(const Pose& pose) const;
   /// Smallest thickness of the solid, [m], for warnings.
   virtual double thickness() const = 0;
+  /// True for the half-space z <= 0, which motion along its surface leaves as it is.
+  virtual bool half_space() const { return false; }
 
   /// Writes the density at every node of a block; source is left at 0.
   virtual void fill(const Pose& pose, const TileKey& tile, double h, double w, DensityBlock& out) const = 0;

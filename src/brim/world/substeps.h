@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -14,14 +15,30 @@ namespace brim {
 /// voxels), as a thick part cannot be passed in a step. Not for two rigid parts held by rows, nor for conforming parts.
 double motion_limit(const WorldPart& a, const WorldPart& b, const WorldOptions& options);
 
+/// Motion along a half-space: it meets the same surface, however far it goes.
+enum class AlongPlanes : std::uint8_t { Ignored, Counted };
+
 /// Number of pieces, at least 1, into which `time` [s] must be cut so that no two parts that can meet in it exceed
 /// motion_limit in one piece (a CFL rule).
 /// Deformable parts are examined cluster by cluster (MotionClusters).
 /// @param v       velocities of all bodies, that of body b from first_v[b] on
 /// @param change  [m/s] possible gain of the velocities in that time
 /// @param sweep   workspace, preferably the same from step to step
+/// @param along   what counts of the motion relative to half-spaces that do not turn
 double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
-                     const WorldOptions& options, double time, double change, BoxSweep& sweep);
+                     const WorldOptions& options, double time, double change, BoxSweep& sweep,
+                     AlongPlanes along = AlongPlanes::Ignored);
+
+/// The same for what a solve has changed the velocities by, motion along planes included: a body that a wedge of two
+/// planes squeezes out leaves along both. 1 where there are no half-spaces.
+/// @param change  of all velocities, [m/s, rad/s]
+double thrown_pieces(std::span<const WorldPart> parts, std::span<const double> change,
+                     std::span<const std::size_t> first_v, const WorldOptions& options, double time, BoxSweep& sweep);
+
+/// Pieces, at least 1, that `time` [s] must be cut into so that the balls of a body of balls (SpinningBalls) fall by at
+/// most 0.16 of the least radius in one piece, g dt² <= 0.16 R. With longer ones heaps do not come to rest.
+/// @param gravity  [m/s²] its size
+double fall_pieces(std::span<const WorldPart> parts, double gravity, double time);
 
 /// Length of the next sub-step, [s]: `left` cut into equal pieces. @param pieces  required by motion
 double choose_substep(double pieces, const WorldOptions& options, double left, StepReport& report);

@@ -211,8 +211,9 @@ double World::Impl::motion_pieces(std::span<const double> velocities, double tim
 double World::Impl::substep(double left, StepReport& report) {
   const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
   auto presence = std::make_optional<ScopedSeconds>(seconds(Phase::Presence));
-  double dt =
-      choose_substep(motion_pieces(state.v, left, options.environment.gravity.norm() * left), options, left, report);
+  const double g = options.environment.gravity.norm();
+  const double pieces = std::max(motion_pieces(state.v, left, g * left), fall_pieces(parts, g, left));
+  double dt = choose_substep(pieces, options, left, report);
   presence.reset();
   before_q = state.q;
   before_v = state.v;
@@ -223,14 +224,15 @@ double World::Impl::substep(double left, StepReport& report) {
     advance_v = state.v;
     for (std::size_t i = 0; i < advance_v.size(); ++i) advance_v[i] += delta[i];
     presence.emplace(seconds(Phase::Presence));
-    const double pieces = motion_pieces(advance_v, dt, 0.0);
+    const double needed =
+        std::max(motion_pieces(advance_v, dt, 0.0), thrown_pieces(parts, delta, first_v, options, dt, motion_sweep));
     presence.reset();
-    if (pieces > kOutrun) {
+    if (needed > kOutrun) {
       state.q = before_q;
       state.v = before_v;
       fresh.clear();
       report.warnings.erase(report.warnings.begin() + static_cast<std::ptrdiff_t>(warnings), report.warnings.end());
-      dt /= std::ceil(pieces);
+      dt /= std::ceil(needed);
       finite = solve_substep(dt, report);
     }
   }

@@ -51,3 +51,30 @@ def sloshing(case):
                     "fill": [{"kind": "plane", "point": [0, 0, DEPTH], "normal": [0, 0, 1]}]}], 4.0, dt=0.005, frame=4)
     s["bodies"][-1]["velocity"] = [0.15, 0, 0]
     return s
+
+
+TANK, WIDE, DEEP = 0.6, 0.25, 0.4  # [m]
+
+
+def contraction(case, run):
+    """Of the jet: V' = −c slot wide √(2 g level), so that √level falls evenly; from 0.15 s on, while a quarter is left."""
+    level = (run.nodes("water")[0][:, :, 2] > 0).mean(1) * DEEP
+    window = (run.time > 0.15) & (level > 0.25 * DEEP)
+    return -2 * fits.slope_of(run.time[window], np.sqrt(level[window])) * TANK / (case.slot * math.sqrt(2 * G))
+
+
+@experiment(law="c = π / (π + 2) of √(2 g z)", source="Torricelli, and Kirchhoff's free streamlines at a slot (Lamb, § 75)", unit="-", tolerance=0.06,
+            cases=cases(spacing=(0.025, 0.0208), slot=(0.1, 0.125, 0.15)), theory=math.pi / (math.pi + 2), measure=contraction,
+            curve=lambda c, r: (r.time, (r.nodes("water")[0][:, :, 2] > 0).mean(1) * DEEP), axes=("t [s]", "level [m]"))
+def torricelli(case):
+    """Water of particles runs out of a tank of 0.6 m, filled to 0.4 m, through a sharp slot in its bottom: the contraction of the jet, from how the level falls."""
+    h = 0.5 * case.spacing
+    at = {"west": [0, WIDE / 2, 0], "east": [TANK, WIDE / 2, 0], "south": [TANK / 2, 0, 0], "north": [TANK / 2, WIDE, 0]}
+    walls = [wall for wall in basin(h, WIDE) if wall["name"] in at]
+    for wall in walls:
+        wall["transform"]["position"] = at[wall["name"]]
+    half = 0.5 * (TANK - case.slot)
+    for name, x in (("left", 0.5 * half - 0.1), ("right", TANK - 0.5 * half + 0.1)):
+        walls.append({"kind": "obstacle", "name": name, "voxel_size": h, "shape": box(half + 0.2, 1.0, 0.1), "transform": {"position": [x, WIDE / 2, -0.05]}})
+    return scene(walls + [{"kind": "particle_fluid", "name": "water", "spacing": case.spacing, "viscosity": 0.1, "voxel_size": h, "shape": box(TANK, WIDE, DEEP),
+                           "transform": {"position": [TANK / 2, WIDE / 2, DEEP / 2]}}], 0.8, dt=0.005, friction=0.0, frame=2)

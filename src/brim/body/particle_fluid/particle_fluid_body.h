@@ -23,7 +23,7 @@ struct ParticleFluidOptions {
   double density = 1000.0;               ///< [kg/m³]
   double viscosity = 0.0;                ///< [Pa s] dynamic, >= 0; implicit, so it does not limit the time step
   double surface_tension = 0.0;          ///< [N/m] >= 0; explicit, see docs for the time step that it allows
-  double bulk_modulus = 0.0;             ///< [Pa] κ; 0: ρ g L / compression, L the diagonal of the initial fluid
+  double bulk_modulus = 0.0;             ///< [Pa] κ; 0: ρ (g L + v²) / compression, L: diagonal of the initial fluid
   double compression = 0.01;             ///< [-] allowed when κ is chosen, (0, 0.1]
   Vec3 gravity = Vec3(0, 0, -9.81);      ///< [m/s²] assumed in the choice of κ
   Vec3 initial_velocity = Vec3::Zero();  ///< [m/s]

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+
 #include "brim/body/particles/particle_body.h"
 #include "brim/body/particles/particle_cells.h"
 #include "brim/body/points/grain_pairs.h"
@@ -34,6 +36,7 @@ class PointsBody final : public ParticleBody, public SpinningBalls, public Block
   double elastic_energy() const override { return pairs_.energy(); }
   const Vec3& ball_center(std::int32_t source) const override { return x_[static_cast<std::size_t>(source)]; }
   double ball_radius(std::int32_t source) const override { return radius_[static_cast<std::size_t>(source)]; }
+  double least_radius() const override { return *std::min_element(radius_.begin(), radius_.end()); }
 
   void set_loads(std::span<const double> load) override { load_.assign(load.begin(), load.end()); }
 
