@@ -16,7 +16,7 @@ class SpinningBalls {
   /// [m] centre of the ball of a node's source, in the last updated state.
   virtual const Vec3& ball_center(std::int32_t source) const = 0;
   virtual double ball_radius(std::int32_t source) const = 0;  ///< [m]
-  virtual double least_radius() const = 0;                    ///< [m] of all balls; infinite without balls
+  virtual double least_radius() const = 0;                    ///< [m] of all balls
   /// Says what parts that do not move press each ball with in the step to come, for its rolling resistance.
   /// @param load  [N], shape (balls)
   virtual void set_loads(std::span<const double> load) = 0;

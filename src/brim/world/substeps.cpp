@@ -24,8 +24,8 @@ constexpr double kShareOfThickness = 0.25;
 /// [voxels] assumed for a part of unknown thickness: voxels are chosen so that two fit.
 constexpr double kLeastThickness = 2.0;
 
-/// [radii] by which a ball of a heap may fall in one sub-step. 666 balls of 10 mm in a heap move at 18 mm/s (root mean
-/// square) for ever at 0.27, at 3 mm/s after 3.7 s at 0.16, and at 0.4 mm/s at 0.1 (docs/bodies/points.md).
+/// [radii] by which a ball may fall in one sub-step. Heaps of 588 balls of 10 mm move at 1.0 to 8.8 mm/s (root mean
+/// square) after 3 s at 0.27, and at 0.3 to 1.3 mm/s at 0.07 (heap_rests of docs/validation.md).
 constexpr double kFallOfBalls = 0.16;
 
 /// The speeds of the two fastest parts, [m/s]: their sum bounds every relative speed.
@@ -241,14 +241,16 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
 
 double thrown_pieces(std::span<const WorldPart> parts, std::span<const double> change,
                      std::span<const std::size_t> first_v, const WorldOptions& options, double time, BoxSweep& sweep) {
+  const auto own = [&](const WorldPart& part) {
+    return change.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
+  };
+  if (std::ranges::all_of(parts, [&](const WorldPart& p) { return normal_of_half_space(p, own(p)).isZero(0.0); }))
+    return 1.0;
   FastestTwo speeds;
-  bool planes = false;
-  for (const WorldPart& part : parts) {
-    const auto own = change.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
-    planes = planes || !normal_of_half_space(part, own).isZero(0.0);
-    speeds.add(part.body->mean_velocity(part.index, own).norm() + part.body->relative_speed_bound(part.index, own));
-  }
-  if (!planes || most_pieces(speeds, parts, options, time) <= 1.0) return 1.0;
+  for (const WorldPart& part : parts)
+    speeds.add(part.body->mean_velocity(part.index, own(part)).norm() +
+               part.body->relative_speed_bound(part.index, own(part)));
+  if (most_pieces(speeds, parts, options, time) <= 1.0) return 1.0;
   return motion_pieces(parts, change, first_v, options, time, 0.0, sweep, AlongPlanes::Counted);
 }
 

@@ -1,5 +1,7 @@
 """Grains."""
+import json
 import math
+import pathlib
 
 import numpy as np
 
@@ -32,6 +34,27 @@ def heap_rests(case):
     """A column of 588 grains of 10 mm, turned against the voxels, falls on a floor, steps of 1/60 s: the speed (root mean square) of the heap from 3 to 4 s."""
     return scene([floor(0.01), {"kind": "points", "name": "grains", "grid": {"count": [7, 7, 12], "spacing": 0.021, "jitter": 0.001}, "radius": 0.01,
                                 "transform": {"position": [0, 0, 0.01], "rotation": about((0, 0, 1), case.turned)}}], 4.0, frame=4)
+
+
+@experiment(law="grains flow out at the same rate at any level", source="Hagen 1852, Janssen 1895: walls carry the weight", unit="-", tolerance=0.10, theory=1.0,
+            measure=lambda c, r: rate_of(r, 0.65, 0.40) / rate_of(r, 0.90, 0.65),
+            curve=lambda c, r: (r.time, inside(r)), axes=("t [s]", "share inside [-]"))
+def silo_empties(case):
+    """A silo of 3,059 grains empties through a slot (bench/scenes/silo.json): the rate from 65 to 40 % left over that from 90 to 65 %."""
+    silo = json.loads((pathlib.Path(__file__).resolve().parents[3] / "bench/scenes/silo.json").read_text(encoding="utf-8"))
+    silo.pop("$schema")
+    return silo | {"duration": 2.0}
+
+
+def inside(run):
+    return (run.nodes("grains")[0][:, :, 2] > 0).mean(1)
+
+
+def rate_of(run, most, least):
+    """[1/s] Mean rate at which the share inside falls between two shares."""
+    share = inside(run)
+    window = (share <= most) & (share >= least)
+    return -fits.slope_of(run.time[window], share[window])
 
 
 def repose(run):

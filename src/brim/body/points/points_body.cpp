@@ -56,6 +56,7 @@ PointsBody::PointsBody(std::vector<Vec3> centers, PointsOptions options)
 PointsBody::PointsBody(std::vector<Vec3> centers, std::vector<double> radius, const PointsOptions& options)
     : ParticleBody(std::move(centers), masses_of(radius, options.density), options),
       radius_(std::move(radius)),
+      smallest_(*std::min_element(radius_.begin(), radius_.end())),
       largest_(*std::max_element(radius_.begin(), radius_.end())),
       material_{options.young,   options.friction,  options.rolling_friction, options.stiffness_damping,
                 options.gravity, options.slip_speed} {
@@ -77,16 +78,15 @@ PointsBody::PointsBody(std::vector<Vec3> centers, std::vector<double> radius, co
   double total = 0.0, mean = 0.0;
   for (const double m : mass_) total += m;
   for (const double r : radius_) mean += r / static_cast<double>(radius_.size());
-  const double smallest = *std::min_element(radius_.begin(), radius_.end());
   auto contact = std::make_unique<BallContact>(radius_);
   // The column behind the contact: all grains over their smallest footprint, or one grain.
   Aabb box;
   for (const Vec3& x : rest_) box.extend(x);
   const Vec3 extent = box.extent() + Vec3::Constant(2.0 * contact->reach());
   PartInfo part;
-  part.voxel_size = smallest / 1.5;
+  part.voxel_size = smallest_ / 1.5;
   part.areal_mass = total * extent.maxCoeff() / extent.prod();
-  part.thickness = 2.0 * smallest;
+  part.thickness = 2.0 * smallest_;
   part.modulus = options.young;
   set_contact(std::move(contact), part);
   display_.kind = Display::Kind::Points;

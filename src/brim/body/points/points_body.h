@@ -1,7 +1,5 @@
 #pragma once
 
-#include <algorithm>
-
 #include "brim/body/particles/particle_body.h"
 #include "brim/body/particles/particle_cells.h"
 #include "brim/body/points/grain_pairs.h"
@@ -36,7 +34,7 @@ class PointsBody final : public ParticleBody, public SpinningBalls, public Block
   double elastic_energy() const override { return pairs_.energy(); }
   const Vec3& ball_center(std::int32_t source) const override { return x_[static_cast<std::size_t>(source)]; }
   double ball_radius(std::int32_t source) const override { return radius_[static_cast<std::size_t>(source)]; }
-  double least_radius() const override { return *std::min_element(radius_.begin(), radius_.end()); }
+  double least_radius() const override { return smallest_; }
 
   void set_loads(std::span<const double> load) override { load_.assign(load.begin(), load.end()); }
 
@@ -86,7 +84,7 @@ class PointsBody final : public ParticleBody, public SpinningBalls, public Block
   double gap_for(double dt) const;
 
   std::vector<double> radius_;  // [m], per grain
-  double largest_;              // [m] of them
+  double smallest_, largest_;   // [m] of them
   ParticleCells cells_;         // of the last update
   GrainMaterial material_;
   GrainPairs pairs_;
