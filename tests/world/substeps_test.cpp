@@ -287,7 +287,9 @@ TEST(Substeps, WhatIsSqueezedOutMovesNoFartherThanAllowed) {
     EXPECT_GT(speed * o.time_step, 3.0 * h) << "the case does not throw";
     EXPECT_GT(r.substeps, 1);
     // Once it flies along planes, it may go as far as it likes.
-    if (!planes) EXPECT_LE(speed * o.time_step / r.substeps, 2.0 * h);
+    if (!planes) {
+      EXPECT_LE(speed * o.time_step / r.substeps, 2.0 * h);
+    }
   }
 }
 
