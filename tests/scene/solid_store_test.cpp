@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "brim/mesh/primitives.h"
+#include "brim/raster/known_distance.h"
 #include "brim/scene/scene.h"
 
 /// Equal surfaces in equal voxels are sampled once, as long as a body has them.
@@ -15,7 +16,7 @@ Solid sampled(SolidStore& store, const TriMesh& mesh, double voxel_size,
               SurfaceTreatment treatment = SurfaceTreatment::Closed) {
   Solid solid;
   solid.voxel_size = voxel_size;
-  store.sample({mesh, treatment, 0.0}, kLimit, solid);
+  store.make({mesh, treatment, 0.0}, kLimit, solid);
   return solid;
 }
 
@@ -39,6 +40,18 @@ TEST(SolidStore, KeepsNoSolidAlive) {
   const std::weak_ptr<const Shape> gone = sampled(store, torus, 0.05).shape;
   EXPECT_TRUE(gone.expired());
   EXPECT_NE(sampled(store, torus, 0.05).shape, nullptr);
+}
+
+TEST(SolidStore, KnowsAConvexPolyhedronExactly) {
+  SolidStore store;
+  const auto slack = [&](const TriMesh& mesh, SurfaceTreatment treatment) {
+    return dynamic_cast<const KnownDistance&>(*sampled(store, mesh, 0.05, treatment).shape).slack();
+  };
+  const TriMesh block = shapes::box(Vec3(0.3, 0.5, 0.7), 3);
+  EXPECT_EQ(slack(block, SurfaceTreatment::Closed), 0.0);
+  EXPECT_GT(slack(block, SurfaceTreatment::WindingNumber), 0.0);
+  EXPECT_GT(slack(shapes::icosphere(0.3), SurfaceTreatment::Closed), 0.0);
+  EXPECT_NEAR(sampled(store, block, 0.05).unit.mass, 0.105, 1e-12);
 }
 
 TEST(SolidStore, BodiesOfASceneShareTheirShapes) {

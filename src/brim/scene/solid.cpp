@@ -197,7 +197,7 @@ Solid read_solid(const Node& n, const Node& at, double scale, double voxel_size,
   if (source.treatment == SurfaceTreatment::Thickness && voxel_size <= 0.0) solid.voxel_size = 0.5 * source.thickness;
   if (!plane) check_voxel_size(at, solid.voxel_size, solid.area, memory_limit);
   if (!solid.shape) {
-    n.placed([&] { store.sample(source, memory_limit, solid); });
+    n.placed([&] { store.make(source, memory_limit, solid); });
   } else if (solid.unit.mass == 0.0 && !plane) {
     solid.unit = mass_properties(source.mesh, 1.0);
   }

@@ -1,15 +1,24 @@
 #include "brim/scene/solid_store.h"
 
 #include <algorithm>
+#include <utility>
 
+#include "brim/mesh/convex_polyhedron.h"
 #include "brim/mesh/mass_properties.h"
 #include "brim/raster/grid_shape.h"
+#include "brim/raster/polyhedron_shape.h"
 
 namespace brim {
 
 namespace {
 
-void sample_anew(const SolidSurface& source, double memory_limit, Solid& solid) {
+void make_anew(const SolidSurface& source, double memory_limit, Solid& solid) {
+  if (source.treatment == SurfaceTreatment::Closed)
+    if (auto polyhedron = convex_polyhedron(source.mesh)) {
+      solid.unit = mass_properties(source.mesh, 1.0);
+      solid.shape = make_polyhedron(std::move(*polyhedron));
+      return;
+    }
   DistanceGridOptions options;
   options.treatment = source.treatment;
   options.thickness = source.thickness;
@@ -32,14 +41,14 @@ bool same(const SolidSurface& a, const SolidSurface& b) {
 
 }  // namespace
 
-void SolidStore::sample(const SolidSurface& source, double memory_limit, Solid& solid) {
+void SolidStore::make(const SolidSurface& source, double memory_limit, Solid& solid) {
   std::erase_if(entries_, [](const Entry& e) { return e.shape.expired(); });
   for (const Entry& e : entries_)
     if (e.voxel_size == solid.voxel_size && same(e.source, source)) {
       solid.shape = e.shape.lock(), solid.unit = e.unit;
       return;
     }
-  sample_anew(source, memory_limit, solid);
+  make_anew(source, memory_limit, solid);
   entries_.push_back({source, solid.voxel_size, solid.unit, solid.shape});
 }
 

@@ -7,13 +7,15 @@
 
 namespace brim {
 
-/// Sampled solids in use by bodies: an equal surface with equal voxels is sampled only once, for any number of bodies.
+/// Solids of surfaces in use by bodies: an equal surface with equal voxels is made a solid only once, for any number of
+/// bodies.
 /// Tests: tests/scene/solid_store_test.cpp
 class SolidStore {
  public:
-  /// Sets shape and mass properties of a solid, sampled at half of its voxel_size from any surface.
+  /// Sets shape and mass properties of a solid: exact distances to a convex polyhedron of few faces (ConvexPolyhedron),
+  /// and samples at half of its voxel_size for any other surface.
   /// @param memory_limit  [bytes] of the samples @throws InputError  for a surface that does not suit its treatment
-  void sample(const SolidSurface& source, double memory_limit, Solid& solid);
+  void make(const SolidSurface& source, double memory_limit, Solid& solid);
 
  private:
   struct Entry {

@@ -43,7 +43,7 @@ Solid make_solid(const Urdf::Geometry& g, const Node& body, const BuildContext& 
   const MeshReport report = inspect(source.mesh);
   const bool closed = report.closed() && report.oriented() && report.volume > 0.0;
   source.treatment = closed ? SurfaceTreatment::Closed : SurfaceTreatment::WindingNumber;
-  context.solids.sample(source, limit, s);
+  context.solids.make(source, limit, s);
   return s;
 }
 
