@@ -57,7 +57,9 @@ class World:
             if key in keys:
                 scene[key] = keys.pop(key)
         if "frames" not in scene and "duration" not in scene:
-            scene["duration"] = 60.0
+            step = keys.get("time_step")
+            # A file has up to 1e7 frames, and a world without an end any step.
+            scene["duration"] = min(60.0, 1e6 * step) if isinstance(step, float) and step > 0.0 else 60.0
         scene["world"] = keys
         self._start(_core.Session(scene, os.getcwd()))
 

@@ -1,6 +1,7 @@
 #include "session.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -30,6 +31,9 @@ namespace {
 
 /// Stands for the file of an entry that was added; messages lose it again.
 constexpr const char* kAdded = "<added>";
+
+/// Time between two looks at Python's signals.
+constexpr std::chrono::milliseconds kLook(50);
 
 /// Takes the place in the made-up file and the number of the entry out of a line of a message:
 /// "FILE:1: /bodies/0/shape/radius: ..." -> "shape/radius: ...". A line of another kind stays as it is.
@@ -401,7 +405,19 @@ void Session::step(bool joined, const std::map<int, py::object>& forces) {
   read_mirrors();
   const State before = world_->state();
   StepReport report;
-  const StopScope::Asked ends = [asker = std::this_thread::get_id()] { return interpreter_ends(asker); };
+  // Python's signals are seen between sub-steps, iterations and sweeps: Ctrl-C ends a long step.
+  std::exception_ptr interrupt;
+  auto looked = std::chrono::steady_clock::now();
+  const StopScope::Asked ends = [&, asker = std::this_thread::get_id()] {
+    if (interpreter_ends(asker)) return true;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - looked < kLook) return false;
+    looked = now;
+    const Locked lock;
+    if (PyErr_CheckSignals() == 0) return false;
+    interrupt = std::make_exception_ptr(py::error_already_set());
+    return true;
+  };
   try {
     unlocked([&] {
       const StopScope scope(ends);
@@ -414,7 +430,7 @@ void Session::step(bool joined, const std::map<int, py::object>& forces) {
     } catch (...) {
       // The state is put back all the same; bodies that raised again take it in at the next step.
     }
-    std::rethrow_exception(thrown);
+    std::rethrow_exception(interrupt ? interrupt : thrown);
   }
   fill_mirrors();
   if (joined)

@@ -1,7 +1,10 @@
 """What one may do by mistake: it is told, and nothing of the world is another for it."""
 
+import _thread
 import pathlib
 import tempfile
+import threading
+import time
 import unittest
 
 import brim
@@ -19,6 +22,20 @@ def sheet(cells: int) -> dict:
 
 
 class Misuse(unittest.TestCase):
+    def test_ctrl_c_ends_a_step_that_takes_long_and_undoes_it(self):
+        # Some 20,000 nodes fall on a floor, in up to 64 sub-steps: half a minute.
+        world = brim.World(time_step=1.0, cg_tolerance=1e-9)
+        world.add("obstacle", name="floor", shape={"kind": "plane"}, voxel_size=0.02)
+        world.add("finite_elements", name="block", shape=brim.box([0.5, 0.5, 0.5]), lattice_spacing=0.02, transform={"position": [0, 0, 0.4]})
+        before = world["block"].q.copy()
+        began = time.monotonic()
+        threading.Timer(0.5, _thread.interrupt_main).start()
+        with self.assertRaises(KeyboardInterrupt):
+            world.step()
+        self.assertLess(time.monotonic() - began, 10.0)
+        self.assertEqual(world.time, 0.0)
+        np.testing.assert_array_equal(world["block"].q, before)
+
     def test_arrays_of_a_refused_body_replace_no_others(self):
         world = brim.World(voxel_size=0.05)
         world.add("cloth", name="sheet", **sheet(10))

@@ -216,7 +216,7 @@ class Contact(unittest.TestCase):
         self.assertTrue((np.diff(centre) <= 0).all() and centre[0] == 1 and centre[-1] == 0)
 
     def test_active_tiles_hold_the_contacts(self):
-        world, _ = ball_world(height=0.19, voxel_size=0.05)
+        world, _ = ball_world(height=0.19, voxel_size=0.05, response="penalty")
         world.step()
         keys, h = world.tiles
         self.assertEqual(keys.shape, (len(h), 3))

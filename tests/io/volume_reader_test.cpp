@@ -172,6 +172,33 @@ TEST(VolumeReader, WhatIsWrittenIsReadBack) {
   EXPECT_TRUE(back.origin.isApprox(image.origin, 1e-6));
 }
 
+TEST(VolumeReader, VoxelsWithoutANumberAreAsEmptyAsTheEmptiest) {
+  const test::TemporaryFolder folder;
+  VoxelImage image;
+  image.size = Vec3i(4, 2, 2);
+  image.axes = 0.01 * Mat3::Identity();
+  image.values.assign(16, 40.0f);
+  image.values[3] = -1000.0f;
+  for (const std::size_t i : {0, 1, 4, 5, 8, 9, 12, 13}) image.values[i] = std::numeric_limits<float>::quiet_NaN();
+  image.values[6] = std::numeric_limits<float>::infinity(), image.values[7] = -image.values[6];
+  const std::string path = folder.write("n.nii", "");
+  write_nifti(path, image);
+  const VoxelImage back = read_volume(read_volume_info(path));
+  const float lowest = back.values[7];
+  EXPECT_LE(lowest, -1e29f);
+  EXPECT_GE(back.values[6], 1e29f);
+  EXPECT_EQ(back.values[2], 40.0f);
+  for (const std::size_t i : {0, 1, 4, 5, 8, 9, 12, 13}) EXPECT_EQ(back.values[i], lowest);
+  // As shares of matter, of which such voxels have none.
+  VolumeReadOptions options;
+  options.coarsen = Vec3i(2, 2, 2);
+  const IntensityWindow window{-300, -300};
+  options.transfer = [&](double v) { return window.share(v); };
+  const VoxelImage joined = read_volume(read_volume_info(path), options);
+  EXPECT_EQ(joined.values[0], 0.0f);
+  EXPECT_NEAR(joined.values[1], 6.0f / 8.0f, 1e-6f);
+}
+
 TEST(VolumeReader, JoinedVoxelsHoldTheMeanAndKeepTheMatter) {
   const test::TemporaryFolder folder;
   std::mt19937 rng(8);

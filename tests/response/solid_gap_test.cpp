@@ -115,6 +115,46 @@ TEST(SolidGap, TheLeastGapOfTwoBoxesIsTheirLargestSeparation) {
   EXPECT_GE(near_enough, kCases - kCases / 50);
 }
 
+TEST(SolidGap, LongThinSolidsAreFoundHoweverTheyAreTilted) {
+  Random random(11);
+  int far = 0;
+  for (int i = 0; i < 1200; ++i) {
+    // 30 to 2,000 voxels long and 1 to 8 thick, tilted by a hundredth of a degree to 90 degrees on a floor.
+    const double length = 30.0 * h * std::pow(10.0, 0.9 * (1.0 + random.uniform())), thick = i % 2 == 0 ? h : 8.0 * h,
+                 tilt = 0.5 * M_PI * std::pow(10.0, 2.0 * (random.uniform() - 1.0));
+    Placed a, floor{make_half_space(), {}};
+    a.pose.rotation = Eigen::AngleAxisd(tilt, Vec3(random.uniform(), random.uniform(), 0.0).normalized()) *
+                      Eigen::AngleAxisd(M_PI * random.uniform(), Vec3::UnitZ()).toRotationMatrix();
+    const double up = std::abs(a.pose.rotation(2, 2)), wanted = h * (0.2 * random.uniform() - 0.02);
+    double low = 0.0;
+    if (i % 3 == 0) {
+      const Vec3 half(0.5 * length, 0.3 * length, 0.5 * thick);
+      a.shape = make_box(2.0 * half);
+      low = a.pose.rotation.row(2).cwiseAbs() * half;
+    } else if (i % 3 == 1) {
+      a.shape = make_cylinder(0.5 * length, thick);
+      low = 0.5 * thick * up + 0.5 * length * std::sqrt(std::max(0.0, 1.0 - up * up));
+    } else {
+      a.pose.rotation = a.pose.rotation * Eigen::AngleAxisd(0.5 * M_PI, Vec3::UnitX()).toRotationMatrix();
+      a.shape = make_capsule(0.5 * thick, length);
+      low = 0.5 * thick + 0.5 * length * std::abs(a.pose.rotation(2, 2));
+    }
+    a.pose.translation = Vec3(random.uniform(), random.uniform(), low + wanted);
+    const Mat3 turn = random.turn();
+    a.pose = {turn * a.pose.rotation, turn * a.pose.translation}, floor.pose.rotation = turn;
+    const Aabb region = a.shape->placed_bounds(a.pose).inflated(1.5 * h).intersection(
+        floor.shape->placed_bounds(floor.pose).inflated(1.5 * h));
+    SolidGap gap(a.side(), floor.side(), h);
+    RowPoint near;
+    std::vector<RowPoint> rows;
+    ASSERT_TRUE(gap.approach(region, 0.5 * h, near) && gap.find_rows(near, 0.5 * h, rows) && !rows.empty())
+        << "case " << i << ": length " << length / h << " voxels, tilt " << tilt;
+    EXPECT_NEAR(least_gap(rows), wanted, 0.3 * h) << "case " << i;
+    far += std::abs(least_gap(rows) - wanted) > 0.03 * h;
+  }
+  EXPECT_LE(far, 24);
+}
+
 TEST(SolidGap, WhatIsRoundIsExact) {
   Random random(3);
   for (const double R : {1.5 * h, 2.0 * h, 5.0 * h, 20.0 * h})

@@ -44,6 +44,37 @@ TEST(Impacts, RunThroughACradle_WhateverTheGapsBetweenItsBalls) {
   }
 }
 
+/// Kinetic energy of a cue ball and three balls in a triangle after it has struck them head on, over that before.
+/// @param gap  [m] from it to the first
+double energy_kept(double gap) {
+  WorldOptions o = rows(0.02, 1.0);
+  o.environment.gravity.setZero();
+  o.time_step = 1.0 / 240.0;
+  World w(o);
+  constexpr double R = 0.1;
+  const Vec3 places[] = {Vec3(-2.0 * R - gap, 0, 0), Vec3::Zero(), Vec3(std::sqrt(3.0) * R, R, 0),
+                         Vec3(std::sqrt(3.0) * R, -R, 0)};
+  for (int i = 0; i < 4; ++i) {
+    testing::Start s;
+    s.x = places[i];
+    if (i == 0) s.v = Vec3(8, 0, 0);
+    w.add(testing::ball("ball" + std::to_string(i), s, 0.0, R));
+  }
+  const auto energy = [&] {
+    double sum = 0.0;
+    for (int i = 0; i < 4; ++i) sum += w.body(i).kinetic_energy(w.v(i));
+    return sum;
+  };
+  const double before = energy();
+  for (int s = 0; s < 24; ++s) EXPECT_TRUE(w.step().ok);
+  return energy() / before;
+}
+
+TEST(Impacts, OnAClusterKeepItsEnergy) {
+  // Of a pair that has met in a step and is driven together again, a second blow was left out: 1.08 of the energy.
+  for (const double gap : {1e-5, 1e-3, 0.01, 0.03}) EXPECT_NEAR(energy_kept(gap), 1.0, 2e-3) << gap;
+}
+
 TEST(Impacts, ARingThatLandsFlatBouncesStraight) {
   // Its gaps are read off nodes, which know them to a tenth of a voxel.
   World w(rows(0.025, 0.5));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
@@ -119,6 +120,19 @@ class TextNumbers {
   std::size_t at_ = 0, end_ = 0;
 };
 
+/// Largest magnitude of an intensity: infinite ones become this.
+constexpr double kLargest = 1e30;
+
+/// Gives voxels without a number the lowest intensity of all: that of air in scans.
+void fill_unmeasured(std::vector<float>& values) {
+  float lowest = std::numeric_limits<float>::infinity();
+  for (const float v : values)
+    if (v < lowest) lowest = v;
+  if (!std::isfinite(lowest)) lowest = 0.0f;
+  for (float& v : values)
+    if (std::isnan(v)) v = lowest;
+}
+
 }  // namespace
 
 std::size_t voxel_bytes(VoxelType type) { return kTypeWords[static_cast<int>(type)].bytes; }
@@ -222,8 +236,8 @@ VoxelImage read_volume(const VolumeInfo& info, const VolumeReadOptions& options)
           const std::size_t first = row * c.y(), last = std::min(ny, first + c.y());
           for (std::size_t j = first; j < last; ++j)
             for (std::size_t i = 0; i < nx; ++i) {
-              double v = info.slope * value[j * nx + i] + info.intercept;
-              if (!std::isfinite(v)) v = 0.0;
+              double v = std::clamp(info.slope * value[j * nx + i] + info.intercept, -kLargest, kLargest);
+              if (std::isnan(v)) continue;  // nothing was measured: no matter
               if (options.transfer) v = options.transfer(v);
               const std::size_t at =
                   row * static_cast<std::size_t>(image.size.x()) + i / static_cast<std::size_t>(c.x());
@@ -242,6 +256,7 @@ VoxelImage read_volume(const VolumeInfo& info, const VolumeReadOptions& options)
       std::fill(count.begin(), count.end(), 0.0);
     }
   }
+  fill_unmeasured(image.values);
   return image;
 }
 

@@ -13,6 +13,9 @@ class ConvexDistance {
   /// Signed distance at p, [m], and its gradient, a unit vector away from the surface, or zero where undefined.
   /// @param p  [m] shape's frame
   virtual double distance_and_gradient(const Vec3& p, Vec3& gradient) const = 0;
+  /// A point of the solid that is farthest along a direction, [m]; infinite where there is none.
+  /// @param direction  shape's frame, not zero
+  virtual Vec3 support(const Vec3& direction) const = 0;
 };
 
 }  // namespace brim

@@ -53,6 +53,10 @@ class Polyhedron final : public Shape, public KnownDistance, public ConvexDistan
   double rough_distance(const Vec3& p) const override { return distance_(p); }
   void distances(const PlaceArrays& at, double* d) const override { distance_.at(at, d); }
   double distance_and_gradient(const Vec3& p, Vec3& gradient) const override { return distance_(p, gradient); }
+  Vec3 support(const Vec3& direction) const override {
+    const auto& corners = distance_.solid().corners;
+    return *std::ranges::max_element(corners, {}, [&](const Vec3& x) { return direction.dot(x); });
+  }
   void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
     distance_.at(CubeFrame(pose, cube), wanted, d);
   }

@@ -63,6 +63,7 @@ class Sphere final : public RoundedShapeOf<Sphere> {
     gradient = r > 0.0 ? Vec3(p / r) : Vec3(Vec3::Zero());
     return r - r_;
   }
+  Vec3 support(const Vec3& direction) const override { return r_ * direction.normalized(); }
   void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
     sphere_distances({pose, cube}, r_, wanted, d);
   }
@@ -99,6 +100,9 @@ class Box final : public RoundedShapeOf<Box> {
     gradient = Vec3(sign(0) * out[0], sign(1) * out[1], sign(2) * out[2]) / length;
     return length;
   }
+  Vec3 support(const Vec3& direction) const override {
+    return half_.binaryExpr(direction, [](double size, double along) { return std::copysign(size, along); });
+  }
   void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
     box_distances({pose, cube}, half_, wanted, d);
   }
@@ -123,6 +127,9 @@ class CapsuleShape final : public RoundedShapeOf<CapsuleShape> {
     const double r = d.norm();
     gradient = r > 0.0 ? Vec3(d / r) : Vec3(Vec3::Zero());
     return r - r_;
+  }
+  Vec3 support(const Vec3& direction) const override {
+    return r_ * direction.normalized() + std::copysign(half_, direction.z()) * Vec3::UnitZ();
   }
   void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
     capsule_distances({pose, cube}, r_, half_, wanted, d);
@@ -156,6 +163,10 @@ class Cylinder final : public RoundedShapeOf<Cylinder> {
     gradient = (dr * side + dz * end) / d;
     return d;
   }
+  Vec3 support(const Vec3& direction) const override {
+    const double along = std::hypot(direction.x(), direction.y()), size = along > 0.0 ? r_ / along : 0.0;
+    return {size * direction.x(), size * direction.y(), std::copysign(half_, direction.z())};
+  }
   void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
     cylinder_distances({pose, cube}, r_, half_, wanted, d);
   }
@@ -173,6 +184,7 @@ class HalfSpace final : public ShapeOf<HalfSpace> {
     gradient = Vec3::UnitZ();
     return p.z();
   }
+  Vec3 support(const Vec3&) const override { return Vec3::Constant(std::numeric_limits<double>::infinity()); }
   void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double, float* d) const override {
     half_space_distances({pose, cube}, wanted, d);
   }

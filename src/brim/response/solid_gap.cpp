@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "brim/response/closest_points.h"
 #include "brim/response/cut_model.h"
 
 namespace brim {
@@ -35,6 +36,9 @@ constexpr double kReach = 3.0;
 /// Maximum number of projections, and the displacement that ends them, [h].
 constexpr int kProjections = 16;
 constexpr double kStill = 0.05;
+/// [h] size of the region from which on a slope of the sum may hide a far smaller gap; such a difference; accuracy of
+/// the distance of long solids.
+constexpr double kLongRegion = 24.0, kFarBelow = 0.1, kClosest = 0.01;
 /// [1/h] smallest mean curvature of the gap of a round contact; largest relative skew of it.
 constexpr double kRound = 0.05, kSkew = 0.1;
 /// [h] how much smaller than at its ends the smallest gap must be to get a row of its own.
@@ -72,7 +76,8 @@ SolidGap::SolidGap(const CubeSide& a, const CubeSide& b, double h)
       distance_b_(b.solid != nullptr ? b.solid->convex() : nullptr),
       pose_a_(a.pose),
       pose_b_(b.pose),
-      h_(h) {}
+      h_(h),
+      farthest_(kReach * h) {}
 
 SolidGap::Reading SolidGap::read(const Vec3& x) const {
   readings_ += 2;
@@ -90,6 +95,7 @@ bool SolidGap::approach(const Aabb& region, double most, RowPoint& near) {
   parting_.part.setZero();
   const Vec3 center = region.center();
   const double radius = 0.5 * region.extent().norm();
+  farthest_ = std::max(kReach * h_, 2.0 * radius);
   Reading r = read(center);
   for (int i = 0;; ++i) {
     // No point of the region is below the tangent.
@@ -102,7 +108,29 @@ bool SolidGap::approach(const Aabb& region, double most, RowPoint& near) {
   }
   near = {};
   near.point = r.x, near.gap = r.sum(), near.normal = (r.away_b - r.away_a).normalized();
+  if (farthest_ > kLongRegion * h_ && r.slope().norm() * farthest_ > kFarBelow * h_) approach_long(near);
   return true;
+}
+
+void SolidGap::approach_long(RowPoint& near) const {
+  // Overlapping solids are moved apart along the guessed normal.
+  for (double s = kParted * h_; s < farthest_; s *= 4.0) {
+    PlacedConvex a{distance_a_, pose_a_};
+    const PlacedConvex b{distance_b_, pose_b_};
+    a.pose.translation += s * near.normal;
+    Vec3 on_a = a.support(-near.normal), on_b = b.support(near.normal);
+    if (!on_b.allFinite())
+      on_b = on_a;  // a half-space: the other solid's lowest point
+    else if (!on_a.allFinite())
+      on_a = on_b;
+    else if (!closest_points(a, b, near.normal, kClosest * h_, on_a, on_b))
+      continue;
+    const Vec3 normal = on_a == on_b ? near.normal : Vec3((on_a - on_b).normalized());
+    near.point = 0.5 * (on_a + on_b) - 0.5 * s * near.normal;
+    near.gap = read(near.point).sum();
+    near.normal = normal;
+    return;
+  }
 }
 
 SolidGap::Reading SolidGap::part_at(const RowPoint& row, double more) {
@@ -196,7 +224,7 @@ bool SolidGap::find_rows(const RowPoint& near, double widest, std::vector<RowPoi
   // The sum of the distances is nowhere less than the separation along any normal.
   const double most = near.gap + 1e-3 * h_;
   RowPoint least = near;
-  bool found = find_least(least, kReach * h_) && least.gap <= most;
+  bool found = find_least(least, farthest_) && least.gap <= most;
   if (!found || least.gap < -kDeep * h_) {
     // Overlapping solids are separated along the normal of smallest displacement, which need not be the first.
     Parting best = parting_;
@@ -206,7 +234,7 @@ bool SolidGap::find_rows(const RowPoint& near, double widest, std::vector<RowPoi
          {r.away_b, Vec3(-r.away_a), Vec3((pose_a_.translation - pose_b_.translation).normalized())}) {
       RowPoint other = near;
       other.normal = normal;
-      if (!find_least(other, kReach * h_) || other.gap > most || (found && other.gap <= least.gap)) continue;
+      if (!find_least(other, farthest_) || other.gap > most || (found && other.gap <= least.gap)) continue;
       found = true, least = other, best = parting_;
     }
     parting_ = best;

@@ -53,6 +53,8 @@ class SolidGap {
   using Vec2 = Eigen::Vector2d;
   static constexpr double kOneEnd = 0.75;  ///< [h] ends closer to each other than this are merged
   Reading read(const Vec3& x) const;
+  /// Moves a point to the closest points of the two solids, where projections come to them slowly.
+  void approach_long(RowPoint& near) const;
   /// Reading at a row's point, with a displaced from b as far as needed plus `more`, [m].
   Reading part_at(const RowPoint& row, double more);
   /// Tangential curvatures of both distances, by differences of gradients, [1/m].
@@ -83,6 +85,7 @@ class SolidGap {
   const ConvexDistance *distance_a_, *distance_b_;
   Pose pose_a_, pose_b_;
   double h_;
+  double farthest_;  ///< [m] of the smallest gap from a point near it
   mutable std::int64_t readings_ = 0;
   /// Displaced solids and the results there.
   struct Parting {

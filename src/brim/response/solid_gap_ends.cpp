@@ -20,13 +20,14 @@ constexpr double kRing = 0.5, kRise = 0.15, kOn = 0.1, kTurn = 2e-4;
 constexpr double kMostTip = 4.0;
 constexpr int kValleySteps = 6;
 /// [h] departure of the gap from its tangent at an edge; accuracy of the edge; largest distance searched.
-constexpr double kDeparture = 0.005, kFound = 0.1, kFarthestEdge = 1000.0;
+constexpr double kDeparture = 0.005, kFound = 0.1, kFarthestEdge = 1e5;
 /// [h] distance beside an edge at which the search follows it.
 constexpr double kBeside = 0.15;
 /// Sine of the angle between two edges above which they meet in a corner.
 constexpr double kLeastAngle = 0.3;
-/// [h] excess over the smallest gap beyond which an end needs no row yet.
+/// [h] difference from the smallest gap beyond which an end needs no row yet.
 constexpr double kTooFar = 0.3;
+
 }  // namespace
 
 bool SolidGap::walk(const Reading& flat, const Vec3& from, const Vec3& way, Edge& edge) const {
@@ -174,7 +175,10 @@ void SolidGap::find_ends(const RowPoint& least) {
     const Reading& line = along[flat[0] ? 0 : 1];
     if (walk(line, flat[k] ? along[k].x : parting_.least.x, way(axis + k * M_PI), edge)) add_end(line, edge.x, least);
   }
-  std::erase_if(ends_, [&](const RowPoint& r) { return r.gap > least.gap + kTooFar * h_; });
+  // No two points are closer along the normal than those of the smallest gap: an end below it was led too far by a
+  // slope.
+  std::erase_if(ends_, [&](const RowPoint& r) { return std::abs(r.gap - least.gap) > kTooFar * h_; });
+  for (RowPoint& r : ends_) r.gap = std::max(r.gap, least.gap);
 }
 
 void SolidGap::place_friction(const Vec3& normal) {

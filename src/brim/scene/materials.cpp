@@ -6,8 +6,8 @@
 namespace brim {
 
 Response read_response(const Node& n) {
-  if (!n.has("response")) return Response::Inherit;
-  return n.string("response") == "constraint" ? Response::Constraint : Response::Penalty;
+  const std::string word = n.has("response") ? n.string("response") : "";
+  return word == "constraint" ? Response::Constraint : word == "penalty" ? Response::Penalty : Response::Inherit;
 }
 
 std::map<std::string, Material> read_materials(const Node& n) {

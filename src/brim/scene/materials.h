@@ -8,7 +8,7 @@
 
 namespace brim {
 
-/// The value of "response"; Inherit if absent.
+/// The value of "response"; Inherit if absent or "automatic".
 Response read_response(const Node& n);
 
 /// "materials" of a scene, and the default one. Tests: tests/scene/parameters_test.cpp, tests/scene/bad_scenes_test.cpp

@@ -79,7 +79,7 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
   for (std::size_t c = 0; c < n; ++c)
     free[c] = start_[c] + frame_[c].transpose() * (sweep_.velocity(c, change) - sweep_.velocity(c, guess));
   rows_.set_targets(settings_.rows, start_, free);
-  if (rows_.bounces() && exact_ && !mapped_) {
+  if (rows_.bounces()) {
     std::vector<double> without = change;
     for (std::size_t i = 0; i < width_; ++i) without[i] -= guess[i];
     pass_impacts_on(std::move(without));

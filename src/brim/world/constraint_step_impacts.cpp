@@ -24,9 +24,9 @@ void ConstraintStep::pass_impacts_on(std::vector<double> v) {
   for (const double t : rows_.velocity_targets()) least = std::max(least, kSlightBounce * t);
   const double slow = std::max(settings_.rows.bounce_speed, least), never = -std::numeric_limits<double>::infinity();
   std::vector<double> target(n, never), grid_step(n, 0.0);  // [m]
+  std::vector<std::uint8_t> between_frames(n, 0);
   for (const ContactPair& pair : rows_.points().pairs)
-    std::fill(grid_step.begin() + static_cast<std::ptrdiff_t>(pair.begin),
-              grid_step.begin() + static_cast<std::ptrdiff_t>(pair.end), pair.h);
+    for (std::size_t c = pair.begin; c < pair.end; ++c) grid_step[c] = pair.h, between_frames[c] = rigid(pair);
   std::vector<Vec3> impulse(n, Vec3::Zero());
   std::vector<std::uint8_t> hit(sweep_.groups(), 0);
   std::vector<double> hardest(n, 0.0);  // [m/s] normal velocity of each point's hardest hit, negative
@@ -34,12 +34,15 @@ void ConstraintStep::pass_impacts_on(std::vector<double> v) {
   // Solves one pair alone, as if nothing else touched it. @return false when nothing hits
   const auto strike = [&](std::size_t g, bool first) {
     const auto [begin, end] = sweep_.group(g);
+    if (begin == end || !between_frames[begin]) return false;
     const double h = grid_step[begin];
     bool any = false;
     for (std::size_t c = begin; c < end; ++c) {
       const double u = velocity(c), gap = -rows_.points().depth[c];
       const double to = first ? rows_.velocity_targets()[c] : -rows_.restitution()[c] * u;
-      const bool hits = first ? to > least : u < -slow && (gap <= kTouching * h || gap + settings_.rows.dt * u < 0.0);
+      // What has met in this step touches, wherever it was at its start.
+      const bool touches = gap <= kTouching * h || hardest[c] < 0.0;
+      const bool hits = first ? to > least : u < -slow && (touches || gap + settings_.rows.dt * u < 0.0);
       target[c] = hits ? to : never;
       if (hits) hardest[c] = std::min(hardest[c], u);
       impulse[c].setZero();

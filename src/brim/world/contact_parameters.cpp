@@ -8,6 +8,8 @@
 #include <map>
 #include <set>
 
+#include "brim/body/distance_bound.h"
+#include "brim/core/interface_of.h"
 #include "brim/world/fill_stage.h"
 
 namespace brim {
@@ -63,6 +65,17 @@ std::span<const double> velocities_of(const WorldPart& p, std::span<const double
 }  // namespace
 
 bool is_rigid(const WorldPart& p) { return p.body->v_size() <= 6 * static_cast<std::size_t>(p.body->part_count()); }
+
+Response open_response(std::span<const WorldPart> parts, const WorldOptions& options) {
+  if (options.stiffness > 0.0) return Response::Penalty;
+  const auto solid = [](const WorldPart& p) {
+    const auto* body = interface_of<DistanceBound>(*p.body);
+    return body != nullptr && body->solid(p.index) != nullptr;
+  };
+  const bool solids =
+      std::ranges::all_of(parts, [&](const WorldPart& p) { return p.body->immobile() || (is_rigid(p) && solid(p)); });
+  return solids ? Response::Constraint : Response::Penalty;
+}
 
 bool meet_by_rows(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
   if (a.info.conforming || b.info.conforming) return false;
@@ -150,8 +163,8 @@ void ContactParameters::warn(std::span<const WorldPart> parts, const WorldOption
         report.warnings.push_back(
             {report.time, "stiff_contact",
              fmt::format("contact of '{}' and '{}' is {:.2g} Pa, more than {:g} times the {:.2g} Pa that their loads "
-                         "ask for: nodes that come into contact bring energy in; leave the stiffness out to have it "
-                         "chosen",
+                         "ask for: nodes that come into contact bring energy in; take the least stiffness that "
+                         "keeps them apart, or leave it out to have it chosen",
                          key_a.first, key_b.first, m.stiffness, kThrowing, chosen)});
         continue;
       }

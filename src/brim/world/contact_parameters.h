@@ -17,6 +17,11 @@ namespace brim {
 /// True when the part cannot deform: its body has no more velocities than its parts would have as rigid bodies.
 bool is_rigid(const WorldPart& p);
 
+/// The response of pairs for which neither materials nor bodies set one, where the world leaves it open
+/// (Response::Inherit): rows if nothing in the world but solids with known distances moves and no stiffness is given,
+/// else penalties.
+Response open_response(std::span<const WorldPart> parts, const WorldOptions& options);
+
 /// True when constraint rows act between the parts: their contacts are found before they touch, wherever the grid nodes
 /// lie.
 bool meet_by_rows(const WorldPart& a, const WorldPart& b, const WorldOptions& options);

@@ -61,6 +61,10 @@ class ImplicitStep {
   std::span<const double> inner_impulse() const { return internal_; }
 
  private:
+  /// Of the nodes of body b (StepContext::resistance).
+  std::span<const Mat3> resistance(std::size_t b) const {
+    return context_->resistance.empty() ? std::span<const Mat3>() : std::span(context_->resistance[b]);
+  }
   /// Δv from masses and inertias, when all bodies are uncoupled rigid frames.
   /// @return false when some are not
   bool solve_frames(std::span<double> delta);

@@ -109,7 +109,10 @@ void ImplicitStep::begin_bodies() {
   }
   bodies_diagonal_.reset(sizes);
   parallel_for(c.bodies.size(), [&](std::size_t b) {
-    if (!asleep(b)) c.bodies[b]->add_system_diagonal(first_block_[b], bodies_diagonal_);
+    if (asleep(b)) return;
+    c.bodies[b]->add_system_diagonal(first_block_[b], bodies_diagonal_);
+    const auto air = resistance(b);
+    for (std::size_t i = 0; i < air.size(); ++i) bodies_diagonal_.block(first_block_[b] + i) += dt * air[i];
   });
 }
 
@@ -184,6 +187,10 @@ void ImplicitStep::multiply(std::span<const double> x, std::span<double> y) {
       c.fill.apply_system(b, c.slice(x, b), yb);
     else
       c.bodies[b]->apply_system(c.slice(x, b), yb);
+    const auto air = resistance(b);
+    for (std::size_t i = 0; i < air.size(); ++i)
+      Eigen::Map<Vec3>(yb.data() + 3 * i) +=
+          settings_->dt * (air[i] * Eigen::Map<const Vec3>(x.data() + c.first_v[b] + 3 * i));
   });
   if (contacts_ == 0) return;
   const ScopedSeconds contact_timer(contact_seconds());

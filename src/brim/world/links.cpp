@@ -231,12 +231,20 @@ void Links::begin(const ContactSet& set, std::span<const Vec3> velocity_a, std::
   response.set_bonds(std::move(bonds));
 }
 
+void Links::measure(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q,
+                    StepReport& report) {
+  for (std::size_t l = 0; l < std::min(links_.size(), report.links.size()); ++l) {
+    if (links_[l].broken) continue;
+    links_[l].follow(parts, q, first_q);
+    report.links[l].coordinate = coordinate(links_[l]).value;
+  }
+}
+
 void Links::finish(const ContactSet& set, std::span<const Vec3> force, double time, StepReport& report) {
   report.links.clear();
   for (std::size_t l = 0; l < links_.size(); ++l) {
     report.links.push_back({});
     report.links.back().broken = links_[l].broken;
-    report.links.back().coordinate = coordinate_[l].value;
   }
   const std::size_t first = set.first_link();
   for (std::size_t i = 0; i < ties_.size(); ++i) {

@@ -71,6 +71,9 @@ class Links {
   /// Passes the links to the response, after its begin. @param velocity_a, velocity_b  [m/s] at all contacts
   void begin(const ContactSet& set, std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b,
              Penalty& response) const;
+  /// Sets the coordinates of the report to those at the end of a step. Bodies must be up to date.
+  void measure(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q,
+               StepReport& report);
   /// Takes the forces and breaks links whose force is too large. @param force  [N] on side a, all contacts
   void finish(const ContactSet& set, std::span<const Vec3> force, double time, StepReport& report);
 

@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <set>
 
 #include "brim/body/distance_bound.h"
 #include "brim/body/loose_nodes.h"
@@ -10,6 +13,7 @@
 #include "brim/body/spinning_balls.h"
 #include "brim/core/error.h"
 #include "brim/world/links.h"
+#include "brim/world/wind.h"
 
 /// Construction of links: which points of both sides they hold, and how.
 namespace brim {
@@ -115,6 +119,17 @@ std::vector<Vec3> points_in(const Body& body, const std::function<bool(const Vec
   return x;
 }
 
+/// The first point of each cell of a grid: what is shown more finely than it moves is not held by every vertex shown.
+std::vector<Vec3> one_per_cell(const std::vector<Vec3>& x, double cell) {
+  std::set<std::array<std::int64_t, 3>> taken;
+  std::vector<Vec3> out;
+  for (const Vec3& p : x) {
+    const Vec3 c = (p / cell).array().floor();
+    if (taken.insert({std::llround(c.x()), std::llround(c.y()), std::llround(c.z())}).second) out.push_back(p);
+  }
+  return out;
+}
+
 /// Name of the link in messages.
 std::string told(const Attachment& given) {
   return fmt::format("{} '{}'", given.joint ? "joint" : "attachment", given.name);
@@ -168,7 +183,10 @@ Links::Link Links::make(const Attachment& given, std::span<const WorldPart> part
       const Body& body = *parts[a.parts[0]].body;
       x = points_in(body, given.region);
       link.part_a = choose_part(parts, a.parts, given.part, x[0]);
-      if (is_solid(parts[link.part_a])) x = spread_of(x, kMostOfSolid);
+      if (is_solid(parts[link.part_a]))
+        x = spread_of(x, kMostOfSolid);
+      else if (!shows_nodes(body))
+        x = one_per_cell(x, parts[link.part_a].h);
     } else {
       const Vec3 place = given.joint ? given.joint->position : *given.point;
       link.part_a = choose_part(parts, a.parts, given.part, place);

@@ -169,6 +169,7 @@ std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Bo
   gravity_scale_.resize(gravity_scale_.empty() ? 0 : bodies.size(), 1.0);
   impulse_.assign(base.begin(), base.end());
   impulse_.resize(first_v.back(), 0.0);
+  resistance_.clear();
   std::vector<double> motion, image;
   for (Entry& e : entries_) {
     const AppliedForce& given = e.given;
@@ -199,7 +200,9 @@ std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Bo
       }
       if (action.wind) {
         image.assign(n, 0.0);
-        action.wind->add_force(*given.wind, scale, mine, qb, vb, time, dt, image);
+        resistance_.resize(bodies.size());
+        if (yields_implicitly(body)) resistance_[b].resize(n / 3, Mat3::Zero());
+        action.wind->add_force(*given.wind, scale, mine, qb, vb, time, dt, image, resistance_[b]);
         add(dt);
       }
       Vec3 uniform = given.acceleration;

@@ -39,6 +39,9 @@ class OuterActions {
                                   std::span<const double> q, std::span<const std::size_t> first_q,
                                   std::span<const double> v, std::span<const std::size_t> first_v,
                                   const Environment& env, double time, double dt, std::span<const double> base);
+  /// [kg/s] by how much the air of the last impulse resists changes of velocity (WindOnBody): of the nodes of each
+  /// body, empty for most; shape (bodies), or empty.
+  std::span<const std::vector<Mat3>> resistance() const { return resistance_; }
 
  private:
   /// Points of one part on which a force acts.
@@ -68,6 +71,7 @@ class OuterActions {
 
   std::vector<Entry> entries_;
   std::vector<double> gravity_scale_, impulse_;
+  std::vector<std::vector<Mat3>> resistance_;
 };
 
 }  // namespace brim

@@ -30,6 +30,8 @@ struct StepContext {
   FluidCoupling& coupling;  ///< found
   StepReport& report;
   std::span<const double> impulse{};  ///< [N s] additional impulse, shape (nv) or empty
+  /// [kg/s] resistance of air to changes of the velocities of nodes; shape (bodies) or empty, of each (nodes) or empty
+  std::span<const std::vector<Mat3>> resistance{};
 
   /// The velocities of body b in x, shape (nv).
   template <class Vector>

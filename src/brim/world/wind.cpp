@@ -16,19 +16,22 @@ namespace brim {
 namespace {
 
 /// The force of air on one side of a triangle. @param facing  A n, in the direction of the air's motion
-/// @param slope  derivative of the force's magnitude with respect to the speed
-Vec3 force_on_face(const AppliedForce::Wind& wind, const Vec3& air, const Vec3& facing, double& slope) {
+/// @param slope  a bound of the derivative of the force with respect to the air's velocity, [kg/s]
+Vec3 force_on_face(const AppliedForce::Wind& wind, const Vec3& air, const Vec3& facing, Mat3& slope) {
+  slope.setZero();
   const double speed = air.norm(), area = facing.norm();
   if (!(speed > 0.0) || !(area > 0.0)) return Vec3::Zero();
   const Vec3 c = air / speed, n = facing / area;
   const double cosine = c.dot(n);
-  slope = wind.density * area * std::max(wind.drag, wind.lift) * speed;
+  slope = wind.density * area * speed *
+          (wind.lift * n * n.transpose() + std::abs(wind.drag - wind.lift) * cosine * cosine * c * c.transpose());
   return 0.5 * wind.density * area * speed * speed * cosine * (wind.drag * cosine * c + wind.lift * (n - cosine * c));
 }
 
-/// Drag ½ ρ D A |c| c of a body of that frontal area, limited so that the body does not outrun the air.
-Vec3 drag(const AppliedForce::Wind& wind, const Vec3& air, double area, double mass, double dt) {
-  const double slope = wind.density * wind.drag * area * air.norm();
+/// Drag ½ ρ D A |c| c of a body of that frontal area. @param slope  of it, [kg/s]
+/// @param mass  [kg] limits the force so that the body does not outrun the air; 0: no limit
+Vec3 drag(const AppliedForce::Wind& wind, const Vec3& air, double area, double mass, double dt, double& slope) {
+  slope = wind.density * wind.drag * area * air.norm();
   return 0.5 * slope / (mass > 0.0 ? 1.0 + dt * slope / mass : 1.0) * air;
 }
 
@@ -43,29 +46,39 @@ Vec3 middle_of(std::span<const Vec3f> vertex, const Triangle& t) {
 }
 
 /// Adds the force of air on triangles through the map of their part. @param x, facing  centres [m] and A n [m²] of each
-/// @param source  of each centre, for make_map
+/// @param source  of each centre, for make_map  @param resistance  of the body's nodes, or empty
 void blow(const AppliedForce::Wind& wind, double scale, const WorldPart& part, std::span<const Vec3> x,
           std::span<const Vec3> facing, std::span<const std::int32_t> source, std::span<const double> v, double time,
-          double dt, std::span<double> Q) {
+          double dt, std::span<double> Q, std::span<Mat3> resistance) {
   std::unique_ptr<Map> map;
   part.body->make_map(part.index, x, source, map);
   std::vector<Vec3> u(x.size());
   map->apply(v, u);
   std::vector<Vec3> flow(x.size(), wind.velocity);
   if (wind.field) wind.field(time, x, flow);
+  std::vector<Mat3> slopes(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Vec3 air = scale * flow[i] - u[i];
     // Air pushes faces turned towards it: both sides of a sheet, the windward side of a closed surface.
     const double into = facing[i].dot(air);
     Vec3 windward = into < 0.0 ? Vec3(-facing[i]) : facing[i];
     if (!part.body->display().two_sided && !(into < 0.0)) windward.setZero();
-    double slope = 0.0;
-    const Vec3 f = force_on_face(wind, air, windward, slope);
+    u[i] = force_on_face(wind, air, windward, slopes[i]);
     // At most the force that brings light matter to the air's speed.
     const double mass = part.info.areal_mass * windward.norm();
-    u[i] = mass > 0.0 ? Vec3(f / (1.0 + dt * slope / mass)) : f;
+    if (resistance.empty() && mass > 0.0) u[i] /= 1.0 + dt * slopes[i].trace() / mass;
   }
   map->apply_transpose(u, Q);
+  if (resistance.empty()) return;
+  // Each node resists with its share of each triangle.
+  std::vector<double> column(v.size());
+  for (int k = 0; k < 3; ++k) {
+    for (std::size_t i = 0; i < x.size(); ++i) u[i] = slopes[i].col(k);
+    std::fill(column.begin(), column.end(), 0.0);
+    map->apply_transpose(u, column);
+    for (std::size_t i = 0; i < resistance.size(); ++i)
+      resistance[i].col(k) += Eigen::Map<const Vec3>(column.data() + 3 * i);
+  }
 }
 
 /// The part of each display vertex if each part has vertices of its own; else all 0.
@@ -94,6 +107,12 @@ bool has_nodes(const Body& body) {
 }
 
 bool shows_nodes(const Body& body) { return has_nodes(body) && 3 * body.display().vertices == body.q_size(); }
+
+bool yields_implicitly(const Body& body) {
+  const std::vector<int> sizes = body.block_sizes();
+  return has_nodes(body) && body.part_count() > 0 && !body.part(0).conforming && 3 * sizes.size() == body.v_size() &&
+         std::ranges::all_of(sizes, [](int size) { return size == 3; });
+}
 
 std::vector<double> node_masses(const Body& body) {
   const std::size_t per_node = velocities_per_node(body);
@@ -132,15 +151,15 @@ WindOnBody::WindOnBody(std::span<const WorldPart> parts, std::span<const double>
 
 void WindOnBody::add_force(const AppliedForce::Wind& wind, double scale, std::span<const WorldPart> parts,
                            std::span<const double> q, std::span<const double> v, double time, double dt,
-                           std::span<double> Q) {
-  for (Faces& faces : faces_) add_on_faces(wind, scale, faces, parts[faces.part], q, v, time, dt, Q);
+                           std::span<double> Q, std::span<Mat3> resistance) {
+  for (Faces& faces : faces_) add_on_faces(wind, scale, faces, parts[faces.part], q, v, time, dt, Q, resistance);
   if (changing_) add_on_changing(wind, scale, parts[0], v, time, dt, Q);
-  if (!nodes_.empty()) add_on_nodes(wind, scale, parts[0].body->display(), q, v, time, dt, Q);
+  if (!nodes_.empty()) add_on_nodes(wind, scale, parts[0].body->display(), q, v, time, dt, Q, resistance);
 }
 
 void WindOnBody::add_on_faces(const AppliedForce::Wind& wind, double scale, Faces& faces, const WorldPart& part,
                               std::span<const double> q, std::span<const double> v, double time, double dt,
-                              std::span<double> Q) {
+                              std::span<double> Q, std::span<Mat3> resistance) {
   const Body& body = *part.body;
   faces.middles.follow(part, q);
   const auto x = faces.middles.positions();
@@ -151,7 +170,7 @@ void WindOnBody::add_on_faces(const AppliedForce::Wind& wind, double scale, Face
   body.display_positions(shown);
   std::vector<Vec3> facing(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) facing[i] = facing_of(shown, display.triangles[faces.triangle[i]]);
-  blow(wind, scale, part, x, facing, source, v, time, dt, Q);
+  blow(wind, scale, part, x, facing, source, v, time, dt, Q, resistance);
 }
 
 void WindOnBody::add_on_changing(const AppliedForce::Wind& wind, double scale, const WorldPart& part,
@@ -164,12 +183,12 @@ void WindOnBody::add_on_changing(const AppliedForce::Wind& wind, double scale, c
   for (const Triangle& t : triangles)
     if (const Vec3 middle = middle_of(shown, t); surface.meets_air(middle))
       x.push_back(middle), facing.push_back(facing_of(shown, t));
-  blow(wind, scale, part, x, facing, std::vector<std::int32_t>(x.size(), 0), v, time, dt, Q);
+  blow(wind, scale, part, x, facing, std::vector<std::int32_t>(x.size(), 0), v, time, dt, Q, {});
 }
 
 void WindOnBody::add_on_nodes(const AppliedForce::Wind& wind, double scale, const Display& display,
                               std::span<const double> q, std::span<const double> v, double time, double dt,
-                              std::span<double> Q) const {
+                              std::span<double> Q, std::span<Mat3> resistance) const {
   const auto at = [](std::span<const double> x, std::size_t i) { return Eigen::Map<const Vec3>(x.data() + 3 * i); };
   const auto velocity = [&](std::size_t i) { return Eigen::Map<const Vec3>(v.data() + per_node_ * i); };
   const auto add = [&](std::size_t i, const Vec3& f) { Eigen::Map<Vec3>(Q.data() + per_node_ * i) += f; };
@@ -181,9 +200,14 @@ void WindOnBody::add_on_nodes(const AppliedForce::Wind& wind, double scale, cons
     x[k] = lines ? Vec3(0.5 * (at(q, display.lines[k][0]) + at(q, display.lines[k][1]))) : Vec3(at(q, k));
   std::vector<Vec3> flow(n, wind.velocity);
   if (wind.field) wind.field(time, x, flow);
+  const bool limited = resistance.empty();
+  double slope = 0.0;
   if (!lines) {
-    for (std::size_t i = 0; i < n; ++i)
-      add(i, drag(wind, scale * flow[i] - velocity(i), std::numbers::pi * r * r, nodes_[i], dt));
+    for (std::size_t i = 0; i < n; ++i) {
+      const double mass = limited ? nodes_[i] : 0.0;
+      add(i, drag(wind, scale * flow[i] - velocity(i), std::numbers::pi * r * r, mass, dt, slope));
+      if (!limited) resistance[i] += slope * Mat3::Identity();
+    }
     return;
   }
   // A node shares its mass among the lines that end in it.
@@ -195,9 +219,11 @@ void WindOnBody::add_on_nodes(const AppliedForce::Wind& wind, double scale, cons
     const double length = along.norm();
     if (!(length > 0.0)) continue;
     const Vec3 e = along / length, air = scale * flow[k] - 0.5 * (velocity(a) + velocity(b));
-    const Vec3 f =
-        0.5 * drag(wind, air - e * e.dot(air), 2.0 * r * length, nodes_[a] / ends[a] + nodes_[b] / ends[b], dt);
+    const double mass = limited ? nodes_[a] / ends[a] + nodes_[b] / ends[b] : 0.0;
+    const Vec3 f = 0.5 * drag(wind, air - e * e.dot(air), 2.0 * r * length, mass, dt, slope);
     add(a, f), add(b, f);
+    if (!limited)
+      for (const std::size_t i : {a, b}) resistance[i] += 0.5 * slope * (Mat3::Identity() - e * e.transpose());
   }
 }
 

@@ -14,6 +14,8 @@ namespace brim {
 bool has_nodes(const Body& body);
 /// True when the display shows the nodes: vertex i lies at q[3i ...].
 bool shows_nodes(const Body& body);
+/// True when air acts on the body within the system of a step: it has nodes of three velocities and does not flow.
+bool yields_implicitly(const Body& body);
 /// [kg] lumped mass per node: row sums of the mass matrix; shape (q / 3).
 std::vector<double> node_masses(const Body& body);
 
@@ -22,7 +24,11 @@ std::vector<double> node_masses(const Body& body);
 ///              solids and, where it meets air, of a changing surface (ChangingSurface)
 ///   lines      f = ½ ρ D 2r l |c⊥| c⊥, c⊥ perpendicular to the line: a cylinder in cross flow, half at either end
 ///   points     f = ½ ρ D π r² |c| c: a ball
-/// The force accelerates no light matter beyond the air's speed in one step.
+/// No light matter is accelerated beyond the air's speed in one step. Bodies of nodes (yields_implicitly) answer to air
+/// within the step: the force is that on their present velocity, and the system of the step resists its change by
+///   R = ρ A |c| (L n nᵀ + |D − L| (ĉ·n)² ĉ ĉᵀ),  lines ρ D 2r l |c⊥| (1 − e eᵀ),  points ρ D π r² |c|
+/// at least as much as the derivative of the force, so that a steady load is exact. For others the force itself is made
+/// smaller, by 1 + dt R/m with m the areal mass; it is only exact where that is close to 1, as for all but thin sheets.
 /// Tests: tests/world/wind_test.cpp
 class WindOnBody {
  public:
@@ -32,8 +38,10 @@ class WindOnBody {
   /// True when the display has nothing that air could push.
   bool empty() const { return faces_.empty() && nodes_.empty() && !changing_; }
   /// Adds the generalised force, [N]. @param scale  of the air's velocity  @param q, v, Q  of the body
+  /// @param resistance  [kg/s] R of its nodes is added to it; empty: the force is limited instead
   void add_force(const AppliedForce::Wind& wind, double scale, std::span<const WorldPart> parts,
-                 std::span<const double> q, std::span<const double> v, double time, double dt, std::span<double> Q);
+                 std::span<const double> q, std::span<const double> v, double time, double dt, std::span<double> Q,
+                 std::span<Mat3> resistance);
 
  private:
   /// Triangles of one part.
@@ -43,11 +51,13 @@ class WindOnBody {
     std::vector<std::size_t> triangle;  ///< of the display
   };
   void add_on_faces(const AppliedForce::Wind& wind, double scale, Faces& faces, const WorldPart& part,
-                    std::span<const double> q, std::span<const double> v, double time, double dt, std::span<double> Q);
+                    std::span<const double> q, std::span<const double> v, double time, double dt, std::span<double> Q,
+                    std::span<Mat3> resistance);
   void add_on_changing(const AppliedForce::Wind& wind, double scale, const WorldPart& part, std::span<const double> v,
                        double time, double dt, std::span<double> Q) const;
   void add_on_nodes(const AppliedForce::Wind& wind, double scale, const Display& display, std::span<const double> q,
-                    std::span<const double> v, double time, double dt, std::span<double> Q) const;
+                    std::span<const double> v, double time, double dt, std::span<double> Q,
+                    std::span<Mat3> resistance) const;
 
   std::vector<Faces> faces_;
   std::vector<double> nodes_;  ///< [kg] of lines and points

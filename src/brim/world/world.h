@@ -45,12 +45,14 @@ struct WorldOptions {
   int max_passes = 4;  ///< maximum number of solves per sub-step, while contacts are released or friction changes
   double friction_speed =
       0.0;  ///< [m/s] ε of the regularised friction; 0: 0.001 g dt, g of the earth where there is none
-  Response response = Response::Penalty;  ///< for pairs whose materials and bodies set none
-  double constraint_tolerance = 1e-4;     ///< change of velocity by the last sweep, over that of a free fall in a step
-  int constraint_sweeps = 200;            ///< maximum number of projected Gauss-Seidel sweeps per sub-step
-  bool constraint_every_node = false;     ///< one row per node instead of a few per patch: expensive, for comparison
-  bool sleep = false;                     ///< leaves resting islands of bodies out of the step until touched (Sleep)
-  double memory_limit = 8e9;              ///< [bytes] of samples, contacts, rows and pairs, each; above it InputError
+  /// For pairs whose materials and bodies set none; Inherit, the default of scenes: constraint rows if only solids move
+  /// in the world and no stiffness is given, else penalties (open_response).
+  Response response = Response::Penalty;
+  double constraint_tolerance = 1e-4;  ///< change of velocity by the last sweep, over that of a free fall in a step
+  int constraint_sweeps = 200;         ///< maximum number of projected Gauss-Seidel sweeps per sub-step
+  bool constraint_every_node = false;  ///< one row per node instead of a few per patch: expensive, for comparison
+  bool sleep = false;                  ///< leaves resting islands of bodies out of the step until touched (Sleep)
+  double memory_limit = 8e9;           ///< [bytes] of samples, contacts, rows and pairs, each; above it InputError
   std::map<std::pair<std::string, std::string>, PairMaterial> pair_materials;  ///< by material names, sorted
   std::vector<TouchRule> touch_rules;  ///< which bodies touch; the last rule about a pair decides
 };

@@ -127,6 +127,7 @@ void World::Impl::follow_edits() {
     p.frozen = edits.frozen.contains(p.body_index);
     p.sides = rules.sides(p.body->name()), p.rules = &rules;
   }
+  options.response = given.response == Response::Inherit ? open_response(parts, options) : given.response;
   stage.rigid().start(parts, laws, options);
 }
 

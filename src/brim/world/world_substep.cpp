@@ -181,8 +181,10 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
     rows = [&](const ImplicitStep::Respond& solve, std::span<double> change, std::span<double> added) {
       return constraints.correct(solve, change, added, report);
     };
-  const StepContext context{bodies,   first_v, parts,  options.environment, state.v, contacts, maps, response, fill,
-                            coupling, report,  impulse};
+  std::span<const std::vector<Mat3>> resistance;
+  if (!actions.empty()) resistance = actions.resistance();
+  const StepContext context{bodies,   first_v, parts,   options.environment, state.v, contacts, maps, response, fill,
+                            coupling, report,  impulse, resistance};
   return implicit.solve(context, settings, delta, rows);
 }
 

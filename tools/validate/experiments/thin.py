@@ -103,3 +103,26 @@ def cloth_weight(case):
     """A sheet of 0.5 x 0.5 m and 1 kg/m² lies on a floor: the load that this carries."""
     return scene([floor(0.02), {"kind": "cloth", "name": "sheet", "grid": {"size": [0.5, 0.5], "cells": [12, 12]}, "areal_density": 1.0,
                                 "thickness": 0.04, "voxel_size": 0.02, "transform": {"position": [0, 0, 0.03]}}], 1.5, response=case.response)
+
+
+AIR, WIND, AREAL = 1.2, 2.0, 0.2
+
+
+def lean(run):
+    """Angle by which the strip hangs from the vertical, [degrees]"""
+    x = run.positions("strip", run.frames - 1)
+    way = x[x[:, 2].argmin()] - x[x[:, 2].argmax()]
+    return math.degrees(math.atan2(way[0], -way[2]))
+
+
+@experiment(law="tan θ = ρ v² / (2 σ g)", source="moments about the edge, with a pressure ½ ρ v² cos θ along the normal", unit="degrees",
+            tolerance=0.01, study="dt", fast=True, cases=cases(dt=(1 / 30, 1 / 60, 1 / 240)),
+            theory=math.degrees(math.atan(AIR * WIND**2 / (2 * AREAL * G))), measure=lambda c, r: lean(r))
+def strip_in_wind(case):
+    """A light strip hangs from its edge in a steady wind: its angle when it has come to rest, whatever the step."""
+    strip = {"kind": "cloth", "name": "strip", "grid": {"size": [1, 0.2], "cells": [25, 5]}, "areal_density": AREAL, "bend_stiffness": 1e-6,
+             "stretch_stiffness": 500, "mass_damping": 0.5, "transform": {"rotation": {"axis": [0, 1, 0], "degrees": 90}},
+             "constraints": [{"select": {"kind": "box", "lo": [-1, -1, 0.499], "hi": [1, 1, 0.6]}}]}
+    made = scene([strip], 8.0, dt=case.dt)
+    made["forces"] = [{"name": "wind", "bodies": ["strip"], "wind": {"velocity": [WIND, 0, 0], "density": AIR, "drag": 1.0, "lift": 1.0}}]
+    return made
