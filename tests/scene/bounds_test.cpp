@@ -34,7 +34,8 @@ std::string step(const std::string& text) {
 
 TEST(Bounds, BodiesInOnePlaceAreRefusedWhereTheyPassTheMemoryLimit) {
   EXPECT_EQ(step(crowd(8, "")), "");
-  EXPECT_NE(step(crowd(8, R"("memory_limit": 1e6)")).find("contacts at one time, more than memory_limit"),
+  EXPECT_NE(step(crowd(8, R"("response": "penalty", "memory_limit": 1e6)"))
+                .find("contacts at one time, more than memory_limit"),
             std::string::npos);
   EXPECT_EQ(step(crowd(8, R"("response": "constraint")")), "");
   EXPECT_NE(step(crowd(8, R"("response": "constraint", "memory_limit": 2e4)")).find("constraint rows at one time"),

@@ -34,7 +34,7 @@ class Include : public ::testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
   void write(const char* name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
   Scene scene_of(const std::string& include) const {
-    return parse_scene(R"({"brim": 1, "name": "room", "frames": 1, "bodies": [
+    return parse_scene(R"({"brim": 1, "name": "room", "frames": 1, "world": {"response": "penalty"}, "bodies": [
       {"kind": "obstacle", "name": "floor", "shape": {"kind": "plane"}}], "include": )" +
                            include + "}",
                        (folder_ / "room.json").string());

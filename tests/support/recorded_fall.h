@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 /// A ball falls on a floor while a bar above it begins to move after 0.05 s.
 inline const char* const kScene = R"({
-  "brim": 1, "name": "fall", "frames": 12, "world": {"time_step": 0.01},
+  "brim": 1, "name": "fall", "frames": 12, "world": {"response": "penalty", "time_step": 0.01},
   "bodies": [
     {"kind": "obstacle", "name": "floor", "shape": {"kind": "plane"}},
     {"kind": "obstacle", "name": "bar", "shape": {"kind": "box", "size": [1, 0.1, 0.1]}, "transform": {"position": [0, 0, 3]},

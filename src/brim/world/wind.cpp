@@ -66,7 +66,8 @@ void blow(const AppliedForce::Wind& wind, double scale, const WorldPart& part, s
     u[i] = force_on_face(wind, air, windward, slopes[i]);
     // At most the force that brings light matter to the air's speed.
     const double mass = part.info.areal_mass * windward.norm();
-    if (resistance.empty() && mass > 0.0) u[i] /= 1.0 + dt * slopes[i].trace() / mass;
+    const double steepest = wind.density * windward.norm() * std::max(wind.drag, wind.lift) * air.norm();
+    if (resistance.empty() && mass > 0.0) u[i] /= 1.0 + dt * steepest / mass;
   }
   map->apply_transpose(u, Q);
   if (resistance.empty()) return;

@@ -27,9 +27,9 @@ std::vector<double> node_masses(const Body& body);
 /// No light matter is accelerated beyond the air's speed in one step. Bodies of nodes (yields_implicitly) answer to air
 /// within the step: the force is that on their present velocity, and the system of the step resists its change by
 ///   R = ρ A |c| (L n nᵀ + |D − L| (ĉ·n)² ĉ ĉᵀ),  lines ρ D 2r l |c⊥| (1 − e eᵀ),  points ρ D π r² |c|
-/// at least as much as the derivative of the force, so that a steady load is exact. For others the force itself is made
-/// smaller, by 1 + dt R/m with m the areal mass; it is only exact where that is close to 1, as for all but thin sheets.
-/// Tests: tests/world/wind_test.cpp
+/// at least as much as the derivative of the force, so that a steady load is exact. For others (rigid bodies, grains,
+/// drops) the force itself is made smaller, by 1 + dt R/m with m their areal mass; it is exact where that is close
+/// to 1. Tests: tests/world/wind_test.cpp
 class WindOnBody {
  public:
   /// @param parts  those of the body, which is at its last update  @param q  of the body

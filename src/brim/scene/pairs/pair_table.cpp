@@ -173,7 +173,9 @@ PairTable read_pair_table(std::string_view text, const std::string& file) {
   table.drop.steps = static_cast<int>(drop.integer("steps"));
   table.bounds = {bounds.number("overlap"), bounds.number("energy"), bounds.number("drift"),
                   bounds.number("leak"),    bounds.number("speed"),  bounds.number("carried")};
-  table.world = root.at("world").json().dump();
+  Json settings = root.at("world").json();
+  settings.emplace("response", "penalty");  // one response for all pairs, rigid ones too
+  table.world = settings.dump();
   table.notes = read_notes(root, "notes");
   table.constraint_notes = read_notes(root, "constraint_notes");
   for (const auto& [name, entry] : root.at("worlds").json().items())
