@@ -67,6 +67,7 @@ LOOKS = {
     "three_sheets": (50, []),
     "toys": (0, ["--frame", "92", "--camera", "-62,16"]),
     "water_drop": (60, ["--frame", "34"]),
+    "stones": (360, ["--camera", "-62,42,2.6"]),
     "wind_field": (0, ["--frame", "200", "--camera", "-70,8"]),
     "wired_kinds": (30, ["--camera", "-62,10"]),
     "wrecking_ball": (100, ["--frame", "75", "--camera", "-35,18"]),

@@ -7,6 +7,7 @@
 
 #include "brim/mesh/mass_properties.h"
 #include "brim/mesh/primitives.h"
+#include "brim/mesh/shape_builders.h"
 #include "brim/mesh/topology.h"
 
 namespace brim::convex_polyhedron_test {
@@ -41,6 +42,9 @@ TEST(ConvexPolyhedron, OfSolidsWithOtherFacesObeysEuler) {
   EXPECT_EQ(convex_polyhedron(corner)->faces.size(), 4u);
   EXPECT_EQ(convex_polyhedron(shapes::icosphere(1.0, 0))->faces.size(), 20u);
   EXPECT_EQ(convex_polyhedron(shapes::cylinder(1.0, 2.0, 6))->faces.size(), 8u);
+  // One blunt edge of fifteen: a roof of six degrees.
+  EXPECT_EQ(
+      convex_polyhedron(shapes::extrude_polygon({{-1, 0}, {1, 0}, {1, 1}, {0, 1.05}, {-1, 1}}, 0.5))->faces.size(), 7u);
   // A square with a corner in the middle of each side.
   EXPECT_EQ(convex_polyhedron(shapes::star(4, std::sqrt(0.5), 0.5, 1.0))->edges.size(), 12u);
 }

@@ -12,9 +12,11 @@ namespace brim {
 namespace {
 
 constexpr std::size_t kMostFaces = ConvexPolyhedron::kMostFaces;
-/// Cosine of 15 degrees: larger, of either sign, between the normals of two faces that share an edge is too flat or too
-/// sharp.
-constexpr double kMostCosine = 0.9659;
+/// Cosine of 15 degrees, between the normals of two faces that share an edge: above it the edge is blunt, below minus
+/// it too sharp.
+constexpr double kBlunt = 0.9659;
+/// Share of blunt edges from which a surface stands for a smooth one.
+constexpr double kMostlyBlunt = 0.25;
 /// Accuracy of coordinates relative to the extent.
 constexpr double kAccuracy = 1e-6;
 
@@ -106,12 +108,14 @@ std::optional<ConvexPolyhedron> convex_polyhedron(const TriMesh& mesh) {
     if (added) out.corners.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
     return at->second;
   };
+  int blunt = 0;
   for (const auto& [pair, vertices] : *lines) {
     const Vec3 &n0 = out.faces[static_cast<std::size_t>(pair[0])].normal,
                &n1 = out.faces[static_cast<std::size_t>(pair[1])].normal;
     ConvexPolyhedron::Edge edge{
         .faces = pair, .corners = {}, .along = n0.cross(n1), .length = 0.0, .cosine = n0.dot(n1)};
-    if (std::abs(edge.cosine) > kMostCosine) return std::nullopt;
+    if (edge.cosine < -kBlunt) return std::nullopt;
+    if (edge.cosine > kBlunt) ++blunt;
     const auto place = [&](std::int32_t v) { return edge.along.dot(mesh.vertices[static_cast<std::size_t>(v)]); };
     const auto [first, last] = std::minmax_element(vertices.begin(), vertices.end(),
                                                    [&](std::int32_t v, std::int32_t w) { return place(v) < place(w); });
@@ -123,6 +127,7 @@ std::optional<ConvexPolyhedron> convex_polyhedron(const TriMesh& mesh) {
     edge.along = way / edge.length;
     out.edges.push_back(edge);
   }
+  if (blunt > kMostlyBlunt * static_cast<double>(out.edges.size())) return std::nullopt;
   // Euler: a single piece without holes, and no corner taken twice.
   if (out.corners.size() + out.faces.size() != out.edges.size() + 2) return std::nullopt;
   return out;

@@ -28,9 +28,10 @@ struct ConvexPolyhedron {
   std::vector<Edge> edges;
 };
 
-/// The polyhedron that a surface encloses, where its triangles form at most 64 flat faces that meet at angles between
-/// 15 and 165 degrees; else nothing. Coordinates count as exact to 1e-6 of the extent, the precision of files in single
-/// precision. Rounder surfaces stand for smooth ones, and are better sampled.
+/// The polyhedron that a surface encloses, where its triangles form at most 64 flat faces: between two that share an
+/// edge the normals turn by at most 165 degrees, at three edges of four by 15 or more; else nothing. Coordinates count
+/// as exact to 1e-6 of the extent, the precision of files in single precision. Rounder surfaces stand for smooth ones,
+/// and are better sampled.
 /// @param mesh  closed, oriented outwards
 /// Cost: O(triangles · faces).  Tests: tests/mesh/convex_polyhedron_test.cpp
 std::optional<ConvexPolyhedron> convex_polyhedron(const TriMesh& mesh);

@@ -36,11 +36,15 @@ PolyhedronDistances::Features<T> PolyhedronDistances::features_of(const ConvexPo
   const auto rounded = [](const Vec3& v) {
     return std::array<T, 3>{static_cast<T>(v[0]), static_cast<T>(v[1]), static_cast<T>(v[2])};
   };
+  // Between faces that turn by less than 2 degrees the separation from the larger one is right to 2e-4, and that from
+  // the edge would be rounding.
+  constexpr double kTooBlunt = 0.9994;
   Features<T> out;
   for (const auto& f : solid.faces) out.normals.push_back(rounded(f.normal));
   for (const auto& e : solid.edges)
     out.edges.push_back({rounded(e.along), e.faces[0], e.faces[1], static_cast<T>(e.cosine),
-                         static_cast<T>(1.0 / (1.0 - e.cosine * e.cosine)), static_cast<T>(0.5 * e.length)});
+                         static_cast<T>(e.cosine > kTooBlunt ? 0.0 : 1.0 / (1.0 - e.cosine * e.cosine)),
+                         static_cast<T>(0.5 * e.length)});
   return out;
 }
 

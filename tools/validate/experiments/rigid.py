@@ -97,7 +97,7 @@ def first_to_fall(case, run):
             misses={"response constraint, solid sampled, voxels 4": "a sampled face of four voxels has too few nodes that see no edge to be told for a plane: it stands on its nodes, up "
                     "to a voxel inside of its edges",
                     **{f"response penalty, solid sampled, voxels {n}": "its corners, where three faces are sampled half a voxel apart, reach out by up to 0.08 voxel, and it leans on one"
-                       for n in ("4, place 0.4", 8)}},
+                       for n in ("4, place 0.4", "8, place 0")}},
             measure=first_to_fall)
 def topple(case):
     """A block half as wide as high, a box, triangles that form a convex solid, or triangles that do not and are sampled, so many voxels wide, on slopes from 20 to 29 degrees in steps of a half: the first that
