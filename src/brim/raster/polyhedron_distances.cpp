@@ -18,9 +18,9 @@ BRIM_INLINE Lanes root_of(const Lanes& x) {
   for (int i = 0; i < kLanes; ++i) r[i] = std::sqrt(x[i]);
   return r;
 }
-BRIM_INLINE bool any(bool flag) { return flag; }
-BRIM_INLINE bool any(const WideIds& flags) { return bits_of(flags) != 0; }
-BRIM_INLINE bool any(const LaneFlags& flags) { return (flags[0] | flags[1] | flags[2] | flags[3]) != 0; }
+BRIM_INLINE bool any_positive(double x) { return x > 0.0; }
+BRIM_INLINE bool any_positive(const CubeRow& x) { return bits_of(x > 0.0f) != 0; }
+BRIM_INLINE bool any_positive(const Lanes& x) { return x[0] > 0.0 || x[1] > 0.0 || x[2] > 0.0 || x[3] > 0.0; }
 
 template <class Number, class T>
 BRIM_INLINE Number along(const std::array<T, 3>& n, const Number& x, const Number& y, const Number& z) {
@@ -73,14 +73,14 @@ BRIM_INLINE Number PolyhedronDistances::value(const Features<T>& features, const
     apart[f] = along(features.normals[f], x, y, z) + origin.faces[f];
     most = apart[f] > most ? apart[f] : most;
   }
-  if (!any(most > T{0})) return most;
+  if (!any_positive(most)) return most;
   // Squares of the separations from edges and corners.
   Number square = most * most;
   for (std::size_t e = 0; e < edges; ++e) {
     const auto& edge = features.edges[e];
     const Number s = apart[edge.f], t = apart[edge.g], u = t - edge.cosine * s, v = s - edge.cosine * t,
                  line = (s * v + t * u) * edge.scale;
-    square = (u > T{0}) & (v > T{0}) & (line > square) ? line : square;
+    square = ((u > T{0}) & (v > T{0}) & (line > square)) ? line : square;
     place[e] = along(edge.along, x, y, z) + origin.edges[e];
   }
   for (std::size_t c = 0; c < solid_.corners.size(); ++c) {
