@@ -60,7 +60,7 @@ void add_export(CLI::App& app, int& code) {
   command->add_option("--bodies", o->request.bodies, "names of bodies, or of all numbered copies; default all")
       ->delimiter(',');
   command->add_option("--voxel-size", o->request.voxel_size, "[m] grid step of densities (vdb); default the body's own")
-      ->check(number_range(1e-5, 1e5));
+      ->check(number_range(2e-5, 1e5));  // below, OpenVDB takes the cube of it for zero
   command->add_flag("--force", o->request.force, "replace an older export in the folder");
   command->callback([o, &code] {
     try {

@@ -1,6 +1,8 @@
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <iostream>
 #include <new>
 #include <string>
 
@@ -16,6 +18,16 @@ std::string one_line(const std::string& text) {
   constexpr std::size_t kMost = 2000;
   if (text.size() <= kMost) return brim::printable(text);
   return brim::printable(text.substr(0, kMost / 2) + " ... " + text.substr(text.size() - kMost / 2));
+}
+
+/// What was printed has to arrive: a full disk is an error of the command. @return its exit code
+int after_output(int code) {
+  errno = 0;
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good()) return code;
+  if (errno == EBADF) return code;  // closed on purpose
+  std::fprintf(stderr, "brim: error: standard output could not be written; is the disk full?\n");
+  return code == brim::cli::kGood ? brim::cli::kFailed : code;
 }
 
 }  // namespace
@@ -45,7 +57,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);
+    if (e.get_exit_code() == 0) return after_output(app.exit(e));
     std::fprintf(stderr, "brim: error: %s\n", one_line(brim::cli::complaint(app, e, argc, argv)).c_str());
     return brim::cli::kBadInput;
   } catch (const brim::InputErrors& e) {
@@ -62,5 +74,5 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "brim: error: %s (a defect of brim; please report it)\n", one_line(e.what()).c_str());
     return brim::cli::kFailed;
   }
-  return code;
+  return after_output(code);
 }

@@ -421,6 +421,13 @@ TEST_F(Program, ExportWritesARunAndRefusesInOneLine) {
   EXPECT_FALSE(fs::exists(folder_ / "x"));
 }
 
+TEST_F(Program, OutputThatDoesNotArriveIsAFailure) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full";
+  EXPECT_EQ(run("schema > /dev/full; exit $?; true").code, 1);
+  EXPECT_EQ(run("info good.json > /dev/full; exit $?; true").code, 1);
+  EXPECT_EQ(run("--help > /dev/full; exit $?; true").code, 1);
+}
+
 TEST_F(Program, SchemaIsPrintedAndAccepted) {
   const Outcome o = run("schema");
   EXPECT_EQ(o.code, 0);
