@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "brim/body/distance_bound.h"
+#include "brim/body/posed_shape.h"
 #include "brim/mesh/primitives.h"
 #include "brim/raster/known_distance.h"
 #include "brim/scene/scene.h"

@@ -46,8 +46,8 @@ int choose_part(std::span<const WorldPart> parts, const std::vector<int>& mine, 
 double mass_behind(const WorldPart& part, const MatterPoints& points) {
   const double mass = part.body->mass();
   if (!points.loose()) return mass;
-  const auto nodes = static_cast<double>(part.body->v_size() / velocities_per_node(*part.body));
-  return mass * std::min(1.0, static_cast<double>(points.size()) / nodes);
+  const std::size_t nodes = part.body->v_size() / velocities_per_node(*part.body);
+  return mass * std::min(1.0, static_cast<double>(points.size()) / static_cast<double>(nodes));
 }
 
 /// Some well-spread points: each is the farthest from those before it.
