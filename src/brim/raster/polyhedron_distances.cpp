@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include "brim/core/simd.h"
@@ -120,9 +121,8 @@ double PolyhedronDistances::operator()(const Vec3& p, Vec3& gradient) const {
     if (apart[f] > most) most = apart[f], gradient = solid_.faces[f].normal;
   }
   if (most <= 0.0) return most;
-  const auto& features = fine_.edges;
   double square = most * most;
-  for (const auto& edge : features) {
+  for (const auto& edge : fine_.edges) {
     const double s = apart[index(edge.f)], t = apart[index(edge.g)], u = t - edge.cosine * s, v = s - edge.cosine * t,
                  line = (s * v + t * u) * edge.scale;
     if (!(u > 0.0 && v > 0.0 && line > square)) continue;
