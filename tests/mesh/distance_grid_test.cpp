@@ -128,7 +128,10 @@ TEST(DistanceGrid, ValuesAreContinuousFromCellToCell) {
   const std::uint64_t seed = 48;
   SCOPED_TRACE(seed);
   test::Random random(seed);
-  const DistanceGrid g = make_distance_grid(shapes::gear(8, 0.5, 0.35, 0.3, 0.1), spacing(0.05));
+  // Where interpolation takes turns with the distance to the triangles themselves, values jump by its error
+  // (ExactCells).
+  DistanceGrid g = make_distance_grid(shapes::gear(8, 0.5, 0.35, 0.3, 0.1), spacing(0.05));
+  g.set_exact_cells(nullptr);
   const double e = 1e-9;
   for (int i = 0; i < 2000; ++i) {
     Vec3 p = random.in(g.box().inflated(-0.01));

@@ -61,6 +61,25 @@ TEST(TetLattice, ConformingVolumeIsWithinTwoPercentAndAnglesStayBounded) {
   }
 }
 
+TEST(TetLattice, ABlockKeepsItsEdgesAtAnySpacing) {
+  const Vec3 extent(0.3, 0.3, 0.15);
+  const TriMesh block = shapes::box(extent);
+  for (const double share : {0.33, 0.4, 0.45, 0.6, 0.75, 0.8, 0.9, 1.0}) {
+    SCOPED_TRACE(share);
+    const TetMesh mesh = tet_lattice(block, share * extent.z());
+    expect_sound(mesh);
+    EXPECT_NEAR(tet_quality(mesh).total_volume / extent.prod(), 1.0, 0.01);
+    // Its corners are there, so that it stands on its whole base.
+    for (int c = 0; c < 8; ++c) {
+      const Vec3 corner = 0.5 * Vec3((c & 1) ? extent.x() : -extent.x(), (c & 2) ? extent.y() : -extent.y(),
+                                     (c & 4) ? extent.z() : -extent.z());
+      double nearest = 1.0;
+      for (const Vec3& x : mesh.vertices) nearest = std::min(nearest, (x - corner).norm());
+      EXPECT_LT(nearest, 0.1 * share * extent.z());
+    }
+  }
+}
+
 TEST(TetLattice, ConformingBoundaryLiesOnTheSurface) {
   const TriMesh surface = shapes::blob(9, 0.5, 4);
   const SurfaceTree tree(surface);

@@ -4,9 +4,11 @@
 
 #include <random>
 
+#include "brim/math/rotation.h"
 #include "brim/mesh/distance_grid.h"
 #include "brim/raster/grid_shape.h"
 #include "brim/response/penalty.h"
+#include "contact/solid_side.h"
 #include "support/touching.h"
 
 namespace brim::constraint_test {
@@ -16,7 +18,8 @@ using testing::plane_pose;
 using testing::Touching;
 
 /// The rows of a shape at a plane through the origin.
-Constraint rows_of(const Shape& shape, const Pose& pose, const Pose& plane, double h, bool rigid = true) {
+Constraint rows_of(const Shape& shape, const Pose& pose, const Pose& plane, double h, bool rigid = true,
+                   const ConstraintOptions& options = {}) {
   const auto half_space = make_half_space();
   const Touching t(shape, pose, *half_space, plane, h, 3 * h, 0.4);
   const std::vector<Vec3> still(t.contacts.size(), Vec3::Zero());
@@ -27,7 +30,7 @@ Constraint rows_of(const Shape& shape, const Pose& pose, const Pose& plane, doub
   Constraint rows;
   ConstraintPair law;
   law.constrained = true, law.friction = 0.5, law.rigid = rigid;
-  rows.gather(t.contacts, normals.normals(), std::vector<ConstraintPair>{law}, {});
+  rows.gather(t.contacts, normals.normals(), std::vector<ConstraintPair>{law}, options);
   return rows;
 }
 
@@ -68,6 +71,43 @@ TEST(Constraint, ABoxOnAPlaneHasFourPointsOfOneGapAtItsCorners) {
     EXPECT_GT(std::min(std::abs(r.x()), std::abs(r.y())), 0.5 - h) << "within a voxel of the corner";
     EXPECT_LT(std::max(std::abs(r.x()), std::abs(r.y())), 0.5 + 0.5 * h);
     EXPECT_GT(rows.normals()[i].z(), 1.0 - 1e-6);
+  }
+}
+
+TEST(Constraint, ASampledFaceIsHeldAtItsCornersHoweverItLiesInTheGrid) {
+  constexpr unsigned kSeed = 5;
+  SCOPED_TRACE(kSeed);
+  std::mt19937 rng(kSeed);
+  std::uniform_real_distribution<double> unit(-1.0, 1.0);
+  const double h = 0.1;
+  for (const double half : {2.0 * h, 4.0 * h, 8.0 * h}) {
+    const auto exact = [&](const Vec3& p) {
+      const Vec3 q = p.cwiseAbs() - Vec3(half, half, 4.0 * h);
+      return q.cwiseMax(0.0).norm() + std::min(0.0, q.maxCoeff());
+    };
+    const Vec3 around(half + 4.0 * h, half + 4.0 * h, 8.0 * h);
+    const auto block = make_grid_shape(
+        std::make_shared<const DistanceGrid>(sample_distance({-around, around}, 0.5 * h, exact)), 4.0 * h);
+    const auto plane = make_half_space();
+    for (int trial = 0; trial < 60; ++trial) {
+      SCOPED_TRACE(::testing::Message() << half / h << " voxels, " << trial);
+      // Block and plane turned together.
+      const Pose world{rotation_from_vector(Vec3(unit(rng), unit(rng), unit(rng))).toRotationMatrix(),
+                       Vec3(unit(rng), unit(rng), unit(rng))};
+      const double gap = 0.03 * h * unit(rng);
+      const Pose pose{world.rotation, world.translation + world.rotation * Vec3(0, 0, 4.0 * h + gap)};
+      const CubeSide a = testing::solid_side(block, pose), b = testing::solid_side(plane, world);
+      ConstraintOptions options;
+      options.side_a = &a, options.side_b = &b;
+      const Constraint rows = rows_of(*block, pose, world, h, true, options);
+      ASSERT_EQ(rows.points().size(), 4u);
+      for (std::size_t i = 0; i < 4; ++i) {
+        const Vec3 x = world.to_local(rows.points().point[i]);
+        EXPECT_NEAR(std::abs(x.x()), half, 0.1 * h);
+        EXPECT_NEAR(std::abs(x.y()), half, 0.1 * h);
+        EXPECT_NEAR(-rows.points().depth[i], gap, 3e-3 * h);
+      }
+    }
   }
 }
 

@@ -65,6 +65,21 @@ TEST(ContactParameters, APairOfMaterialsThatIsTooStiffIsToldOnce) {
   EXPECT_EQ(warnings_of(w, "stiff_contact", 3), 1);
 }
 
+TEST(ContactParameters, ARestitutionThatPenaltiesDoNotHaveIsToldOnce) {
+  const auto said = [](double restitution, Response response) {
+    WorldOptions o = options_at(0.125);
+    o.response = response;
+    o.pair_materials[{"default", "default"}].restitution = restitution;
+    World w(o);
+    w.add(ground(0.5));
+    w.add(testing::ball("ball", {Vec3(0, 0, 2)}));
+    return warnings_of(w, "no_restitution", 3);
+  };
+  EXPECT_EQ(said(0.0, Response::Penalty), 0);
+  EXPECT_EQ(said(0.8, Response::Penalty), 1);
+  EXPECT_EQ(said(0.8, Response::Constraint), 0);
+}
+
 /// Warnings of a box of some mass on one of 1 kg, in half a second.
 int mass_warnings(double mass, Response response) {
   WorldOptions o = options_at(0.125);

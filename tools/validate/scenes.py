@@ -16,6 +16,29 @@ def about(axis, degrees):
     return {"axis": list(axis), "degrees": degrees}
 
 
+def quaternion_of(rotation):
+    """[w, x, y, z] of a rotation in a scene."""
+    if "quaternion" in rotation:
+        return rotation["quaternion"]
+    half = math.radians(0.5 * rotation["degrees"])
+    length = math.sqrt(sum(x * x for x in rotation["axis"]))
+    return [math.cos(half), *(math.sin(half) * x / length for x in rotation["axis"])]
+
+
+def turned_in_grid(whole, degrees):
+    """The same scene, turned about the vertical: all of it lies differently in the grid."""
+    c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
+    half_c, half_s = math.cos(math.radians(0.5 * degrees)), math.sin(math.radians(0.5 * degrees))
+    for body in whole["bodies"]:
+        place = dict(body.get("transform", {}))
+        x, y, z = place.get("position", (0.0, 0.0, 0.0))
+        w, i, j, k = quaternion_of(place.get("rotation", about((0, 0, 1), 0.0)))
+        place["position"] = [c * x - s * y, s * x + c * y, z]
+        place["rotation"] = {"quaternion": [half_c * w - half_s * k, half_c * i - half_s * j, half_c * j + half_s * i, half_c * k + half_s * w]}
+        body["transform"] = place
+    return whole
+
+
 def slope(degrees, h, **more):
     """A plane through the origin that falls towards +x."""
     return {"kind": "obstacle", "name": "plane", "voxel_size": h, "shape": {"kind": "plane", "display_size": 1},

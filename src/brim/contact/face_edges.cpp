@@ -22,13 +22,6 @@ constexpr double kBent = 0.6, kBeyond = 0.3, kStraight = 0.12;
 /// [voxels] offset to both sides at which the slope along the edge is evaluated; slope above which an edge counts as
 /// oblique; [voxels] shift in the second direction above which, for an oblique first edge, it belongs to another edge.
 constexpr double kToSide = 0.25, kAslant = 0.2, kOwn = 0.1;
-/// [voxels] reach from a face's outermost node to its edge in either direction, as nodes at its corners give no
-/// distances; reach outwards from the middle of the face, where usable nodes lie farther inside; smallest offset from
-/// the middle for that.
-constexpr double kToEdge = 2.0, kToCorner = 4.0, kOutwards = 1.0;
-/// [voxels] distance from one edge at which the other edge of a corner is searched: closer to it sampled distances
-/// bend.
-constexpr double kBack = 0.6;
 /// Points processed together: about 20 kB, which fits a first-level cache.
 constexpr int kTogether = 64;
 
@@ -192,11 +185,10 @@ BRIM_WIDE void go(const Vectors& e, const Numbers& way, int n, Vectors& x) {
 /// Carries up to kTogether points to edges.
 class Carrier {
  public:
-  Carrier(const CubeSide& a, const CubeSide& b, double h, double reach, double far = 0.0)
-      : find_(a, b, h, reach), find_far_(a, b, h, far), h_(h), far_(far) {}
-  /// @param n  unit  @param out  [m] from the middle of the face
-  void take(const Vec3& x, const Vec3& n, const Vec3& out = Vec3::Zero()) {
-    for (int r = 0; r < 3; ++r) s_.x[r][s_.n] = x[r], normal_[r][s_.n] = n[r], out_[r][s_.n] = out[r];
+  Carrier(const CubeSide& a, const CubeSide& b, double h, double reach) : find_(a, b, h, reach), h_(h) {}
+  /// @param n  unit
+  void take(const Vec3& x, const Vec3& n) {
+    for (int r = 0; r < 3; ++r) s_.x[r][s_.n] = x[r], normal_[r][s_.n] = n[r];
     ++s_.n;
   }
   bool full() const { return s_.n == kTogether; }
@@ -206,12 +198,7 @@ class Carrier {
     find_ways();
     // The rest of the way to the edge is applied last: beside it the gap has risen already, which hides the other edge.
     first_ = s_.e, rest_ = on_;
-    for (int i = 0; i < s_.n; ++i) {
-      aslant_[i] = rest_[i] != 0.0 && slant_[i] > kAslant;
-      if (!(far_ > 0.0) || aslant_[i]) continue;
-      const double back = std::clamp(way_[i], -kBack * h_, kBack * h_);
-      way_[i] -= back, rest_[i] += back;
-    }
+    for (int i = 0; i < s_.n; ++i) aslant_[i] = rest_[i] != 0.0 && slant_[i] > kAslant;
     go(s_.e, way_, s_.n, s_.x);
     std::swap(s_.e, s_.f);
     find_ways();
@@ -233,33 +220,11 @@ class Carrier {
       on_[i] = both ? 0.0 : ahead_.on[i] - behind_.on[i];
       slant_[i] = ahead_.slant[i] + behind_.slant[i];
     }
-    if (far_ > 0.0) find_outwards();
   }
-  /// The same for points without an edge so far: only outwards, with the larger reach.
-  void find_outwards() {
-    farther_.n = 0;
-    for (int i = 0; i < s_.n; ++i) {
-      const double along = s_.e[0][i] * out_[0][i] + s_.e[1][i] * out_[1][i] + s_.e[2][i] * out_[2][i];
-      if (way_[i] != 0.0 || on_[i] != 0.0 || std::abs(along) < kOutwards * h_) continue;
-      const int k = farther_.n;
-      of_[k] = i, sign_[k] = along < 0.0 ? -1.0 : 1.0;
-      farther_.take(s_, i);
-      for (int r = 0; r < 3; ++r) farther_.e[r][k] *= sign_[k];
-    }
-    if (farther_.n == 0) return;
-    find_far_.find(farther_, 1.0, ahead_);
-    for (int k = 0; k < farther_.n; ++k) {
-      const int i = of_[k];
-      way_[i] = sign_[k] * ahead_.begin[k], on_[i] = sign_[k] * ahead_.on[k], slant_[i] = ahead_.slant[k];
-    }
-  }
-
-  EdgeFinder find_, find_far_;
-  double h_, far_;
-  Search s_, farther_;
-  Vectors normal_, first_, out_;
-  std::array<int, kTogether> of_;
-  Numbers sign_;
+  EdgeFinder find_;
+  double h_;
+  Search s_;
+  Vectors normal_, first_;
   Ways ahead_, behind_;
   Numbers way_, on_, slant_, rest_;
   std::array<bool, kTogether> aslant_;
@@ -277,15 +242,6 @@ void carry_to_edges(const CubeSide& a, const CubeSide& b, double h, double reach
     carrier.carry();
     for (std::size_t i = 0; i < n; ++i) points[first + i] = carrier.point(static_cast<int>(i));
   }
-}
-
-Vec3 carried_to_corner(const CubeSide& a, const CubeSide& b, double h, const Vec3& x, const Vec3& n,
-                       const Vec3& middle) {
-  Carrier carrier(a, b, h, kToEdge * h, kToCorner * h);
-  carrier.clear();
-  carrier.take(x, n, x - middle);
-  carrier.carry();
-  return carrier.point(0);
 }
 
 void carry_to_edges(const CubeSide& a, const CubeSide& b, double h, std::span<Contact> contacts) {

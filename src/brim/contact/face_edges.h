@@ -23,10 +23,4 @@ void carry_to_edges(const CubeSide& a, const CubeSide& b, double h, double reach
 /// The same for the points of all contacts between two solids, with a reach of h.
 void carry_to_edges(const CubeSide& a, const CubeSide& b, double h, std::span<Contact> contacts);
 
-/// Corner or edge of a face, from its outermost node in some direction: as carry_to_edges with a reach of 2 h, and of
-/// 4 h in directions that lead away from the middle of the face.
-/// @param x  [m]  @param n  unit, perpendicular to the face  @param middle  [m]
-Vec3 carried_to_corner(const CubeSide& a, const CubeSide& b, double h, const Vec3& x, const Vec3& n,
-                       const Vec3& middle);
-
 }  // namespace brim

@@ -16,13 +16,16 @@ namespace brim {
 class BccLattice {
  public:
   /// Cubes that cover the box with a margin of at least 1.5 spacings, centred on it.
-  BccLattice(const Aabb& box, double spacing) : spacing_(spacing) {
-    cells_ = ((box.extent() / spacing).array().ceil().cast<int>() + 3).matrix();
-    origin_ = box.center() - 0.5 * spacing * cells_.cast<double>();
+  BccLattice(const Aabb& box, double spacing) : BccLattice(box, Vec3::Constant(spacing)) {}
+  /// The same with a spacing for each axis.
+  BccLattice(const Aabb& box, const Vec3& spacing) : spacing_(spacing) {
+    cells_ = (box.extent().cwiseQuotient(spacing).array().ceil().cast<int>() + 3).matrix();
+    origin_ = box.center() - 0.5 * spacing.cwiseProduct(cells_.cast<double>());
     corners_ = (cells_.x() + 1) * (cells_.y() + 1) * (cells_.z() + 1);
   }
 
-  double spacing() const { return spacing_; }
+  /// The largest of the three, [m].
+  double spacing() const { return spacing_.maxCoeff(); }
   std::int32_t node_count() const { return corners_ + cells_.prod(); }
   bool is_corner(std::int32_t node) const { return node < corners_; }
 
@@ -33,7 +36,7 @@ class BccLattice {
   }
   Vec3 position(std::int32_t node) const {
     const double half = is_corner(node) ? 0.0 : 0.5;
-    return origin_ + spacing_ * (place(node).cast<double>() + Vec3::Constant(half));
+    return origin_ + spacing_.cwiseProduct(place(node).cast<double>() + Vec3::Constant(half));
   }
   /// Parity of the node's position: neighbours along a long edge differ.
   bool is_even(std::int32_t node) const { return place(node).sum() % 2 == 0; }
@@ -67,7 +70,7 @@ class BccLattice {
 
   /// Index of the tetrahedron that contains p in the order of for_each_tet.
   std::int64_t tet_at(const Vec3& p) const {
-    const Vec3 x = (p - origin_) / spacing_;
+    const Vec3 x = (p - origin_).cwiseQuotient(spacing_);
     Vec3i cell = x.array().floor().cast<int>().matrix();
     const Vec3 from_center = x - cell.cast<double>() - Vec3::Constant(0.5);
     int axis = 0;
@@ -114,7 +117,7 @@ class BccLattice {
     return {center(cell), at(m), at(m + 1), center(cell + Vec3i::Unit(axis))};
   }
 
-  double spacing_;
+  Vec3 spacing_;
   Vec3i cells_;
   Vec3 origin_;
   std::int32_t corners_;

@@ -52,6 +52,12 @@ class SurfaceTree {
   /// The same, faster when a nearby triangle is known.
   ClosestPoint closest_from(const Vec3& p, std::int32_t near) const;
 
+  /// Calls visit(triangle) for those in leaves of the tree that overlap a box, and so for all that overlap it.
+  template <class Visit>
+  void overlapping(const Aabb& box, const Visit& visit) const {
+    tree_.overlapping(box, visit);
+  }
+
   /// Generalized winding number: 1 inside and 0 outside a closed outward surface, in between for open ones. Far groups
   /// of triangles are approximated by one dipole with its first moment (Barill, Dickson, Schmidt, Levin, Jacobson,
   /// "Fast winding numbers for soups and clouds", 2018); beta: distance over radius from which a group is far.
@@ -65,6 +71,11 @@ class SurfaceTree {
   /// Distance, negative inside, with the sign from angle-weighted pseudonormals (Bærentzen and Aanæs 2005). Only valid
   /// for closed, oriented surfaces without self-intersection.
   double signed_distance(const Vec3& p) const;
+
+  /// Sum of the unit normals of the triangles at side k of a triangle: AB, BC, CA.
+  const Vec3& edge_normal(std::int32_t triangle, int k) const {
+    return edge_normal_[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(k)];
+  }
 
   /// True when the pseudonormal at the closest point puts p inside.
   bool inside(const Vec3& p, const ClosestPoint& c) const;

@@ -88,10 +88,12 @@ double DistanceGrid::tricubic(const Vec3& p) const {
   const std::ptrdiff_t nx = nodes_.x(), nxy = nx * nodes_.y();
   const std::ptrdiff_t node = cell[0] + nx * cell[1] + nxy * cell[2];
   const float* base = values_.data() + node;
-  if (inner)
-    return KinkedCells::holds(kinks_.bits(), static_cast<std::size_t>(node))
-               ? kinked_value(base - 1 - nx - nxy, nx, nxy, t.data(), inverse_spacing_)
-               : smooth_value(base - 1 - nx - nxy, nx, nxy, t.data());
+  if (inner) {
+    const auto cell_id = static_cast<std::size_t>(node);
+    if (!KinkedCells::holds(kinks_.bits(), cell_id)) return smooth_value(base - 1 - nx - nxy, nx, nxy, t.data());
+    if (exact_ && KinkedCells::holds(exact_->bits(), cell_id)) return exact_->value(cell_id, p);
+    return kinked_value(base - 1 - nx - nxy, nx, nxy, t.data(), inverse_spacing_);
+  }
   // In the first and last cell the missing node continues the line through its two neighbours.
   const auto line = [&](int axis, const auto& at) {
     const double b = at(0), c = at(1);

@@ -3,9 +3,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "brim/math/types.h"
+#include "brim/mesh/exact_cells.h"
 #include "brim/mesh/kinked_cells.h"
 #include "brim/mesh/mass_properties.h"
 #include "brim/mesh/tri_mesh.h"
@@ -49,6 +51,9 @@ class DistanceGrid {
   const std::vector<float>& values() const { return values_; }
   Interpolation interpolation() const { return interpolation_; }
   const KinkedCells& kinks() const { return kinks_; }
+  /// Cells in which the distance to the surface itself is taken; or null.
+  const ExactCells* exact_cells() const { return exact_.get(); }
+  void set_exact_cells(std::shared_ptr<const ExactCells> cells) { exact_ = std::move(cells); }
   /// Box of all nodes, [m].
   Aabb box() const { return box_; }
   /// Box of the nodes at or below `level` [m], grown by one spacing: contains the solid.
@@ -65,6 +70,7 @@ class DistanceGrid {
   std::vector<float> values_;
   Interpolation interpolation_;
   KinkedCells kinks_;
+  std::shared_ptr<const ExactCells> exact_;
   Aabb box_;
 };
 
@@ -80,8 +86,9 @@ struct DistanceGridOptions {
 
 /// Samples the signed distance of a surface: exact (to float) at nodes up to 4 spacings (or exact_band) from it,
 /// farther away at most 2 % too large; the sign is always right. Closed: distance to the triangles, sign from
-/// pseudonormals. WindingNumber: distance to the closed surface of winding number 1/2, extracted on the same grid, so
-/// details below the spacing are rounded off. Thickness: |d| − thickness/2.
+/// pseudonormals; beside sharp edges not only at nodes (ExactCells). WindingNumber: distance to the closed surface of
+/// winding number 1/2, extracted on the same grid, so details below the spacing are rounded off. Thickness: |d| −
+/// thickness/2.
 /// @throws InputError  when a size is not positive, the grid would exceed max_nodes, the surface does not suit the
 ///                     treatment (the message counts the open edges and names suitable treatments), or no node is
 ///                     inside

@@ -113,7 +113,8 @@ DistanceGrid make_distance_grid(const TriMesh& mesh, const DistanceGridOptions& 
   if (sheet && (!(o.thickness > 0.0) || !std::isfinite(o.thickness)))
     throw InputError(fmt::format("distance grid: thickness is {} m; a sheet needs a positive one", o.thickness));
   if (o.treatment == SurfaceTreatment::Closed) require_closed(mesh);
-  const SurfaceTree tree(mesh);
+  const auto shared = std::make_shared<const SurfaceTree>(mesh);
+  const SurfaceTree& tree = *shared;
   const double around = o.margin + 3.0 * o.spacing + (sheet ? 0.5 * o.thickness : 0.0);
   const GridLayout l = grid_layout(tree.box().inflated(around), o.spacing, o.max_nodes);
 
@@ -135,7 +136,12 @@ DistanceGrid make_distance_grid(const TriMesh& mesh, const DistanceGridOptions& 
         "distance grid: no node at spacing {} m lies inside the solid; take a spacing below the thinnest part{}",
         o.spacing,
         o.treatment == SurfaceTreatment::WindingNumber ? ", or turn the triangles if they face inwards" : ""));
-  return {l.origin, l.spacing, l.nodes, std::move(values), o.interpolation};
+  DistanceGrid grid(l.origin, l.spacing, l.nodes, std::move(values), o.interpolation);
+  if (o.treatment == SurfaceTreatment::Closed && o.interpolation == Interpolation::Tricubic) {
+    auto exact = std::make_shared<const ExactCells>(shared, grid);
+    if (!exact->empty()) grid.set_exact_cells(std::move(exact));
+  }
+  return grid;
 }
 
 DistanceGrid sample_distance(const Aabb& box, double spacing, const std::function<double(const Vec3&)>& distance,

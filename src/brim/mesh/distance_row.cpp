@@ -81,10 +81,11 @@ BRIM_INLINE FourFloats kinked_values(const CellPlaces& at, int p, std::ptrdiff_t
 /// Tricubic values in single precision at the points x0 + i dx (in spacings from the first node) for every bit i of
 /// `wanted`.
 /// @param cells  one less than the number of nodes per axis  @param kinks  of KinkedCells
-/// @param inverse  [1/m] of the spacing  @return the bits of points that are in no inner cell
-BRIM_WIDE std::uint8_t tricubic_row(const float* values, const std::uint32_t* kinks, const int* cells,
-                                    std::ptrdiff_t nx, std::ptrdiff_t nxy, const double* x0, const double* dx,
-                                    float inverse, std::uint8_t wanted, float* out) {
+/// @param exact  of ExactCells, or null
+/// @param inverse  [1/m] of the spacing  @return the bits of points that are in no inner cell, or in an exact one
+BRIM_WIDE std::uint8_t tricubic_row(const float* values, const std::uint32_t* kinks, const std::uint32_t* exact,
+                                    const int* cells, std::ptrdiff_t nx, std::ptrdiff_t nxy, const double* x0,
+                                    const double* dx, float inverse, std::uint8_t wanted, float* out) {
   std::uint8_t left = 0;
   CellPlaces kinked;
   int of[8];
@@ -105,6 +106,10 @@ BRIM_WIDE std::uint8_t tricubic_row(const float* values, const std::uint32_t* ki
                tz = static_cast<float>(z - static_cast<double>(cz));
     if (!KinkedCells::holds(kinks, static_cast<std::size_t>(node))) {
       out[i] = smooth_value(first, nx, nxy, tx, ty, tz);
+      continue;
+    }
+    if (exact != nullptr && KinkedCells::holds(exact, static_cast<std::size_t>(node))) {
+      left |= static_cast<std::uint8_t>(1 << i);
       continue;
     }
     const int n = kinked.count++;
@@ -154,8 +159,9 @@ void distance_row(const DistanceGrid& grid, const Vec3& start, const Vec3& step,
   if (left != 0 && grid.interpolation() == Interpolation::Tricubic) {
     const Vec3i cells = grid.nodes() - Vec3i::Ones();
     const std::ptrdiff_t nx = grid.nodes().x();
-    left = tricubic_row(grid.values().data(), grid.kinks().bits(), cells.data(), nx, nx * grid.nodes().y(), x0.data(),
-                        dx.data(), static_cast<float>(inverse), left, out);
+    left = tricubic_row(grid.values().data(), grid.kinks().bits(),
+                        grid.exact_cells() != nullptr ? grid.exact_cells()->bits() : nullptr, cells.data(), nx,
+                        nx * grid.nodes().y(), x0.data(), dx.data(), static_cast<float>(inverse), left, out);
   }
   for (int i = 0; i < 8; ++i)
     if (left >> i & 1) out[i] = static_cast<float>(grid.value(start + i * step));

@@ -17,6 +17,9 @@ namespace {
 // A node moves onto the surface when an edge is cut nearer to it than this share of the edge (Labelle and Shewchuk,
 // table 1): with these the worst dihedral angles are bounded.
 constexpr double kSnapLong = 0.24999, kSnapShort = 0.41189;
+/// Share of a closed surface's volume that a lattice may miss before one is tried whose cells end at the sides of the
+/// surface's box; share of a cell that its cells may be larger for it, per cell of an axis.
+constexpr double kFills = 0.01, kCoarser = 0.25;
 
 using EdgeKey = std::uint64_t;
 EdgeKey edge_key(std::int32_t a, std::int32_t b) {
@@ -293,8 +296,9 @@ TetMesh cover(const BccLattice& lattice, const Stuffing& nodes, const DistanceFu
   return nodes.compact(tets);
 }
 
-TetMesh build(const DistanceFunction& distance, const Aabb& box, double spacing, LatticeStyle style,
-              std::size_t max_tets, std::span<const Vec3> points) {
+/// @param spacing_of_axes  [m] of the lattice, about `spacing`
+TetMesh build(const DistanceFunction& distance, const Aabb& box, double spacing, const Vec3& spacing_of_axes,
+              LatticeStyle style, std::size_t max_tets, std::span<const Vec3> points) {
   if (!(spacing > 0.0) || !std::isfinite(spacing))
     throw InputError(fmt::format("tet lattice: spacing is {} m; it must be positive and finite", spacing));
   if (box.empty() || !box.lo.allFinite() || !box.hi.allFinite())
@@ -303,7 +307,7 @@ TetMesh build(const DistanceFunction& distance, const Aabb& box, double spacing,
   if (!(cells < static_cast<double>(max_tets)))
     throw InputError(fmt::format("tet lattice: spacing {} m asks for {:.3g} cells, more than {}; take a coarser one",
                                  spacing, cells, max_tets));
-  const BccLattice lattice(box, spacing);
+  const BccLattice lattice(box, spacing_of_axes);
   Stuffing stuffing(lattice, distance);
   TetMesh mesh;
   if (style == LatticeStyle::Covering) {
@@ -323,7 +327,7 @@ TetMesh build(const DistanceFunction& distance, const Aabb& box, double spacing,
 
 TetMesh tet_lattice(const DistanceFunction& distance, const Aabb& box, double spacing, LatticeStyle style,
                     std::size_t max_tets) {
-  return build(distance, box, spacing, style, max_tets, {});
+  return build(distance, box, spacing, Vec3::Constant(spacing), style, max_tets, {});
 }
 
 TetMesh tet_lattice(const TriMesh& closed_surface, double spacing, LatticeStyle style, std::size_t max_tets) {
@@ -332,8 +336,17 @@ TetMesh tet_lattice(const TriMesh& closed_surface, double spacing, LatticeStyle 
     throw InputError("tet lattice: the surface must be closed, oriented and face outwards, but it is: " + r.summary() +
                      "; for others sample a distance grid with a fitting treatment and fill that");
   const SurfaceTree tree(closed_surface);
-  return build([&](const Vec3& p) { return tree.signed_distance(p); }, tree.box(), spacing, style, max_tets,
-               closed_surface.vertices);
+  const auto filled = [&](const Vec3& of_axes) {
+    return build([&](const Vec3& p) { return tree.signed_distance(p); }, tree.box(), spacing, of_axes, style, max_tets,
+                 closed_surface.vertices);
+  };
+  TetMesh mesh = filled(Vec3::Constant(spacing));
+  const auto miss = [&](const TetMesh& m) { return std::abs(tet_quality(m).total_volume - r.volume); };
+  if (style == LatticeStyle::Covering || miss(mesh) <= kFills * r.volume) return mesh;
+  // Sharp edges between nodes are cut off; cells that end at the sides of the box leave those of blocks whole.
+  const Vec3 extent = tree.box().extent(), cells = (extent.array() / spacing - kCoarser).ceil().max(1.0);
+  TetMesh fitted = filled(extent.cwiseQuotient(cells));
+  return miss(fitted) < miss(mesh) ? fitted : mesh;
 }
 
 }  // namespace brim

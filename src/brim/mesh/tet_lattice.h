@@ -31,7 +31,9 @@ enum class LatticeStyle : std::uint8_t {
 TetMesh tet_lattice(const DistanceFunction& distance, const Aabb& box, double spacing,
                     LatticeStyle style = LatticeStyle::Conforming, std::size_t max_tets = 20'000'000);
 
-/// The same for a closed surface; a covering lattice also contains every vertex of the surface.
+/// The same for a closed surface; a covering lattice also contains every vertex of the surface. If a conforming one
+/// misses more than 1 % of the volume, as sharp edges between its nodes are cut off, the spacing along each axis is
+/// changed so that cells end at the sides of the surface's box, where that comes nearer to the volume.
 /// @throws InputError  also when the surface is not closed and oriented
 TetMesh tet_lattice(const TriMesh& closed_surface, double spacing, LatticeStyle style = LatticeStyle::Conforming,
                     std::size_t max_tets = 20'000'000);

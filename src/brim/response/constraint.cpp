@@ -6,8 +6,6 @@
 #include <map>
 #include <utility>
 
-#include "brim/contact/face_edges.h"
-
 namespace brim {
 
 namespace {
@@ -18,11 +16,6 @@ constexpr double kCell = 2.0, kAlikeInPatch = 0.9;
 /// [voxels] largest misfit of a patch's model; with a larger one, the nodes within kAround of the deepest are modelled
 /// first.
 constexpr double kMisfit = 0.1, kAround = 3.0;
-/// [voxels] rise of the gap by curvature up to which a node belongs to the flat part of a patch.
-constexpr double kFlat = 0.05;
-/// Largest sine of the angle between a model's normal and those of its nodes: nodes farther along the arc of a hollow
-/// have a model of their own.
-constexpr double kAlongArc = 0.45;
 /// [voxels] overlap of a node beyond that of the nearest point, above which the point takes the node's overlap.
 constexpr double kUnseen = 0.05;
 /// [1/h] smallest curvature of the model of an edge, and largest one of a node on a face; [voxels] smallest excess of
@@ -31,8 +24,6 @@ constexpr double kEdgeBend = 0.1, kFace = 0.02, kForetold = 0.02;
 /// [voxels] largest excess of a node's gap over that of a face at its rim; smallest cosine there between the two
 /// normals, of which the stencil turns one towards the side face.
 constexpr double kRim = 0.1, kTurned = 0.5;
-/// [voxels] corners closer to another point than this are redundant.
-constexpr double kApart = 1.0;
 
 /// At an edge the point moves with the material of the sharper surface, as for a curvature radius of one voxel; the
 /// other is flat.
@@ -110,10 +101,13 @@ void Constraint::gather_pair(const ContactSet& contacts, std::span<const Vec3> n
   else
     gather_soft(contacts, normals, pair, law);
   for (const EdgePoint& e : edges) {
-    // Opposing rows at one place cannot both be satisfied.
+    // Opposing rows at one place cannot both be satisfied; and the corner of a face says more than a node beside it.
     bool against = false;
-    for (std::size_t i = first; i < points_.size(); ++i)
-      against = against || (normal_[i].dot(e.normal) < 0.0 && (points_.point[i] - e.point).norm() < kAround * pair.h);
+    for (std::size_t i = first; i < points_.size(); ++i) {
+      const double apart = (points_.point[i] - e.point).norm(), alike = normal_[i].dot(e.normal);
+      const bool corner = alike > kAlikeInPatch && bend_[i].a.isZero(0.0) && bend_[i].b.isZero(0.0);
+      against = against || (alike < 0.0 && apart < kAround * pair.h) || (corner && apart < kApart * pair.h);
+    }
     if (!against) add_point(contacts, e.node, e.point, e.normal, e.gap, law, sharp_bend(contacts, e.node, pair.h));
   }
   if (law.rigid && !options.every_node) deepen(contacts, normals, pair, law, first);
@@ -213,6 +207,7 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
                            std::span<const std::size_t> nodes) {
   const double far = kAround * pair.h, miss = kMisfit * pair.h;
   const std::size_t first = points_.size();
+  fitter_.set_solids(options.side_a, options.side_b);
   rest_.assign(nodes.begin(), nodes.end());
   while (!rest_.empty()) {
     const Vec3 deepest = contacts.point[rest_.front()];
@@ -262,68 +257,6 @@ bool Constraint::at_edge_of_face(const ContactSet& contacts, const PatchModel& m
     return h * (contacts.curvature_a(c) / a + contacts.curvature_b(c) / b).norm() < kFace &&
            model.gap_at(contacts.point[c]) + contacts.depth[c] > kForetold * h;
   });
-}
-
-void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair, const ConstraintPair& law,
-                             const ConstraintOptions& options, const PatchModel& model, std::size_t first,
-                             std::size_t center) {
-  const double h = pair.h;
-  // Nodes off the model lie beyond an edge, or on another surface with its own patch. Nodes that fit it belong to it at
-  // any distance, even if it was fitted to others nearby.
-  flat_.clear();
-  for (const std::size_t c : rest_)
-    if (model.rise_at(contacts.point[c]) <= kFlat * h && model.turn_at(contacts.point[c]).norm() <= kAlongArc &&
-        std::abs(model.gap_at(contacts.point[c]) + contacts.depth[c]) <= kFlat * h)
-      flat_.push_back(c);
-  if (flat_.empty()) return;
-  const auto farthest = [&](const auto& measure) {
-    std::size_t best = flat_.front();
-    for (const std::size_t c : flat_)
-      if (measure(contacts.point[c]) > measure(contacts.point[best]) + 1e-9 * h) best = c;
-    return best;
-  };
-  // Corners: the two farthest apart, and the farthest on either side of the line between them.
-  const std::size_t one = farthest([&](const Vec3& y) { return (y - model.least_point).norm(); });
-  const Vec3 from = contacts.point[one];
-  const std::size_t two = farthest([&](const Vec3& y) { return (y - from).norm(); });
-  Vec3 across = model.n.cross(contacts.point[two] - from);
-  if (across.norm() > 0.0) across.normalize();
-  const std::size_t left = farthest([&](const Vec3& y) { return across.dot(y - from); });
-  const std::size_t right = farthest([&](const Vec3& y) { return -across.dot(y - from); });
-  double least = std::numeric_limits<double>::infinity();
-  const std::size_t corners = points_.size();
-  for (const std::size_t c : {one, two, left, right}) {
-    Vec3 y = contacts.point[c];
-    // A face ends at its edge, not at its outermost node.
-    if (options.side_a != nullptr && model.bend_a.isZero(0.0) && model.bend_b.isZero(0.0))
-      y = carried_to_corner(*options.side_a, *options.side_b, h, y, model.n, model.x);
-    bool fresh = true;
-    for (std::size_t i = first; i < points_.size(); ++i) fresh = fresh && (points_.point[i] - y).norm() > kApart * h;
-    if (!fresh) continue;
-    // Gaps from the model: bodies would rock on the noise of single nodes.
-    const double gap = model.gap_at(y);
-    add_point(contacts, c, y, model.normal_at(y), gap, law, {model.bend_a, model.bend_b});
-    least = std::min(least, gap);
-  }
-  place_friction(contacts, model, corners);
-  // Between three or four corners the first point is redundant, unless it is deeper.
-  if (points_.size() >= center + 4 && -points_.depth[center] > least - 0.5 * kFlat * h) remove_point(center);
-}
-
-void Constraint::place_friction(const ContactSet& contacts, const PatchModel& model, std::size_t first) {
-  // Nodes cover the patch evenly: friction at its corners acts at their mean distance from the middle.
-  if (points_.size() < first + 2) return;
-  const auto across = [&](const Vec3& x) { return Vec3(x - model.n * model.n.dot(x)); };
-  Vec3 middle = Vec3::Zero();
-  for (const std::size_t c : flat_) middle += contacts.point[c] / static_cast<double>(flat_.size());
-  double radius = 0.0, mean = 0.0;
-  for (const std::size_t c : flat_)
-    radius += across(contacts.point[c] - middle).norm() / static_cast<double>(flat_.size());
-  for (std::size_t i = first; i < points_.size(); ++i)
-    mean += across(points_.point[i] - middle).norm() / static_cast<double>(points_.size() - first);
-  if (!(mean > radius)) return;
-  for (std::size_t i = first; i < points_.size(); ++i)
-    grip_[i] += (radius / mean - 1.0) * across(points_.point[i] - middle);
 }
 
 void Constraint::remove_point(std::size_t i) {

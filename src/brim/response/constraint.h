@@ -83,6 +83,12 @@ class Constraint {
   bool targets_differ() const { return targets_differ_; }
 
  private:
+  /// Largest sine of the angle between a model's normal and those of its nodes: nodes farther along the arc of a hollow
+  /// have a model of their own.
+  static constexpr double kAlongArc = 0.45;
+  /// [voxels] corners closer to another point than this are redundant.
+  static constexpr double kApart = 1.0;
+
   void gather_pair(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                    const ConstraintPair& law, const ConstraintOptions& options);
   void take_rows(const PairRows& pair, std::span<const RowPoint> rows);

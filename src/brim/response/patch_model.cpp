@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "brim/math/ramp.h"
-#include "brim/math/small_symmetric.h"
+#include "brim/response/patch_planes.h"
 
 namespace brim {
 
@@ -28,10 +28,6 @@ constexpr double kLeastBend = 0.02, kFarthestShift = 0.75;
 constexpr double kRegular = 0.1;
 /// [1/h] three times the stencil's noise of curvature on tilted planes.
 constexpr double kNoise = 0.015;
-/// A surface is a plane if at least kFewest nodes, with curvature of at most kLevel/h, give distances that fit a plane
-/// to kPlane voxels.
-constexpr std::size_t kFewest = 8;
-constexpr double kLevel = 0.15, kPlane = 1e-3;
 /// [1/h] curvature of a fixed surface up to which its own normals are used, whatever deformable part lies on it.
 constexpr double kFixedBend = 0.05;
 /// Spread of a patch, over h², above which its nodes' normals determine their rotation; allowed misfit of the sine.
@@ -48,57 +44,6 @@ double lean(const ContactSet& s, std::size_t c, double h) {
 Mat3 sure(const Mat3& curvature, double h) {
   const double size = h * h * curvature.squaredNorm();
   return curvature * (size / (size + kNoise * kNoise));
-}
-
-/// Distances from nodes to one of the two surfaces, about a point: d(y) = gap + slope·(y − x).
-struct Plane {
-  double gap = 0.0;
-  Vec3 slope = Vec3::Zero();
-};
-
-/// The plane that fits nodes best: mean normal of the gradients, corrected as far as the nodes' positions determine it.
-Plane best_plane(const ContactSet& s, std::span<const std::size_t> nodes, bool of_a, const Vec3& x, double h) {
-  Vec3 mean = Vec3::Zero(), normal = Vec3::Zero();
-  double mean_d = 0.0;
-  const auto n = static_cast<double>(nodes.size());
-  for (const std::size_t c : nodes) {
-    mean += s.node_at(c, h) / n, mean_d += distance_to(s, c, of_a, h) / n;
-    normal -= (of_a ? s.gradient_a[c] : s.gradient_b[c]).normalized() / n;
-  }
-  Mat3 spread = Mat3::Identity() * (1e-9 * n * h * h);
-  Vec3 miss = Vec3::Zero();
-  for (const std::size_t c : nodes) {
-    const Vec3 d = s.node_at(c, h) - mean;
-    spread += d * d.transpose();
-    miss += (distance_to(s, c, of_a, h) - mean_d - normal.dot(d)) * d;
-  }
-  const Vec3 slope = normal + solve_symmetric(spread, miss);
-  return {mean_d + slope.dot(x - mean), slope};
-}
-
-/// Fits a plane to the nodes' distances to one surface. Distances are exact where stencil gradients are not, so normals
-/// of flat faces become exact. Nodes at an edge that look level are left out, if they are few.
-/// @param level  workspace
-/// @return false when the surface is not a plane, or too few nodes can be used
-bool fit_plane(const ContactSet& s, std::span<const std::size_t> nodes, bool of_a, const Vec3& x, double h,
-               std::vector<std::size_t>& level, Plane& plane) {
-  level.clear();
-  for (const std::size_t c : nodes) {
-    const Vec3 g = of_a ? s.gradient_a[c] : s.gradient_b[c];
-    if (h * (of_a ? s.curvature_a(c) : s.curvature_b(c)).norm() < kLevel * g.norm()) level.push_back(c);
-  }
-  const std::size_t fewest = std::max(kFewest, (3 * level.size() + 3) / 4);
-  while (level.size() >= fewest) {
-    plane = best_plane(s, level, of_a, x, h);
-    const auto miss = [&](std::size_t c) {
-      return std::abs(distance_to(s, c, of_a, h) - plane.gap - plane.slope.dot(s.node_at(c, h) - x));
-    };
-    double worst = 0.0;
-    for (const std::size_t c : level) worst = std::max(worst, miss(c));
-    if (worst <= kPlane * h) return true;
-    std::erase_if(level, [&](std::size_t c) { return miss(c) > 0.5 * worst; });
-  }
-  return false;
 }
 
 /// Distances to the two surfaces from one node: gradients, away from each part, and curvatures, [1/m].
@@ -232,9 +177,12 @@ PatchModel PatchFitter::fit(const ContactSet& contacts, std::span<const Vec3> no
   near_.clear();
   for (std::size_t i = 0; i < nodes.size(); ++i)
     if (weight_[i] > 0.0) near_.push_back(nodes[i]);
-  Plane plane_a, plane_b;
-  const bool flat_a = fit_plane(contacts, near_, true, x, h, level_, plane_a),
-             flat_b = fit_plane(contacts, near_, false, x, h, level_, plane_b);
+  SurfacePlane plane_a, plane_b;
+  bool flat_a = fit_plane(contacts, near_, true, x, h, level_, plane_a),
+       flat_b = fit_plane(contacts, near_, false, x, h, level_, plane_b);
+  if (!(flat_a && flat_b) && solid_a_ != nullptr && probe_plane(*solid_a_, x, -n, h, plane_a) &&
+      probe_plane(*solid_b_, x, n, h, plane_b))
+    flat_a = flat_b = true;
   if (flat_a) curvature_a.setZero();
   if (flat_b) curvature_b.setZero();
 

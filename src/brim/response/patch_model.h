@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "brim/contact/contact_set.h"
+#include "brim/contact/cube_contacts.h"
 #include "brim/math/types.h"
 
 namespace brim {
@@ -58,6 +59,8 @@ struct PatchModel {
 /// Tests: tests/response/constraint_test.cpp
 class PatchFitter {
  public:
+  /// The two solids of the next fits, whose faces are probed where nodes do not show that they are flat; or null.
+  void set_solids(const CubeSide* a, const CubeSide* b) { solid_a_ = a, solid_b_ = b; }
   /// @param normals  unit, towards a, one per contact
   /// @param h        [m] grid step
   /// @param nodes    contacts of one patch, deepest first; not empty
@@ -72,6 +75,7 @@ class PatchFitter {
   void mend_turn(const ContactSet& contacts, std::span<const std::size_t> nodes, double share, double h,
                  PatchModel& model) const;
 
+  const CubeSide *solid_a_ = nullptr, *solid_b_ = nullptr;
   std::vector<std::size_t> near_, level_;
   std::vector<double> weight_;
 };

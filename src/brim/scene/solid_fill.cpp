@@ -69,7 +69,11 @@ FilledSolid read_filled(const Node& n, double scale, double memory_limit) {
     const SolidSurface source = read_surface_of(n.at("shape"), scale);
     const double spacing = scale * n.number("lattice_spacing");
     out.mesh = fill(n, source, spacing, memory_limit);
-    if (source.treatment == SurfaceTreatment::Closed) out.display = refine(source.mesh, spacing);
+    if (source.treatment == SurfaceTreatment::Closed) {
+      out.display = refine(source.mesh, spacing);
+      if (n.string("lattice") != "covering")
+        out.volume_share = enclosed_volume(source.mesh) / tet_quality(out.mesh).total_volume;
+    }
   }
   return out;
 }

@@ -9,6 +9,9 @@ namespace brim {
 struct FilledSolid {
   TetMesh mesh;     ///< [m], the body's own frame, scaled
   TriMesh display;  ///< fine surface carried by it; empty: its boundary
+  /// Volume of the shape over that of the tetrahedra, which cut off its sharp edges: with the density times this, the
+  /// body has the mass of its shape. 1 where the tetrahedra were given or are to cover the shape.
+  double volume_share = 1.0;
 };
 
 /// Checks keys that exclude or need each other: shape, tet_mesh, lattice_spacing; reads no files. Bodies without a

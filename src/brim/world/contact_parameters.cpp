@@ -142,17 +142,24 @@ PairMaterial ContactParameters::material_of(const PartInfo& a, const PartInfo& b
 }
 
 void ContactParameters::warn(std::span<const WorldPart> parts, const WorldOptions& options, StepReport& report) const {
-  if (options.stiffness == 0.0 && options.pair_materials.empty()) return;
   // One part represents all with its material and modulus.
   std::map<std::pair<std::string, double>, const WorldPart*> example;
   for (const WorldPart& p : parts)
     if (!p.info.conforming) example.try_emplace({p.info.material.name, p.info.modulus}, &p);
-  std::set<std::pair<std::string, std::string>> said;
+  std::set<std::pair<std::string, std::string>> said, unheard;
+  const bool rigid = std::ranges::any_of(parts, [](const WorldPart& p) { return is_rigid(p) && !is_fixed(p); });
   for (const auto& [key_a, a] : example)
     for (const auto& [key_b, b] : example) {
       const double E = std::min(key_a.second, key_b.second);
       const PairMaterial m = material_of(a->info, b->info, options);
       if (m.response == Response::Constraint) continue;
+      if (m.restitution > 0.0 && rigid && std::isinf(E) && unheard.insert(std::minmax(key_a.first, key_b.first)).second)
+        report.warnings.push_back(
+            {report.time, "no_restitution",
+             fmt::format(
+                 "the restitution {:g} of '{}' and '{}' has no effect: they meet by penalties, which have none; "
+                 "give the response \"constraint\" to the pair, or to the world",
+                 m.restitution, key_a.first, key_b.first)});
       if (m.stiffness == 0.0) continue;
       const double chosen = stiffness_under(heaviest_, a->info, b->info, options.time_step);
       const bool soft = m.stiffness < kTellingModulus * E && !std::isinf(E);

@@ -34,7 +34,7 @@ class FiniteElementsMaker final : public BodyMaker {
     TetMesh mesh = solid_.mesh;
     for (Vec3& x : mesh.vertices) x = place.position + place.rotation * x;
     FemOptions options;
-    options.density = node_.number("density");
+    options.density = solid_.volume_share * node_.number("density");
     options.young = node_.number("young_modulus");
     options.poisson = node_.number("poisson_ratio");
     options.law = node_.string("law") == "neo_hookean" ? ElasticLaw::StableNeoHookean : ElasticLaw::CorotationalLinear;

@@ -66,6 +66,7 @@ class MassSpringMaker final : public BodyMaker {
     if (n.has("shape") || n.has("tet_mesh")) {
       FilledSolid solid = read_filled(n, scale, limit);
       display_ = std::move(solid.display);
+      volume_share_ = solid.volume_share;
       mesh_ = std::move(solid.mesh);
       return;
     }
@@ -85,7 +86,7 @@ class MassSpringMaker final : public BodyMaker {
     AnyMesh mesh = mesh_;
     for (Vec3& x : vertices(mesh)) x = place.position + place.rotation * x;
     MassSpringOptions options;
-    options.density = node_.number("density");
+    options.density = volume_share_ * node_.number("density");
     options.stiffness = node_.number("stiffness");
     options.slack = node_.boolean("slack");
     options.thickness = thickness_;
@@ -132,8 +133,9 @@ class MassSpringMaker final : public BodyMaker {
 
   Node node_;
   Material material_;
-  AnyMesh mesh_;     ///< scaled, not placed
-  TriMesh display_;  ///< likewise; of a solid; empty: the boundary of the mesh
+  AnyMesh mesh_;               ///< scaled, not placed
+  TriMesh display_;            ///< likewise; of a solid; empty: the boundary of the mesh
+  double volume_share_ = 1.0;  ///< of a solid (FilledSolid)
   std::vector<std::int32_t> corners_;
   double thickness_ = 0.01;  ///< [m] of a sheet or net
 };
