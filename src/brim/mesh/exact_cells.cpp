@@ -13,7 +13,7 @@ namespace {
 
 /// Triangles that a cell may look at, and those about it among which they are sought; cells with kinks up to which
 /// exact ones are sought: beyond, surfaces are rough all over, and this would take long.
-constexpr std::size_t kMostTriangles = 24, kMostInBox = 100, kMostKinked = 1'000'000;
+constexpr std::size_t kMostTriangles = 24, kMostInBox = 2000, kMostKinked = 1'000'000;
 /// Places a side of a cell at which the nearest triangles are found.
 constexpr int kPlaces = 4;
 /// Lengths of half the sum of two unit normals that turn by 30 and by 2 degrees: an edge that turns by more than the
