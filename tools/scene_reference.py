@@ -33,7 +33,7 @@ def type_text(given, root):
     if "const" in schema:
         return f"`{json.dumps(schema['const'])}`"
     if "enum" in schema:
-        return " or ".join(f"`{json.dumps(v)}`" for v in schema["enum"]) if len(schema["enum"]) < 6 else "a word, see below"
+        return " or ".join(f"`{json.dumps(v)}`" for v in schema["enum"]) if len(schema["enum"]) < 16 else "a word, see below"
     if "oneOf" in schema:
         return " or ".join(type_text(b, root) for b in schema["oneOf"])
     kind = schema.get("type", "value")
