@@ -79,7 +79,7 @@ def down_the_thread():
 
 
 @experiment(law="a = g / (1 + (2π k / p)²)", source="energy: k radius of gyration, p pitch", unit="m/s²", tolerance=0.1, cases=cases(response=BOTH),
-            misses={"": "the thread's normals turn by a right angle within five voxels, and rows and averages of normals brake by what they miss of it"},
+            misses={"response penalty": "the thread's normals turn by a right angle within five voxels, and averages of normals brake by what they miss of it"},
             theory=lambda c: down_the_thread(), measure=lambda c, r: fits.acceleration(r.time, r.velocity("nut")[:, 2], 0.4, 1.5),
             curve=lambda c, r: (r.time, r.velocity("nut")[:, 2]), ideal=lambda c, t: down_the_thread() * t, axes=("t [s]", "speed [m/s]"))
 def nut_on_a_bolt(case):
