@@ -76,7 +76,8 @@ double ExactCells::distance(const std::int32_t* triangles, std::size_t count, co
 void ExactCells::keep_nearest(const Vec3& lo, double spacing, std::vector<std::int32_t>& triangles) const {
   std::vector<std::int32_t> nearest;
   for (int i = 0; i < kPlaces * kPlaces * kPlaces; ++i) {
-    const Vec3 at(i % kPlaces, i / kPlaces % kPlaces, i / (kPlaces * kPlaces));
+    const int j = i / kPlaces, k = j / kPlaces;
+    const Vec3 at(i % kPlaces, j % kPlaces, k);
     nearest.push_back(closest(triangles.data(), triangles.size(), lo + spacing / (kPlaces - 1) * at).triangle);
   }
   std::sort(nearest.begin(), nearest.end());

@@ -66,17 +66,18 @@ bool probe_plane(const CubeSide& side, const Vec3& x, const Vec3& n, double h, S
   n.cwiseAbs().minCoeff(&least);
   const Vec3 e = n.cross(Vec3::Unit(least)).normalized(), f = n.cross(e);
   constexpr int kPlaces = 9;
+  // Of three by three places, −1 to 1 along each.
+  constexpr std::array<double, kPlaces> u = {-1, 0, 1, -1, 0, 1, -1, 0, 1}, v = {-1, -1, -1, 0, 0, 0, 1, 1, 1};
   std::array<double, kPlaces> px, py, pz, d;
   for (int k = 0; k < kPlaces; ++k) {
-    const Vec3 at = side.pose.to_local(x + kProbe * h * ((k % 3 - 1) * e + (k / 3 - 1) * f));
+    const Vec3 at = side.pose.to_local(x + kProbe * h * (u[k] * e + v[k] * f));
     px[k] = at.x(), py[k] = at.y(), pz[k] = at.z();
   }
   side.solid->distances({px.data(), py.data(), pz.data(), kPlaces}, d.data());
   double mean = 0.0, along_e = 0.0, along_f = 0.0;
+  for (int k = 0; k < kPlaces; ++k) mean += d[k] / kPlaces, along_e += u[k] * d[k] / 6.0, along_f += v[k] * d[k] / 6.0;
   for (int k = 0; k < kPlaces; ++k)
-    mean += d[k] / kPlaces, along_e += (k % 3 - 1) * d[k] / 6.0, along_f += (k / 3 - 1) * d[k] / 6.0;
-  for (int k = 0; k < kPlaces; ++k)
-    if (!(std::abs(d[k] - mean - (k % 3 - 1) * along_e - (k / 3 - 1) * along_f) <= kProbedPlane * h)) return false;
+    if (!(std::abs(d[k] - mean - u[k] * along_e - v[k] * along_f) <= kProbedPlane * h)) return false;
   const Vec3 across = (along_e * e + along_f * f) / (kProbe * h);
   const double rest = 1.0 - across.squaredNorm();
   if (!(rest > 0.0)) return false;
