@@ -7,7 +7,6 @@
 
 #include "brim/math/rotation.h"
 #include "brim/mesh/distance_grid.h"
-#include "brim/mesh/primitives.h"
 #include "brim/raster/grid_shape.h"
 #include "contact/solid_side.h"
 

@@ -3,8 +3,6 @@
 #include <array>
 #include <cmath>
 
-#include "brim/math/rotation.h"
-
 namespace brim {
 
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "brim/core/parallel.h"
 #include "brim/mesh/distance_grid.h"
@@ -26,6 +27,12 @@ struct Layer {
   std::vector<std::uint32_t> counts;
   std::vector<std::int32_t> triangles;
 };
+
+TrianglePoint closest_on(const TriMesh& mesh, std::int32_t triangle, const Vec3& p) {
+  const Triangle& c = mesh.triangles[static_cast<std::size_t>(triangle)];
+  const auto corner = [&](std::size_t k) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(c[k])]; };
+  return closest_on_triangle(p, corner(0), corner(1), corner(2));
+}
 
 /// Whether sides of the triangles at most so far from x are sharp, and no other but those within flat faces is there.
 bool only_sharp_edges(const SurfaceTree& tree, const std::vector<std::int32_t>& triangles, const Vec3& x, double far) {
@@ -55,10 +62,7 @@ ClosestPoint ExactCells::closest(const std::int32_t* triangles, std::size_t coun
   ClosestPoint best;
   double best2 = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < count; ++i) {
-    const Triangle& c = mesh.triangles[static_cast<std::size_t>(triangles[i])];
-    const TrianglePoint q = closest_on_triangle(p, mesh.vertices[static_cast<std::size_t>(c[0])],
-                                                mesh.vertices[static_cast<std::size_t>(c[1])],
-                                                mesh.vertices[static_cast<std::size_t>(c[2])]);
+    const TrianglePoint q = closest_on(mesh, triangles[i], p);
     const double d2 = (p - q.point).squaredNorm();
     if (d2 >= best2) continue;
     best2 = d2;
@@ -124,10 +128,7 @@ ExactCells::ExactCells(std::shared_ptr<const SurfaceTree> tree, const DistanceGr
         double far = around;
         tree_->overlapping({center - Vec3::Constant(around), center + Vec3::Constant(around)}, [&](std::int32_t t) {
           if (near.size() > kMostInBox) return;
-          const Triangle& c = mesh.triangles[static_cast<std::size_t>(t)];
-          const TrianglePoint q = closest_on_triangle(center, mesh.vertices[static_cast<std::size_t>(c[0])],
-                                                      mesh.vertices[static_cast<std::size_t>(c[1])],
-                                                      mesh.vertices[static_cast<std::size_t>(c[2])]);
+          const TrianglePoint q = closest_on(mesh, t, center);
           near.push_back(t), at.push_back((q.point - center).norm());
           far = std::min(far, at.back() + 2.0 * radius);
         });

@@ -15,8 +15,9 @@ class DistanceGrid;
 /// The cells of a sampled distance beside sharp edges and corners of a closed surface, where interpolation is wrong by
 /// more than a fiftieth of a spacing: there the distance to the triangles themselves is taken, of those few that are
 /// nearest to some place of the cell. (At a corner of three faces interpolation reaches out by a tenth of a spacing,
-/// and a solid would lean on it.) Edges that turn by less than 30 degrees do not count: round surfaces have those of
-/// their triangles. Tests: tests/mesh/exact_cells_test.cpp
+/// and a solid would lean on it.) Where edges turn by 2 to 30 degrees there are none: round
+/// surfaces have such edges between their triangles, and interpolation describes them better.
+/// Tests: tests/mesh/exact_cells_test.cpp
 class ExactCells {
  public:
   /// Smallest error of interpolation that counts, and farthest distance from the surface, over the spacing.
