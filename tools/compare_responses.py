@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Runs scenes with contact by penalty and by constraints, and prints what each costs and how well it rests.
+"""Runs scenes with contact by penalty, by constraints and as chosen, and prints what each costs and how well it rests.
 
-    tools/compare_responses.py [--brim build/release/brim] [--frames N] scenes/box_stack.json ...
+    tools/compare_responses.py [--brim build/release/brim] [--frames N] [--responses penalty,automatic] scenes/box_stack.json ...
 
 What the scene says of the world's response is replaced; what pairs and bodies say stays. Times are processor time of one
 thread, that of building and recording the first frame taken off. "Late" is the last fifth of the run.
@@ -68,11 +68,12 @@ def main():
     parser.add_argument("scenes", nargs="+")
     parser.add_argument("--brim", default="build/release/brim")
     parser.add_argument("--frames", type=int, default=0, help="default: what the scene says")
+    parser.add_argument("--responses", default="penalty,constraint", help="default: %(default)s; or automatic")
     arguments = parser.parse_args()
     print("| scene | response | ms a step | worst overlap [voxels] | late | fastest late [m/s] | bounds met | warnings |")
     print("|---|---|---|---|---|---|---|---|")
     for path in arguments.scenes:
-        for response in ("penalty", "constraint"):
+        for response in arguments.responses.split(","):
             row = measure(arguments.brim, path, response, arguments.frames)
             print("| %s | %s | %.1f | %.3f | %.3f | %.4f | %s | %s |" % (
                 (os.path.basename(path)[:-5], response) + row), flush=True)

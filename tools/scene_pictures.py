@@ -38,6 +38,7 @@ LOOKS = {
     "ct_head": (40, ["--camera", "-62,20,0.8"]),
     "dam_break": (30, ["--surface", "all", "--camera", "-68,20,4.2"]),
     "dam_large": (34, ["--surface", "all", "--camera", "-68,22,4.5"]),
+    "dominoes": (0, ["--frame", "66", "--camera", "-62,18"]),
     "drape": (70, []),
     "edited_kinds": (0, ["--frame", "45"]),
     "folds": (371, ["--camera", "30,15"]),

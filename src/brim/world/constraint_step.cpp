@@ -7,7 +7,6 @@
 
 #include "brim/core/parallel.h"
 #include "brim/world/ball_points.h"
-#include "brim/world/islands.h"
 #include "brim/world/momentum_check.h"
 
 namespace brim {
@@ -86,9 +85,10 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
   }
 
   double residual = 0.0;
-  solve_rows(solve, rows_.velocity_targets(), kMostRefinements, lambda_, change, residual, report);
+  const int refinements = (kMostRefinements * most_sweeps_ + settings_.max_sweeps - 1) / settings_.max_sweeps;
+  solve_rows(solve, rows_.velocity_targets(), refinements, lambda_, change, residual, report);
   // Many points are not swept to convergence within a step, but over several.
-  const bool all_sweeps = !exact_ || most_sweeps_ == settings_.max_sweeps;
+  const bool all_sweeps = most_sweeps_ == settings_.max_sweeps;
   converged_ = !(residual > (all_sweeps ? kWarn * settings_.tolerance : kLarge));
   if (!converged_)
     report.warnings.push_back(
@@ -105,7 +105,7 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
     std::vector<Vec3> lambda = lambda_;
     std::vector<double> way = change;
     const double worst = report.row_residual;
-    if (exact_ && solids_ && !rows_.bounces())
+    if (solids_ && !rows_.bounces())
       push_apart(lambda, way, report);
     else
       solve_rows(solve, rows_.position_targets(), kPositionRefinements, lambda, way, residual, report);
@@ -140,17 +140,18 @@ void ConstraintStep::solve_rows(const ImplicitStep::Respond& solve, std::span<co
   residual = r.residual;
 }
 
-std::size_t ConstraintStep::most_together() const {
+Islands ConstraintStep::join_rows() const {
   Islands islands(bodies_.size());
-  const ContactSet& points = rows_.points();
-  for (const ContactPair& p : points.pairs)
+  for (const ContactPair& p : rows_.points().pairs)
     if (p.begin < p.end && !is_fixed(parts_[p.part_a]) && !is_fixed(parts_[p.part_b]))
       islands.join(parts_[p.part_a].body_index, parts_[p.part_b].body_index);
+  return islands;
+}
+
+std::size_t ConstraintStep::most_together() const {
+  Islands islands = join_rows();
   std::vector<std::size_t> together(bodies_.size(), 0);
-  for (const ContactPair& p : points.pairs) {
-    const WorldPart& moves = parts_[is_fixed(parts_[p.part_a]) ? p.part_b : p.part_a];
-    together[islands.first_of(moves.body_index)] += p.end - p.begin;
-  }
+  for (const ContactPair& p : rows_.points().pairs) together[islands.first_of(moving_body(p))] += p.end - p.begin;
   return *std::ranges::max_element(together);
 }
 

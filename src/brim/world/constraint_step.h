@@ -13,6 +13,7 @@
 #include "brim/world/contact_maps.h"
 #include "brim/world/direct_rows.h"
 #include "brim/world/implicit_step.h"
+#include "brim/world/islands.h"
 #include "brim/world/row_memory.h"
 #include "brim/world/step_report.h"
 
@@ -88,6 +89,12 @@ class ConstraintStep {
   void assemble();
   /// Chooses the bodies' inverses: all exact when affordable and no penalty contact is involved.
   void choose_inverses();
+  /// True when the sweeps know how the body responds: its inverse is exact and no penalty contact holds it.
+  bool knows(std::size_t body) const {
+    return !(touched_[body] && !inverses_.exact(body)) && !(held_[body] && mixed_[body]);
+  }
+  /// Marks the points that rows connect only with bodies that the sweeps know.
+  void find_known();
   /// Calls f(body, side a, side b) for the bodies that have rows at the pair's contacts.
   template <class F>
   void for_bodies(const ContactPair& pair, const F& f) const;
@@ -100,6 +107,11 @@ class ConstraintStep {
   /// Solves for the targets, starting from λ and Δv. @param most  maximum number of solves with A
   void solve_rows(const ImplicitStep::Respond& solve, std::span<const double> target, int most,
                   std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual, StepReport& report);
+  /// Bodies that rows connect.
+  Islands join_rows() const;
+  std::int32_t moving_body(const ContactPair& p) const {
+    return parts_[is_fixed(parts_[p.part_a]) ? p.part_b : p.part_a].body_index;
+  }
   /// Number of points in the largest group of bodies connected by rows.
   std::size_t most_together() const;
   int find_most_sweeps() const;
@@ -131,6 +143,7 @@ class ConstraintStep {
   bool mapped_ = false;  ///< some pair is not rigid: points have maps
   bool solids_ = true;   ///< all rows are between rigid frames, or solids of articulated bodies
   bool exact_ = true, converged_ = true;
+  std::vector<std::uint8_t> known_;  ///< per point, unless exact_: the sweeps solve it (find_known)
   int most_sweeps_ = 0;
 
   std::vector<Mat3> frame_;   ///< rows n, t1, t2

@@ -192,7 +192,7 @@ void ConstraintStep::choose_inverses() {
              !(touched_[b] && (rows[b] > kMostDirect || first_v_[b + 1] - first_v_[b] > BodyInverses::kMostFactored));
   const auto exact = [&] {
     for (std::size_t b = 0; b < bodies_.size(); ++b)
-      if ((touched_[b] && !inverses_.exact(b)) || (held_[b] && mixed_[b])) return false;
+      if (!knows(b)) return false;
     return true;
   };
   std::vector<std::uint8_t> wanted(touched_);
@@ -201,6 +201,20 @@ void ConstraintStep::choose_inverses() {
   exact_ = exact();
   // A single body without factor makes the whole solve inexact.
   if (direct && !exact_) inverses_.begin(bodies_, first_v_, touched_);
+  if (!exact_) find_known();
+}
+
+void ConstraintStep::find_known() {
+  Islands islands = join_rows();
+  std::vector<std::uint8_t> doubtful(bodies_.size(), 0);
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    if (!knows(b)) doubtful[islands.first_of(static_cast<std::int32_t>(b))] = 1;
+  const ContactSet& points = rows_.points();
+  known_.resize(points.size());
+  for (const ContactPair& p : points.pairs) {
+    const std::uint8_t known = doubtful[islands.first_of(moving_body(p))] == 0;
+    for (std::size_t c = p.begin; c < p.end; ++c) known_[c] = known;
+  }
 }
 
 template <class F>

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "brim/body/distance_bound.h"
 #include "brim/core/interface_of.h"
@@ -66,15 +67,14 @@ std::span<const double> velocities_of(const WorldPart& p, std::span<const double
 
 bool is_rigid(const WorldPart& p) { return p.body->v_size() <= 6 * static_cast<std::size_t>(p.body->part_count()); }
 
-Response open_response(std::span<const WorldPart> parts, const WorldOptions& options) {
-  if (options.stiffness > 0.0) return Response::Penalty;
-  const auto solid = [](const WorldPart& p) {
-    const auto* body = interface_of<DistanceBound>(*p.body);
-    return body != nullptr && body->solid(p.index) != nullptr;
-  };
-  const bool solids =
-      std::ranges::all_of(parts, [&](const WorldPart& p) { return p.body->immobile() || (is_rigid(p) && solid(p)); });
-  return solids ? Response::Constraint : Response::Penalty;
+bool is_solid(const WorldPart& p) {
+  const auto* body = interface_of<DistanceBound>(*p.body);
+  return body != nullptr && body->solid(p.index) != nullptr;
+}
+
+Response open_response(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
+  if (options.response != Response::Inherit) return options.response;
+  return options.stiffness == 0.0 && a.solid && b.solid ? Response::Constraint : Response::Penalty;
 }
 
 bool meet_by_rows(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
@@ -85,7 +85,7 @@ bool meet_by_rows(const WorldPart& a, const WorldPart& b, const WorldOptions& op
     const auto it = options.pair_materials.find({key.first, key.second});
     if (it != options.pair_materials.end()) own = it->second.response;
   }
-  return choose_response(own, a.info.material.response, b.info.material.response, options.response) ==
+  return choose_response(own, a.info.material.response, b.info.material.response, open_response(a, b, options)) ==
          Response::Constraint;
 }
 
@@ -128,64 +128,66 @@ double ContactParameters::chosen_stiffness(const WorldPart& a, const WorldPart& 
   return std::min(k, kBearable * own);
 }
 
-PairMaterial ContactParameters::material_of(const PartInfo& a, const PartInfo& b, const WorldOptions& options) const {
-  auto key = std::minmax(a.material.name, b.material.name);
+PairMaterial ContactParameters::material_of(const WorldPart& part_a, const WorldPart& part_b,
+                                            const WorldOptions& options) const {
+  const Material &a = part_a.info.material, &b = part_b.info.material;
+  const auto key = std::minmax(a.name, b.name);
   const auto it = options.pair_materials.find({key.first, key.second});
   PairMaterial m = it != options.pair_materials.end() ? it->second : PairMaterial{};
-  if (m.friction < 0.0) m.friction = std::sqrt(a.material.friction * b.material.friction);
-  if (m.restitution < 0.0) m.restitution = std::max(a.material.restitution, b.material.restitution);
-  if (m.rolling_resistance < 0.0)
-    m.rolling_resistance = std::max(a.material.rolling_resistance, b.material.rolling_resistance);
-  m.response = choose_response(m.response, a.material.response, b.material.response, options.response);
+  if (m.friction < 0.0) m.friction = std::sqrt(a.friction * b.friction);
+  if (m.restitution < 0.0) m.restitution = std::max(a.restitution, b.restitution);
+  if (m.rolling_resistance < 0.0) m.rolling_resistance = std::max(a.rolling_resistance, b.rolling_resistance);
+  m.response = choose_response(m.response, a.response, b.response, open_response(part_a, part_b, options));
   if (m.stiffness == 0.0) m.stiffness = options.stiffness;
   return m;
 }
 
 void ContactParameters::warn(std::span<const WorldPart> parts, const WorldOptions& options, StepReport& report) const {
-  // One part represents all with its material and modulus.
-  std::map<std::pair<std::string, double>, const WorldPart*> example;
+  // One part represents all with its material and modulus, solid or not.
+  std::map<std::tuple<std::string, double, bool>, const WorldPart*> example;
   for (const WorldPart& p : parts)
-    if (!p.info.conforming) example.try_emplace({p.info.material.name, p.info.modulus}, &p);
+    if (!p.info.conforming) example.try_emplace({p.info.material.name, p.info.modulus, p.solid}, &p);
   std::set<std::pair<std::string, std::string>> said, unheard;
   const bool rigid = std::ranges::any_of(parts, [](const WorldPart& p) { return is_rigid(p) && !is_fixed(p); });
   for (const auto& [key_a, a] : example)
     for (const auto& [key_b, b] : example) {
-      const double E = std::min(key_a.second, key_b.second);
-      const PairMaterial m = material_of(a->info, b->info, options);
+      const double E = std::min(a->info.modulus, b->info.modulus);
+      const std::string &name_a = a->info.material.name, &name_b = b->info.material.name;
+      const PairMaterial m = material_of(*a, *b, options);
       if (m.response == Response::Constraint) continue;
-      if (m.restitution > 0.0 && rigid && std::isinf(E) && unheard.insert(std::minmax(key_a.first, key_b.first)).second)
+      if (m.restitution > 0.0 && rigid && std::isinf(E) && unheard.insert(std::minmax(name_a, name_b)).second)
         report.warnings.push_back(
             {report.time, "no_restitution",
              fmt::format(
                  "the restitution {:g} of '{}' and '{}' has no effect: they meet by penalties, which have none; "
                  "give the response \"constraint\" to the pair, or to the world",
-                 m.restitution, key_a.first, key_b.first)});
+                 m.restitution, name_a, name_b)});
       if (m.stiffness == 0.0) continue;
       const double chosen = stiffness_under(heaviest_, a->info, b->info, options.time_step);
       const bool soft = m.stiffness < kTellingModulus * E && !std::isinf(E);
       const bool stiff = m.stiffness > kThrowing * chosen;
       if (!soft && !stiff) continue;
-      if (!said.insert(std::minmax(key_a.first, key_b.first)).second) continue;
+      if (!said.insert(std::minmax(name_a, name_b)).second) continue;
       if (stiff) {
         report.warnings.push_back(
             {report.time, "stiff_contact",
              fmt::format("contact of '{}' and '{}' is {:.2g} Pa, more than {:g} times the {:.2g} Pa that their loads "
                          "ask for: nodes that come into contact bring energy in; take the least stiffness that "
                          "keeps them apart, or leave it out to have it chosen",
-                         key_a.first, key_b.first, m.stiffness, kThrowing, chosen)});
+                         name_a, name_b, m.stiffness, kThrowing, chosen)});
         continue;
       }
       report.warnings.push_back({report.time, "soft_contact",
                                  fmt::format("contact of '{}' and '{}' is {:.2g} Pa, less than {:g} times the modulus "
                                              "{:.2g} Pa of the softer body: it is "
                                              "contact that gives; leave the stiffness out to have it chosen",
-                                             key_a.first, key_b.first, m.stiffness, kTellingModulus, E)});
+                                             name_a, name_b, m.stiffness, kTellingModulus, E)});
     }
 }
 
 ConstraintPair ContactParameters::constraint_between(const WorldPart& a, const WorldPart& b,
                                                      const WorldOptions& options) const {
-  const PairMaterial m = material_of(a.info, b.info, options);
+  const PairMaterial m = material_of(a, b, options);
   return {m.response == Response::Constraint, m.friction, m.restitution, is_rigid(a) && is_rigid(b)};
 }
 
@@ -198,7 +200,7 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
   constraints_.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const WorldPart &a = parts[pairs[i].part_a], &b = parts[pairs[i].part_b];
-    const PairMaterial m = material_of(a.info, b.info, options);
+    const PairMaterial m = material_of(a, b, options);
     const bool filled = fills(a, b);
     // A conforming part has no few points by which rows could hold it.
     const bool conforming = a.info.conforming || b.info.conforming;

@@ -17,10 +17,12 @@ namespace brim {
 /// True when the part cannot deform: its body has no more velocities than its parts would have as rigid bodies.
 bool is_rigid(const WorldPart& p);
 
-/// The response of pairs for which neither materials nor bodies set one, where the world leaves it open
-/// (Response::Inherit): rows if nothing in the world but solids with known distances moves and no stiffness is given,
-/// else penalties.
-Response open_response(std::span<const WorldPart> parts, const WorldOptions& options);
+/// True when the distance to the part is known.
+bool is_solid(const WorldPart& p);
+
+/// The response of a pair for which neither materials nor bodies set one, where the world leaves it open
+/// (Response::Inherit): rows between two solids if no stiffness is given, else penalties.
+Response open_response(const WorldPart& a, const WorldPart& b, const WorldOptions& options);
 
 /// True when constraint rows act between the parts: their contacts are found before they touch, wherever the grid nodes
 /// lie.
@@ -50,7 +52,7 @@ class ContactParameters {
   /// Parameters of constraint rows between two parts.
   ConstraintPair constraint_between(const WorldPart& a, const WorldPart& b, const WorldOptions& options) const;
   /// Parameters of a pair of materials; stiffness 0 when it is to be chosen from the loads.
-  PairMaterial material_of(const PartInfo& a, const PartInfo& b, const WorldOptions& options) const;
+  PairMaterial material_of(const WorldPart& a, const WorldPart& b, const WorldOptions& options) const;
   std::span<const PairState> penalties() const { return penalties_; }
   std::span<const ConstraintPair> constraints() const { return constraints_; }
 

@@ -41,7 +41,8 @@ bool ImplicitStep::solve(const StepContext& context, const Settings& settings, s
     // Each body by its own mass and inertia; the rows act afterwards.
     ++context.report.solves;
     const ScopedSeconds rows_timer(contact_seconds());
-    return !correct || correct([](std::span<const double>, std::span<double>) { return SolveReport{}; }, delta, {});
+    return !correct ||
+           correct([](std::span<const double>, std::span<double>, double) { return SolveReport{}; }, delta, {});
   }
   if (!alone_) guide();
   begin_bodies();
@@ -196,8 +197,8 @@ bool ImplicitStep::correct_by(const Correct& correct, std::span<double> delta) {
   auto rows_timer = std::make_optional<ScopedSeconds>(within);
   const std::size_t n = c.v.size();
   added_.assign(whole_ || alone_ ? 0 : n, 0.0);
-  const auto respond = [&](std::span<const double> b, std::span<double> x) {
-    return cg_.solve(system_, b, settings_->tolerance, settings_->max_iterations, x);
+  const auto respond = [&](std::span<const double> b, std::span<double> x, double slack) {
+    return cg_.solve(system_, b, slack * settings_->tolerance, settings_->max_iterations, x);
   };
   const bool finite = correct(respond, delta, added_);
   if (finite && !c.coupling.empty()) c.coupling.keep_volume(invert_, c.v, delta);

@@ -42,8 +42,8 @@ class ImplicitStep {
     }
   };
 
-  /// x = A⁻¹ b, once the system is set up.
-  using Respond = std::function<SolveReport(std::span<const double> b, std::span<double> x)>;
+  /// x = A⁻¹ b, once the system is set up. @param slack  factor on the tolerance
+  using Respond = std::function<SolveReport(std::span<const double> b, std::span<double> x, double slack)>;
   /// Corrects the velocity changes of the step by another method (constraint rows).
   /// @param added  [N s] set to its impulses in addition to the right-hand side, shape (nv); or empty
   /// @return false when not finite

@@ -6,12 +6,12 @@
 #include <cstdint>
 #include <set>
 
-#include "brim/body/distance_bound.h"
 #include "brim/body/loose_nodes.h"
 #include "brim/body/material_points.h"
 #include "brim/body/posed_shape.h"
 #include "brim/body/spinning_balls.h"
 #include "brim/core/error.h"
+#include "brim/world/contact_parameters.h"
 #include "brim/world/links.h"
 #include "brim/world/wind.h"
 
@@ -63,11 +63,6 @@ std::vector<Vec3> spread_of(const std::vector<Vec3>& x, std::size_t most) {
     if (!(distance[next] > 0.0)) break;
   }
   return out;
-}
-
-bool is_solid(const WorldPart& p) {
-  const auto* bound = dynamic_cast<const DistanceBound*>(p.body);
-  return bound != nullptr && bound->solid(p.index) != nullptr;
 }
 
 /// Shortest distance from a hinge's axis used to read its angle, relative to the held length of the axis.

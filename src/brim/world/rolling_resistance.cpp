@@ -86,7 +86,7 @@ void resist_rolling(std::span<const WorldPart> parts, std::span<const std::size_
     return true;
   };
   for (const PairReport& pair : pairs) {
-    const PairMaterial m = laws.material_of(parts[pair.part_a].info, parts[pair.part_b].info, options);
+    const PairMaterial m = laws.material_of(parts[pair.part_a], parts[pair.part_b], options);
     if (!resists(m)) continue;
     const Vec3 normal = pair.force_on_a - pair.friction_on_a;
     const double load = normal.norm();

@@ -45,8 +45,8 @@ struct WorldOptions {
   int max_passes = 4;  ///< maximum number of solves per sub-step, while contacts are released or friction changes
   double friction_speed =
       0.0;  ///< [m/s] ε of the regularised friction; 0: 0.001 g dt, g of the earth where there is none
-  /// For pairs whose materials and bodies set none; Inherit, the default of scenes: constraint rows if only solids move
-  /// in the world and no stiffness is given, else penalties (open_response).
+  /// For pairs whose materials and bodies set none; Inherit, the default of scenes: constraint rows between two solids
+  /// if no stiffness is given, else penalties (open_response).
   Response response = Response::Penalty;
   double constraint_tolerance = 1e-4;  ///< change of velocity by the last sweep, over that of a free fall in a step
   int constraint_sweeps = 200;         ///< maximum number of projected Gauss-Seidel sweeps per sub-step

@@ -16,6 +16,7 @@ struct WorldPart {
   int index = 0;   ///< within the body
   double h = 0.0;  ///< [m] its own grid step, h0 2^l
   PartInfo info;
+  bool solid = false;         ///< it never moves, or it does not deform and the distance to it is known
   int level = 0;              ///< level of detail of its body in contact (Levels)
   bool still = false;         ///< set by Sleep: asleep, or fixed and not moving; always false when bodies do not sleep
   bool frozen = false;        ///< its body is frozen (World::freeze)
