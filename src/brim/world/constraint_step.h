@@ -25,6 +25,7 @@ namespace brim {
 /// bodies' own inverses (BodyInverses). Where P = A⁻¹ (bodies of few velocities without penalty contacts, and larger
 /// ones whose A can be factored) its result is the solution. Elsewhere it gives a direction d in λ; A⁻¹ Jᵀ d comes from
 /// the step's own solve, λ moves along d as far as the two agree, and so on until d no longer changes any velocity.
+/// Points that rows connect only with bodies of the first sort are left to the sweeps in either case.
 /// Pairs of rigid bodies (RigidFrame) need only lever arms and inverse inertias, no maps (RigidPairRows).
 class ConstraintStep {
  public:

@@ -67,12 +67,12 @@ std::span<const double> velocities_of(const WorldPart& p, std::span<const double
 
 bool is_rigid(const WorldPart& p) { return p.body->v_size() <= 6 * static_cast<std::size_t>(p.body->part_count()); }
 
-bool is_solid(const WorldPart& p) {
+bool has_distance(const WorldPart& p) {
   const auto* body = interface_of<DistanceBound>(*p.body);
   return body != nullptr && body->solid(p.index) != nullptr;
 }
 
-Response open_response(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
+Response default_response(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
   if (options.response != Response::Inherit) return options.response;
   return options.stiffness == 0.0 && a.solid && b.solid ? Response::Constraint : Response::Penalty;
 }
@@ -85,7 +85,7 @@ bool meet_by_rows(const WorldPart& a, const WorldPart& b, const WorldOptions& op
     const auto it = options.pair_materials.find({key.first, key.second});
     if (it != options.pair_materials.end()) own = it->second.response;
   }
-  return choose_response(own, a.info.material.response, b.info.material.response, open_response(a, b, options)) ==
+  return choose_response(own, a.info.material.response, b.info.material.response, default_response(a, b, options)) ==
          Response::Constraint;
 }
 
@@ -137,7 +137,7 @@ PairMaterial ContactParameters::material_of(const WorldPart& part_a, const World
   if (m.friction < 0.0) m.friction = std::sqrt(a.friction * b.friction);
   if (m.restitution < 0.0) m.restitution = std::max(a.restitution, b.restitution);
   if (m.rolling_resistance < 0.0) m.rolling_resistance = std::max(a.rolling_resistance, b.rolling_resistance);
-  m.response = choose_response(m.response, a.response, b.response, open_response(part_a, part_b, options));
+  m.response = choose_response(m.response, a.response, b.response, default_response(part_a, part_b, options));
   if (m.stiffness == 0.0) m.stiffness = options.stiffness;
   return m;
 }

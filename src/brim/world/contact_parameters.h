@@ -18,11 +18,11 @@ namespace brim {
 bool is_rigid(const WorldPart& p);
 
 /// True when the distance to the part is known.
-bool is_solid(const WorldPart& p);
+bool has_distance(const WorldPart& p);
 
-/// The response of a pair for which neither materials nor bodies set one, where the world leaves it open
-/// (Response::Inherit): rows between two solids if no stiffness is given, else penalties.
-Response open_response(const WorldPart& a, const WorldPart& b, const WorldOptions& options);
+/// The response of a pair for which neither materials nor bodies set one: the world's, or, where it leaves it open
+/// (Response::Inherit), rows between two solids if no stiffness is given, else penalties.
+Response default_response(const WorldPart& a, const WorldPart& b, const WorldOptions& options);
 
 /// True when constraint rows act between the parts: their contacts are found before they touch, wherever the grid nodes
 /// lie.

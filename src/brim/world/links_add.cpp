@@ -178,7 +178,7 @@ Links::Link Links::make(const Attachment& given, std::span<const WorldPart> part
       const Body& body = *parts[a.parts[0]].body;
       x = points_in(body, given.region);
       link.part_a = choose_part(parts, a.parts, given.part, x[0]);
-      if (is_solid(parts[link.part_a]))
+      if (has_distance(parts[link.part_a]))
         x = spread_of(x, kMostOfSolid);
       else if (!shows_nodes(body))
         x = one_per_cell(x, parts[link.part_a].h);

@@ -46,7 +46,7 @@ struct WorldOptions {
   double friction_speed =
       0.0;  ///< [m/s] ε of the regularised friction; 0: 0.001 g dt, g of the earth where there is none
   /// For pairs whose materials and bodies set none; Inherit, the default of scenes: constraint rows between two solids
-  /// if no stiffness is given, else penalties (open_response).
+  /// if no stiffness is given, else penalties (default_response).
   Response response = Response::Penalty;
   double constraint_tolerance = 1e-4;  ///< change of velocity by the last sweep, over that of a free fall in a step
   int constraint_sweeps = 200;         ///< maximum number of projected Gauss-Seidel sweeps per sub-step

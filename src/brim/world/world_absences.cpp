@@ -124,7 +124,7 @@ void World::Impl::follow_edits() {
     WorldPart& p = parts[i];
     p.info = info_of(p);
     p.h = absent(p) ? coarsest : part_h[i];  // absent parts must not be the finest
-    p.solid = p.body->immobile() || (is_rigid(p) && is_solid(p));
+    p.solid = p.body->immobile() || (is_rigid(p) && has_distance(p));
     p.frozen = edits.frozen.contains(p.body_index);
     p.sides = rules.sides(p.body->name()), p.rules = &rules;
   }
