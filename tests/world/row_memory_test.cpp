@@ -32,5 +32,18 @@ TEST(RowMemory, PointsFindTheNearestOfTheirPairOnceAndWithinTwoVoxels) {
   EXPECT_EQ(force[3], Vec3::Zero());   // three voxels away
 }
 
+TEST(RowMemory, TellsThePairsThatHavePoints) {
+  std::vector<double> memory;
+  EXPECT_TRUE(RowMemory::pairs(memory).empty());
+  ContactPair first, second;
+  first.part_a = 0, first.part_b = 3;
+  second.part_a = 1, second.part_b = 2;
+  RowMemory::keep(first, Vec3::Zero(), Vec3::Zero(), memory);
+  RowMemory::keep(second, Vec3::Zero(), Vec3::Zero(), memory);
+  RowMemory::keep(second, Vec3::Ones(), Vec3::Zero(), memory);
+  const std::vector<std::pair<std::int32_t, std::int32_t>> expected = {{0, 3}, {1, 2}};
+  EXPECT_EQ(RowMemory::pairs(memory), expected);
+}
+
 }  // namespace
 }  // namespace brim::row_memory_test

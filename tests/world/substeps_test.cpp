@@ -4,6 +4,8 @@
 
 #include "brim/body/particle_fluid/particle_fluid_body.h"
 #include "brim/body/points/points_body.h"
+#include "brim/mesh/distance_grid.h"
+#include "brim/raster/grid_shape.h"
 #include "support/soft_worlds.h"
 
 namespace brim::substeps_test {
@@ -63,7 +65,7 @@ TEST(Substeps, MotionAlongAPlaneNeedsNoneByHand) {
     const std::vector<WorldPart> parts = {{floor.get(), 0, 0, 0.125, floor->part(0)},
                                           {one.get(), 1, 0, 0.125, one->part(0)}};
     BoxSweep sweep;
-    return motion_pieces(parts, v, std::vector<std::size_t>{0, 6, 12}, o, 0.1, 0.0, sweep, along);
+    return motion_pieces(parts, v, std::vector<std::size_t>{0, 6, 12}, o, 0.1, 0.0, {}, sweep, along);
   };
   const Quat tilted(Eigen::AngleAxisd(0.3, Vec3(1, 2, 0).normalized()));
   for (const Quat& turn : {Quat::Identity(), tilted}) {
@@ -143,7 +145,7 @@ double pieces_of_bars(double slope, double gap) {
   for (const TetMesh& m : {mesh, beside})
     for (const Vec3& x : m.vertices) v.insert(v.end(), {0.0, 0.0, slope * x.x()});
   BoxSweep sweep;
-  return motion_pieces(parts, v, first_v, o, 0.1, 0.0, sweep);
+  return motion_pieces(parts, v, first_v, o, 0.1, 0.0, {}, sweep);
 }
 
 TEST(Substeps, MotionThatNeighboursShareDoesNotCount) {
@@ -171,7 +173,7 @@ double pieces_beside_a_ball(const Make& make, const std::vector<Vec3>& x, const 
   const std::vector<WorldPart> parts = {{one.get(), 0, 0, 0.1, one->part(0)}, {loose.get(), 1, 0, 0.1, loose->part(0)}};
   const std::vector<std::size_t> first_v = {0, 6, v.size()};
   BoxSweep sweep;
-  return motion_pieces(parts, v, first_v, o, 0.1, 0.0, sweep);
+  return motion_pieces(parts, v, first_v, o, 0.1, 0.0, {}, sweep);
 }
 
 std::unique_ptr<Body> liquid(const std::vector<Vec3>& x) {
@@ -229,14 +231,73 @@ TEST(Substeps, ThickSoftPartsMayMoveFartherThanThinOnes) {
     return p;
   };
   // A quarter of both together, from one voxel to two.
-  EXPECT_DOUBLE_EQ(motion_limit(sheet(0.2), sheet(0.2), o), 0.1);
-  EXPECT_DOUBLE_EQ(motion_limit(sheet(0.02), sheet(0.02), o), 0.1);
-  EXPECT_DOUBLE_EQ(motion_limit(sheet(0.2), sheet(0.4), o), 0.15);
-  EXPECT_DOUBLE_EQ(motion_limit(sheet(0.9), sheet(0.9), o), 0.2);
+  EXPECT_DOUBLE_EQ(motion_limit(sheet(0.2), sheet(0.2), o, false), 0.1);
+  EXPECT_DOUBLE_EQ(motion_limit(sheet(0.02), sheet(0.02), o, false), 0.1);
+  EXPECT_DOUBLE_EQ(motion_limit(sheet(0.2), sheet(0.4), o, false), 0.15);
+  EXPECT_DOUBLE_EQ(motion_limit(sheet(0.9), sheet(0.9), o, false), 0.2);
   o.max_motion_voxels = 2.0;
-  EXPECT_DOUBLE_EQ(motion_limit(sheet(0.2), sheet(0.9), o), 0.2);
+  EXPECT_DOUBLE_EQ(motion_limit(sheet(0.2), sheet(0.9), o, false), 0.2);
   const auto one = ball("one", {}), two = ball("two", {});
-  EXPECT_DOUBLE_EQ(motion_limit({one.get(), 0, 0, 0.1, one->part(0)}, {two.get(), 1, 0, 0.1, two->part(0)}, o), 0.2);
+  EXPECT_DOUBLE_EQ(motion_limit({one.get(), 0, 0, 0.1, one->part(0)}, {two.get(), 1, 0, 0.1, two->part(0)}, o, false),
+                   0.2);
+}
+
+TEST(Substeps, SolidsThatRowsHoldMayMoveByAVoxelAndOthersByTwo) {
+  WorldOptions o = options_at(0.125);
+  o.response = Response::Constraint;
+  const auto one = ball("one", {}), two = ball("two", {});
+  const auto part = [&](const std::unique_ptr<Body>& body, int index) {
+    WorldPart p{body.get(), index, 0, 0.1, body->part(0)};
+    p.info.thickness = 1.0;
+    return p;
+  };
+  EXPECT_DOUBLE_EQ(motion_limit(part(one, 0), part(two, 1), o, true), 0.1);
+  EXPECT_DOUBLE_EQ(motion_limit(part(one, 0), part(two, 1), o, false), 0.2);
+  EXPECT_TRUE(HeldPairs().contains(1, 2)) << "at the start of a world nothing is known";
+  const HeldPairs held({{0, 3}, {1, 2}});
+  EXPECT_TRUE(held.contains(2, 1));
+  EXPECT_FALSE(held.contains(0, 2));
+}
+
+/// A body strikes the ground by almost two voxels a step. @param below  [m] from its middle down to its lowest point
+/// @return greatest depth in five steps, [voxels]
+double depth_of_a_blow(std::shared_ptr<const Shape> shape, double below, double gap) {
+  WorldOptions o = options_at(0.125);
+  o.response = Response::Constraint;
+  o.environment.gravity = Vec3::Zero();
+  o.time_step = 0.01;
+  World w(o);
+  w.add(testing::ground(0.0));
+  RigidModel m;
+  m.shape = std::move(shape);
+  m.position = Vec3(0, 0, below + 0.2 + gap), m.velocity = Vec3(0, 0, -20);
+  m.part.thickness = 2.0 * below;
+  w.add(testing::named<RigidBody>("body", m));
+  w.step();  // at the start all pairs count as held
+  double deepest = 0.0;
+  int pieces = 0;
+  for (int k = 0; k < 5; ++k) {
+    const StepReport r = w.step();
+    pieces += r.substeps;
+    deepest = std::max(deepest, r.worst_overlap);
+  }
+  EXPECT_LT(pieces, 7) << "two a step once rows see it";
+  EXPECT_LT(std::abs(w.state().v[2]), 0.2) << "it has struck";
+  return deepest;
+}
+
+TEST(Substeps, ABlowOfTwoVoxelsAStepIsSeenBeforeItLands) {
+  const auto ring =
+      make_grid_shape(std::make_shared<const DistanceGrid>(sample_distance(
+                          Aabb{Vec3(-1.2, -1.2, -0.5), Vec3(1.2, 1.2, 0.5)}, 0.0625,
+                          [](const Vec3& x) { return std::hypot(x.head<2>().norm() - 0.8, x.z()) - 0.3; })),
+                      0.6);
+  for (const double gap : {0.25, 0.30, 0.37, 0.44, 0.51, 0.58}) {
+    SCOPED_TRACE(gap);
+    EXPECT_LT(depth_of_a_blow(make_box(Vec3::Ones()), 0.5, gap), 0.02);
+    EXPECT_LT(depth_of_a_blow(make_sphere(0.5), 0.5, gap), 0.02);
+    EXPECT_LT(depth_of_a_blow(ring, 0.3, gap), 0.1) << "found at nodes";
+  }
 }
 
 TEST(Substeps, TheLimitIsKeptAndTold) {

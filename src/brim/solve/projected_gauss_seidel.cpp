@@ -197,6 +197,7 @@ ProjectedGaussSeidel::Report ProjectedGaussSeidel::solve(std::span<const Vec3> o
                   friction);
   if (!report.converged && at_once)
     solve_at_once(offset, target, tolerance, max_sweeps - report.sweeps, scale, impulse, v, friction, report);
+  report.scale = scale;
   return report;
 }
 

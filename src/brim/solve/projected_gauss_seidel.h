@@ -33,6 +33,7 @@ class ProjectedGaussSeidel {
   struct Report {
     int sweeps = 0;
     double residual = 0.0;  ///< largest change of any u in the last sweep over the scale of the motion
+    double scale = 0.0;     ///< [m/s] that scale
     bool converged = true;
   };
 

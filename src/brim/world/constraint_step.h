@@ -108,6 +108,8 @@ class ConstraintStep {
   /// Solves for the targets, starting from λ and Δv. @param most  maximum number of solves with A
   void solve_rows(const ImplicitStep::Respond& solve, std::span<const double> target, int most,
                   std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual, StepReport& report);
+  /// Residual that gives a warning; sweeps that end above it are continued.
+  double warn_above() const;
   /// Bodies that rows connect.
   Islands join_rows() const;
   std::int32_t moving_body(const ContactPair& p) const {

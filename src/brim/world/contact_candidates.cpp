@@ -24,6 +24,10 @@ constexpr double kRowMargin = 0.1;
 /// the surfaces affect their patches.
 constexpr double kSoftRowMargin = 0.03;
 
+/// Largest margin: of what forces keep apart, gaps of 1.3 voxels on a ramp of 3; of rigid parts under rows, which may
+/// move by two voxels before they meet, 2.25.
+constexpr double kMostMargin = 0.4, kMostRowMargin = 0.85;
+
 /// Number of boxes whose partners one thread searches at a time.
 constexpr std::size_t kBoxesOfWork = 64;
 
@@ -124,7 +128,7 @@ void ContactStage::sweep_boxes(double memory_limit) {
 }
 
 ContactStage::Meeting ContactStage::meet(std::span<const WorldPart> parts, std::int32_t pa, std::int32_t pb, double dt,
-                                         const WorldOptions& options) const {
+                                         const HeldPairs& held_before, const WorldOptions& options) const {
   const double ramp = options.ramp_voxels, fall = options.environment.gravity.norm() * dt;
   const WorldPart &a = parts[pa], &b = parts[pb];
   Meeting m;
@@ -138,10 +142,10 @@ ContactStage::Meeting ContactStage::meet(std::span<const WorldPart> parts, std::
   // Nodes whose gap may close within the step count as inactive contacts.
   const double speed =
       (outline_[pa].velocity - outline_[pb].velocity).norm() + outline_[pa].spread + outline_[pb].spread;
-  const double least = held || meet_by_rigid_rows(a, b, options) ? kRowMargin
-                       : meet_by_rows(a, b, options)             ? kSoftRowMargin
-                                                                 : 0.0;
-  m.margin = std::clamp(1.5 * (speed + fall) * dt / (ramp * m.h), least, 0.4);
+  const bool rigid_rows = held || meet_by_rigid_rows(a, b, options);
+  const double least = rigid_rows ? kRowMargin : meet_by_rows(a, b, options) ? kSoftRowMargin : 0.0;
+  m.margin = std::clamp(1.5 * (speed + fall) * dt / (ramp * m.h), least,
+                        rigid_rows && !held_before.contains(pa, pb) ? kMostRowMargin : kMostMargin);
   require_near(a, b, m.region, m.h);
   if (!held)
     m.how = Meeting::kSearched;
@@ -151,7 +155,8 @@ ContactStage::Meeting ContactStage::meet(std::span<const WorldPart> parts, std::
 }
 
 void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<const double> v,
-                                   std::span<const std::size_t> first_v, double dt, const WorldOptions& options) {
+                                   std::span<const std::size_t> first_v, double dt, const HeldPairs& held_before,
+                                   const WorldOptions& options) {
   const double ramp = options.ramp_voxels;
   for (std::size_t l = 0; l < layer_count_; ++l) {
     layers_[l].present.clear();
@@ -166,7 +171,10 @@ void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<c
   meeting_.resize(touching_.size());
   parallel_for(
       touching_.size(),
-      [&](std::size_t i) { meeting_[i] = meet(parts, touching_[i].first, touching_[i].second, dt, options); }, 64);
+      [&](std::size_t i) {
+        meeting_[i] = meet(parts, touching_[i].first, touching_[i].second, dt, held_before, options);
+      },
+      64);
   for (std::size_t i = 0; i < touching_.size(); ++i) {
     const auto [pa, pb] = touching_[i];
     const Meeting& m = meeting_[i];

@@ -65,13 +65,13 @@ constexpr double kContactBytes = 1300.0;
 }  // namespace
 
 void ContactStage::find(std::span<const WorldPart> parts, std::span<const double> v,
-                        std::span<const std::size_t> first_v, double dt, const WorldOptions& options,
-                        StepReport& report) {
+                        std::span<const std::size_t> first_v, double dt, const HeldPairs& held_before,
+                        const WorldOptions& options, StepReport& report) {
   const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
   {
     const ScopedSeconds timer(seconds(Phase::Presence));
     access(parts);
-    find_candidates(parts, v, first_v, dt, options);
+    find_candidates(parts, v, first_v, dt, held_before, options);
     find_presence(parts, options.ramp_voxels, report);
   }
   {

@@ -9,6 +9,7 @@
 #include "brim/body/octant_presence.h"
 #include "brim/contact/cube_contacts.h"
 #include "brim/math/box_sweep.h"
+#include "brim/world/held_pairs.h"
 #include "brim/world/rigid_contacts.h"
 #include "brim/world/step_report.h"
 #include "brim/world/tile_culling.h"
@@ -22,9 +23,10 @@ namespace brim {
 /// rasterization. Memory is kept from step to step.
 class ContactStage {
  public:
+  /// @param held_before  pairs that rows connected in the last sub-step
   /// @throws InputError when the density blocks would need more memory than the limit
   void find(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
-            double dt, const WorldOptions& options, StepReport& report);
+            double dt, const HeldPairs& held_before, const WorldOptions& options, StepReport& report);
 
   /// True: coarse densities are means of fine ones; false: samples.
   void average(bool means) { average_ = means; }
@@ -107,13 +109,14 @@ class ContactStage {
   [[noreturn]] static void refuse_crowd(const char* what, double most, double limit);
   void access(std::span<const WorldPart> parts);
   void find_candidates(std::span<const WorldPart> parts, std::span<const double> v,
-                       std::span<const std::size_t> first_v, double dt, const WorldOptions& options);
+                       std::span<const std::size_t> first_v, double dt, const HeldPairs& held_before,
+                       const WorldOptions& options);
   void outline(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
                double ramp);
   /// Pairs of parts whose swept boxes overlap, ordered.
   void sweep_boxes(double memory_limit);
   Meeting meet(std::span<const WorldPart> parts, std::int32_t a, std::int32_t b, double dt,
-               const WorldOptions& options) const;
+               const HeldPairs& held_before, const WorldOptions& options) const;
   std::int32_t layer_of(std::int32_t part, double h, int level, const Aabb& region);
   /// A solid as seen by a candidate: averaged on coarse levels.
   CubeSide side_of(std::int32_t part, const Candidate& c) const;

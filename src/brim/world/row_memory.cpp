@@ -41,6 +41,15 @@ void RowMemory::recall(std::span<const double> memory, const ContactSet& points,
   }
 }
 
+std::vector<std::pair<std::int32_t, std::int32_t>> RowMemory::pairs(std::span<const double> memory) {
+  std::vector<std::pair<std::int32_t, std::int32_t>> out;
+  for (std::size_t i = 0; i + kRecord <= memory.size(); i += kRecord) {
+    const std::pair pair(static_cast<std::int32_t>(memory[i]), static_cast<std::int32_t>(memory[i + 1]));
+    if (out.empty() || out.back() != pair) out.push_back(pair);
+  }
+  return out;
+}
+
 void RowMemory::keep(const ContactPair& pair, const Vec3& x, const Vec3& f, std::vector<double>& memory) {
   memory.insert(memory.end(), {static_cast<double>(pair.part_a), static_cast<double>(pair.part_b), x.x(), x.y(), x.z(),
                                f.x(), f.y(), f.z()});

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "brim/contact/contact_set.h"
@@ -16,6 +18,8 @@ class RowMemory {
   /// Force on a of the nearest point of the same pair in the last step, within two voxels and each used once, or zero;
   /// shape (points).
   void recall(std::span<const double> memory, const ContactSet& points, std::span<Vec3> force);
+  /// The pairs of parts that have points, in order.
+  static std::vector<std::pair<std::int32_t, std::int32_t>> pairs(std::span<const double> memory);
   /// Appends a point. @param force  [N] on a
   static void keep(const ContactPair& pair, const Vec3& point, const Vec3& force, std::vector<double>& memory);
 

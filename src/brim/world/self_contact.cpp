@@ -27,7 +27,7 @@ void SelfContact::find(std::span<const WorldPart> parts, std::span<const double>
                        ContactSet& contacts) {
   for_bodies(parts, [&](std::int32_t part, const MeetsItself& body) {
     const ProfileScope scope("self-contact", *parts[part].body);
-    stage_.find(piece_, v, first_v, dt, options, report);
+    stage_.find(piece_, v, first_v, dt, {}, options, report);
     take(body, part, contacts);
   });
 }
@@ -55,7 +55,7 @@ double SelfContact::motion_pieces(std::span<const WorldPart> parts, std::span<co
                                   double change, BoxSweep& sweep) {
   double most = 1.0;
   for_bodies(parts, [&](std::int32_t, const MeetsItself&) {
-    most = std::max(most, brim::motion_pieces(piece_, v, first_v, options, time, change, sweep));
+    most = std::max(most, brim::motion_pieces(piece_, v, first_v, options, time, change, {}, sweep));
   });
   return most;
 }

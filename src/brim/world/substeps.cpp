@@ -98,10 +98,10 @@ struct FastPair {
 
 }  // namespace
 
-double motion_limit(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
+double motion_limit(const WorldPart& a, const WorldPart& b, const WorldOptions& options, bool held) {
   const double h = meeting_step(a, b);
   const double usual = options.max_motion_voxels * h;
-  if (meet_by_rigid_rows(a, b, options) || a.info.conforming || b.info.conforming) return usual;
+  if ((held && meet_by_rigid_rows(a, b, options)) || a.info.conforming || b.info.conforming) return usual;
   const auto thickness = [](const WorldPart& p) {
     return std::isfinite(p.info.thickness) ? p.info.thickness : kLeastThickness * p.h;
   };
@@ -110,7 +110,8 @@ double motion_limit(const WorldPart& a, const WorldPart& b, const WorldOptions& 
 }
 
 double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
-                     const WorldOptions& options, double time, double change, BoxSweep& sweep, AlongPlanes along) {
+                     const WorldOptions& options, double time, double change, const HeldPairs& held, BoxSweep& sweep,
+                     AlongPlanes along) {
   if (most_pieces_of_whole(parts, v, first_v, options, time, change) <= 1.0) return 1.0;
   const double wide = std::ldexp(0.5 * options.ramp_voxels, coarsest_level(parts));
   const auto velocities = [&](const WorldPart& part) {
@@ -185,7 +186,9 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
         if (part[own] != last_a || part[j] != last_b) {
           last_a = part[own], last_b = part[j];
           const WorldPart &a = parts[last_a], &b = parts[last_b];
-          per_speed = last_a == last_b || may_touch(a, b) ? time / motion_limit(a, b, options) : 0.0;
+          per_speed = last_a == last_b || may_touch(a, b)
+                          ? time / motion_limit(a, b, options, held.contains(last_a, last_b))
+                          : 0.0;
         }
         const double pieces =
             per_speed > 0.0 ? speed_between(clusters[own], clusters[j], part[own], part[j]) * per_speed : 0.0;
@@ -240,7 +243,8 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
 }
 
 double thrown_pieces(std::span<const WorldPart> parts, std::span<const double> change,
-                     std::span<const std::size_t> first_v, const WorldOptions& options, double time, BoxSweep& sweep) {
+                     std::span<const std::size_t> first_v, const WorldOptions& options, double time,
+                     const HeldPairs& held, BoxSweep& sweep) {
   const auto own = [&](const WorldPart& part) {
     return change.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
   };
@@ -251,7 +255,7 @@ double thrown_pieces(std::span<const WorldPart> parts, std::span<const double> c
     speeds.add(part.body->mean_velocity(part.index, own(part)).norm() +
                part.body->relative_speed_bound(part.index, own(part)));
   if (most_pieces(speeds, parts, options, time) <= 1.0) return 1.0;
-  return motion_pieces(parts, change, first_v, options, time, 0.0, sweep, AlongPlanes::Counted);
+  return motion_pieces(parts, change, first_v, options, time, 0.0, held, sweep, AlongPlanes::Counted);
 }
 
 double fall_pieces(std::span<const WorldPart> parts, double gravity, double time) {

@@ -74,6 +74,7 @@ struct World::Impl {
   FillStage fill;
   FluidCoupling coupling;
   BoxSweep motion_sweep;  ///< for the choice of sub-steps
+  HeldPairs held_pairs;   ///< that rows connected in the last sub-step
   FreeFlight flight;
   ContactMaps maps;
   Penalty response;

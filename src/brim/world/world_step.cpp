@@ -96,10 +96,10 @@ void World::Impl::choose_levels(StepReport& report) {
   const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Detect)]);
   StepReport aside;
   const double dt = options.time_step;
-  stage.find(parts, state.v, first_v, dt, options, aside);
+  stage.find(parts, state.v, first_v, dt, {}, options, aside);
   const auto before = LevelShift::depths(stage.contacts());
   levels.mark(parts);
-  stage.find(parts, state.v, first_v, dt, options, aside);
+  stage.find(parts, state.v, first_v, dt, {}, options, aside);
   levels.shift().change(before, LevelShift::depths(stage.contacts()));
 }
 

@@ -14,6 +14,7 @@
 #include "brim/world/momentum_check.h"
 #include "brim/world/pair_reports.h"
 #include "brim/world/rolling_resistance.h"
+#include "brim/world/row_memory.h"
 #include "brim/world/substeps.h"
 #include "brim/world/world_impl.h"
 
@@ -64,7 +65,7 @@ void World::Impl::wake_in_fluids() {
 
 void World::Impl::find_contacts(double dt, StepReport& report) {
   do {
-    stage.find(parts, state.v, first_v, dt, options, report);
+    stage.find(parts, state.v, first_v, dt, held_pairs, options, report);
     {
       const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Detect)]);
       if (filter.size() > 0) filter.moved(), filter.apply(parts, stage.contacts());
@@ -206,7 +207,7 @@ void World::Impl::tell_walled(double dt, std::span<const double> mapped) {
 }
 
 double World::Impl::motion_pieces(std::span<const double> velocities, double time, double change) {
-  return std::max(brim::motion_pieces(parts, velocities, first_v, options, time, change, motion_sweep),
+  return std::max(brim::motion_pieces(parts, velocities, first_v, options, time, change, held_pairs, motion_sweep),
                   self_contact.motion_pieces(parts, velocities, first_v, options, time, change, motion_sweep));
 }
 
@@ -214,6 +215,9 @@ double World::Impl::substep(double left, StepReport& report) {
   const auto seconds = [&](Phase p) -> double& { return report.seconds[static_cast<std::size_t>(p)]; };
   auto presence = std::make_optional<ScopedSeconds>(seconds(Phase::Presence));
   const double g = options.environment.gravity.norm();
+  held_pairs = state.step == 0 && report.substeps == 0
+                   ? HeldPairs()
+                   : HeldPairs(RowMemory::pairs(ReferencePoses::rows_of(state.warm_start)));
   const double pieces = std::max(motion_pieces(state.v, left, g * left), fall_pieces(parts, g, left));
   double dt = choose_substep(pieces, options, left, report);
   presence.reset();
@@ -226,8 +230,8 @@ double World::Impl::substep(double left, StepReport& report) {
     advance_v = state.v;
     for (std::size_t i = 0; i < advance_v.size(); ++i) advance_v[i] += delta[i];
     presence.emplace(seconds(Phase::Presence));
-    const double needed =
-        std::max(motion_pieces(advance_v, dt, 0.0), thrown_pieces(parts, delta, first_v, options, dt, motion_sweep));
+    const double needed = std::max(motion_pieces(advance_v, dt, 0.0),
+                                   thrown_pieces(parts, delta, first_v, options, dt, held_pairs, motion_sweep));
     presence.reset();
     if (needed > kOutrun) {
       state.q = before_q;
