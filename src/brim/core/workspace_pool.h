@@ -63,7 +63,7 @@ class WorkspacePool {
   void give_back(std::unique_ptr<Workspace> workspace) {
     Workspace* nothing = nullptr;
     if (own_place().compare_exchange_strong(nothing, workspace.get(), std::memory_order_release)) {
-      workspace.release();
+      static_cast<void>(workspace.release());  // own_place() has it now
       return;
     }
     const std::lock_guard lock(mutex_);

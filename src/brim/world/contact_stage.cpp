@@ -276,7 +276,7 @@ std::span<const std::pair<TileKey, double>> ContactStage::active_tiles() const {
   rigid_.append_boxes(boxes);
   for (const auto& [box, h] : boxes)
     for (int corner = 0; corner < 8; ++corner) {
-      const auto tile = [&](int axis) {
+      const auto tile = [&box = box, corner](int axis) {
         const int node = corner >> axis & 1 ? box.hi[axis] : box.lo[axis];
         return node >= 0 ? node / kTileSize : -((kTileSize - 1 - node) / kTileSize);
       };
