@@ -147,9 +147,12 @@ TEST(CubeContacts, ThePlaneOfABoxPointsAsItDoesHoweverItIsTilted) {
 }
 
 TEST(CubeContacts, WidestGapIsWhereTheDensitiesJustReach) {
-  for (const double margin : {0.0, 0.05, 0.2, 0.4, 0.5}) {
+  for (const double margin : {0.0, 0.05, 0.2, 0.4, 0.5, 0.6, 0.85, 1.0}) {
     const double t = widest_gap(margin);
     EXPECT_GE(3 * t * t - 2 * t * t * t, margin - 1e-12);
+    if (margin >= 0.5) {
+      EXPECT_NEAR(3 * t * t - 2 * t * t * t, margin, 1e-12);
+    }
   }
 }
 

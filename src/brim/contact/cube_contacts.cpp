@@ -209,7 +209,8 @@ void cull_cells(const CubeSide& a, const CubeSide& b, const ContactPair& pair, c
 double widest_gap(double margin) {
   // Upper bound of the largest t with 3 t² − 2 t³ <= margin: t² = margin/(3 − 2 t), and t <= 1/2 for margin <= 1/2.
   // The cubic is odd about t = 1/2.
-  return margin <= 0.5 ? std::sqrt(0.5 * std::max(0.0, margin)) : 0.5 + std::sin(std::asin(2.0 * margin - 1.0) / 3.0);
+  if (margin <= 0.5) return std::sqrt(0.5 * std::max(0.0, margin));
+  return 0.5 + std::sin(std::asin(std::min(1.0, 2.0 * margin - 1.0)) / 3.0);
 }
 
 void find_in_cube(const CubeSide& side_a, const CubeSide& side_b, const ContactPair& pair, const NodeBox& box,

@@ -26,6 +26,7 @@ constexpr int kPushSweeps = 10;
 constexpr double kWarn = 100.0;
 /// How often sweeps that end above it are continued, each time by as many: one sub-step in some thousand.
 constexpr int kMostMore = 4;
+
 /// Rows n, t1, t2 of a right-handed frame.
 Mat3 frame_along(const Vec3& n) {
   Eigen::Index least = 0;

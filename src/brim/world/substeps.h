@@ -26,8 +26,8 @@ enum class AlongPlanes : std::uint8_t { Ignored, Counted };
 /// Deformable parts are examined cluster by cluster (MotionClusters).
 /// @param v       velocities of all bodies, that of body b from first_v[b] on
 /// @param change  [m/s] possible gain of the velocities in that time
-/// @param sweep   workspace, preferably the same from step to step
 /// @param held    pairs that rows connected in the last sub-step
+/// @param sweep   workspace, preferably the same from step to step
 /// @param along   what counts of the motion relative to half-spaces that do not turn
 double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
                      const WorldOptions& options, double time, double change, const HeldPairs& held, BoxSweep& sweep,

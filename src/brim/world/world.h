@@ -49,7 +49,8 @@ struct WorldOptions {
   /// if no stiffness is given, else penalties (default_response).
   Response response = Response::Penalty;
   double constraint_tolerance = 1e-4;  ///< change of velocity by the last sweep, over that of a free fall in a step
-  int constraint_sweeps = 200;         ///< maximum number of projected Gauss-Seidel sweeps per sub-step
+  /// Maximum number of projected Gauss-Seidel sweeps of a solve; five times as many where it would end with a warning.
+  int constraint_sweeps = 200;
   bool constraint_every_node = false;  ///< one row per node instead of a few per patch: expensive, for comparison
   bool sleep = false;                  ///< leaves resting islands of bodies out of the step until touched (Sleep)
   double memory_limit = 8e9;           ///< [bytes] of samples, contacts, rows and pairs, each; above it InputError
