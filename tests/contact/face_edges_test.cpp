@@ -73,6 +73,56 @@ TEST(FaceEdges, OfASampledBoxPointsGoToItsEdgesAndCornersToATenthOfAVoxel) {
   }
 }
 
+TEST(FaceEdges, EdgesAslantToTheGridAreMetAtRightAngles) {
+  const Vec3 half(0.5, 0.43, 0.37);
+  const auto exact = [&](const Vec3& p) {
+    const Vec3 q = p.cwiseAbs() - half;
+    return q.cwiseMax(0.0).norm() + std::min(0.0, q.maxCoeff());
+  };
+  const auto sampled = make_grid_shape(std::make_shared<DistanceGrid>(sample_distance(
+                                           {-half - Vec3::Constant(0.23), half + Vec3::Constant(0.3)}, 0.5 * h, exact)),
+                                       0.7);
+  const auto plane = make_half_space();
+  std::mt19937 rng(10);
+  std::uniform_real_distribution<double> u(0.1, 0.9);
+  for (const auto& box : {make_box(2.0 * half), sampled})
+    for (const double degrees : {20.0, 45.0, 70.0})
+      for (int trial = 0; trial < 20; ++trial) {
+        const Mat3 turn = rotation_from_vector(Vec3(0, 0, degrees * M_PI / 180)).toRotationMatrix();
+        const CubeSide a = solid_side(box, {turn, Vec3(0, 0, half.z())}), b = solid_side(plane, {});
+        const auto carried = [&](double x, double y) {
+          return Vec3(turn.transpose() * carried_to_edge(a, b, turn * Vec3(x, y, 0), Vec3::UnitZ(), h));
+        };
+        const double s = u(rng) * h, t = (0.5 + 0.4 * u(rng)) * h;
+        const Vec3 edge = carried(half.x() - s, 0.1), corner = carried(half.x() - s, half.y() - t);
+        EXPECT_NEAR(edge.x(), half.x(), 0.05 * h) << degrees << " " << s / h;
+        EXPECT_NEAR(edge.y(), 0.1, 0.01 * h) << degrees << " " << s / h;
+        EXPECT_NEAR(corner.x(), half.x(), 0.1 * h) << degrees << " " << s / h << " " << t / h;
+        EXPECT_NEAR(corner.y(), half.y(), 0.1 * h) << degrees << " " << s / h << " " << t / h;
+      }
+}
+
+TEST(FaceEdges, PointsBesideTheEndOfACurvedContactMoveStraightToIt) {
+  // A shaft on the inside of a tube, half as wide again: beside the line of contact the gap rises slowly.
+  const auto tube =
+      make_grid_shape(std::make_shared<DistanceGrid>(sample_distance(
+                          {Vec3(-1.6, -1.6, -0.8), Vec3(1.6, 1.6, 0.8)}, 0.5 * h,
+                          [](const Vec3& x) {
+                            const double d = 1.2 - std::hypot(x.x(), x.y()), e = std::abs(x.z()) - 0.6;
+                            return std::max(d, e) > 0.0 && d > 0.0 && e > 0.0 ? std::hypot(d, e) : std::max(d, e);
+                          })),
+                      1.0);
+  const CubeSide a = solid_side(make_cylinder(1.16, 4.0), {Mat3::Identity(), Vec3(0.04, 0, 0)}),
+                 b = solid_side(tube, {});
+  for (const double turn : {0.0, 0.3, 0.8})
+    for (const double below : {0.4, 0.7}) {
+      const Vec3 n(-std::cos(turn), -std::sin(turn), 0.0), x = -1.2 * n + Vec3(0, 0, 0.6 - below * h);
+      const Vec3 y = carried_to_edge(a, b, x, n, h);
+      EXPECT_NEAR(y.z(), 0.6, 0.1 * h);
+      EXPECT_LE(std::abs((y - x).dot(n.cross(Vec3::UnitZ()))), 0.05 * h) << turn << " " << below;
+    }
+}
+
 TEST(FaceEdges, PointsOfABallAndOfARidgeStay) {
   const auto ball = make_sphere(0.4), box = make_box(Vec3(1, 1, 1)), plane = make_half_space();
   const CubeSide ground = solid_side(plane, {});

@@ -9,10 +9,10 @@ namespace brim {
 /// Carries contact points at the rim of a face shared by two solids to the edge of the face. A node stands for a cell
 /// of the face; its outermost nodes lie up to a voxel inside the edge, and a body supported there would topple as if
 /// its base were that much smaller. The distances d_a, d_b to the solids give the edge:
-///   x ← x + t e,   t < reach: distance along the face at which d_a + d_b begins to rise with the slope beyond an edge
-/// along two directions e perpendicular to n, one after the other. Sampled distances begin to rise up to half a voxel
-/// before the edge, with a smaller slope than beyond it; for them t is where the line of d_a + d_b beyond the edge
-/// meets the level of the face. Where d_a + d_b also changes the opposite way, the surface is curved and x stays.
+///   x ← x + t e,   t < reach: distance along the face at which the line of d_a + d_b beyond the edge meets its level
+/// e: perpendicular to n and towards the nearest edge, along the gradient of d_a + d_b beyond it, and then across it,
+/// for corners. Sampled distances begin to rise up to half a voxel before an edge, so searches start further inside.
+/// Where d_a + d_b also changes the opposite way, or rises slowly, the surface is curved and x stays.
 /// Points are evaluated in batches, and only points near an edge at more than five places.
 /// @param points   [m] moved  @param reach  [m]
 /// @param normals  unit, perpendicular to the face  @param h  [m] step of the grid

@@ -5,6 +5,7 @@
 
 #include "brim/core/parallel.h"
 #include "brim/core/workspace_pool.h"
+#include "brim/response/fitting_solids.h"
 #include "brim/response/patch_normals.h"
 
 namespace brim {
@@ -36,6 +37,7 @@ Penalty::~Penalty() = default;
 
 void Penalty::find_normals(const ContactSet& contacts, std::span<const PairState> pairs) {
   direction_.resize(contacts.size()), normal_.resize(contacts.size()), bend_.resize(contacts.pairs.size());
+  fits_.assign(contacts.pairs.size(), 0);
   choose_normals(contacts, pairs);
   normals_found_ = true;
 }
@@ -133,8 +135,12 @@ void Penalty::choose_normals(const ContactSet& contacts, std::span<const PairSta
       bend_[p] = {0.0, 0.0};
       return;
     }
+    fits_[p] = pairs[p].rigid && pairs[p].stiffness > 0.0 && pairs[p].solids[0] != nullptr &&
+               pairs[p].solids[1] != nullptr && fit_each_other(contacts, pair);
     const bool brink = !pairs[p].rigid && (pairs[p].stiffness == 0.0 || pairs[p].fixed);
     workspaces_->borrow()->find(contacts, pair, direction_, normal_, pairs[p].fixed, brink);
+    for (std::size_t c = pair.begin; c < pair.end && fits_[p] != 0; ++c)
+      if (const double length = direction_[c].norm(); length > 0.0) normal_[c] = direction_[c] / length;
     bend_of_patch(contacts, pair, p);
   });
 }
@@ -192,6 +198,15 @@ void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState
       possible += moved * moved;
     }
     const double share = possible > 0.0 ? std::clamp(explained / possible, 0.0, 1.0) : 0.0;
+    if (fits_[p] != 0) {
+      const std::size_t n = pair.end - pair.begin;
+      const auto motion = [&](std::span<const Vec3> velocity, const Vec3& mean) {
+        return rigid_motion_of(std::span(contacts.point).subspan(pair.begin, n), velocity.subspan(pair.begin, n), mean);
+      };
+      return set_rates_by_motion(contacts, pair, *pairs[p].solids[0], *pairs[p].solids[1],
+                                 motion(velocity_a, pairs[p].mean_velocity_a), motion(velocity_b, mean_b),
+                                 mean_b + share * travel, options_.dt, std::span(rate_).subspan(pair.begin, n));
+    }
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       split(c, g, ea, eb);
       // Between zero and the common rate: the implicit damping then leaves a fraction of the velocity between 0 and 1,

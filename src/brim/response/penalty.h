@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "brim/contact/contact_set.h"
+#include "brim/contact/cube_contacts.h"
 #include "brim/math/types.h"
 
 namespace brim {
@@ -32,6 +33,8 @@ struct PairState {
   bool filled = false;        ///< one part's own pressure carries the normal load: this response adds friction only
   double inverse_mass = 0.0;  ///< [1/kg] sum of the inverse masses of the two bodies
   bool fixed = false;         ///< one of the bodies does not move
+  /// Both parts, if their distances are known and their centres hardly move past each other; else null.
+  std::array<const CubeSide*, 2> solids = {};
 };
 
 /// Action of a link, in the place of a contact: a force at the start of the step and the matrix across n nᵀ + along 1
@@ -54,6 +57,9 @@ struct Bond {
 ///
 /// The rate of overlap in the right-hand side is taken in the frame that moves with the patch (docs/numerics.md):
 /// motion that only carries the patch along is no compression and gets no force, so rolling is not braked.
+///
+/// Between rigid solids that fit each other (fitting_solids.h) normals are not smoothed and rates follow the solids'
+/// motion: forces are then those of the overlap's energy.
 class Penalty {
  public:
   Penalty();
@@ -198,6 +204,7 @@ class Penalty {
   std::vector<double> inverse_mass_;         ///< [1/kg] per pair
   std::vector<std::uint8_t> rigid_, fixed_;  ///< per pair
   std::vector<std::uint8_t> filled_;         ///< per pair
+  std::vector<std::uint8_t> fits_;           ///< per pair: rigid solids that fit each other
   std::vector<std::array<double, 2>> bend_;  ///< per pair: curvature of each part at the patch, 0 flat to 1
 };
 

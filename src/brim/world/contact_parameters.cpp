@@ -47,6 +47,9 @@ constexpr double kFolds = 10.0;
 
 /// [Pa] without any weight: any contact may be this stiff.
 constexpr double kWeightless = 1e6;
+/// [voxels] a step's motion of two parts' centres past each other up to which their contact stays in its place, or its
+/// share of the fastest motion about the centres.
+constexpr double kStays = 0.1, kTurns = 0.2;
 
 /// kFaces for a pair: a round contact keeps the stiffness required by the loads. With a stiffer one the load of a
 /// rolling body fluctuates more as nodes appear and vanish under it.
@@ -220,15 +223,22 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
       if (hard && fixed && !(m.stiffness > 0.0)) stiffness *= faces_of(pairs[i]);
       if (itself && !(m.stiffness > 0.0)) stiffness *= kFolds;
     }
+    const Vec3 velocity_a = a.body->mean_velocity(a.index, velocities_of(a, v, first_v)),
+               velocity_b = b.body->mean_velocity(b.index, velocities_of(b, v, first_v));
+    const double travel = (velocity_a - velocity_b).norm(),
+                 turn = a.body->relative_speed_bound(a.index, velocities_of(a, v, first_v)) +
+                        b.body->relative_speed_bound(b.index, velocities_of(b, v, first_v));
+    const bool stay = travel < std::max(kStays * pairs[i].h / options.time_step, kTurns * turn);
     penalties_[i] = {stiffness,
                      m.friction,
-                     a.body->mean_velocity(a.index, velocities_of(a, v, first_v)),
-                     b.body->mean_velocity(b.index, velocities_of(b, v, first_v)),
+                     velocity_a,
+                     velocity_b,
                      {a.info.conforming, b.info.conforming},
                      hard && stiff,  // rods and grains do not yield to pressure, but they bend
                      filled,
                      inverse_mass_of(a) + inverse_mass_of(b),
-                     fixed};
+                     fixed,
+                     {stay ? stage.solid(pairs[i].part_a) : nullptr, stay ? stage.solid(pairs[i].part_b) : nullptr}};
   }
 }
 

@@ -34,6 +34,8 @@ class ContactStage {
   const ContactSet& contacts() const { return contacts_; }
   /// The same, for another search to add to.
   ContactSet& contacts() { return contacts_; }
+  /// A part as a solid with its pose, or null.
+  const CubeSide* solid(std::int32_t part) const { return access_[part].is_solid() ? &access_[part].solid : nullptr; }
   /// Pairs of rigid solids held by rows; empty until started.
   RigidContacts& rigid() { return rigid_; }
   const RigidContacts& rigid() const { return rigid_; }

@@ -103,9 +103,8 @@ def topple(case):
 
 @experiment(law="tan θ = width / height", source="statics", unit="degrees", tolerance=0.028, study="voxels",
             cases=cases(response=BOTH, solid=("box", "sampled"), turn=(20, 45), voxels=(4, 8, 16)), theory=math.degrees(math.atan(0.5)),
-            misses={f"response penalty, solid {n}": "penalties move points at the rim of a base along the axes of the grid, not towards its edge: the load lies beside where it should"
-                    for n in ("box, turn 20, voxels 4", "box, turn 20, voxels 8", "box, turn 45, voxels 8", "box, turn 45, voxels 16", "sampled, turn 20, voxels 4", "sampled, turn 20, voxels 8",
-                              "sampled, turn 45, voxels 4", "sampled, turn 45, voxels 16")},
+            misses={f"response penalty, solid {n}": "the row of points at the edge bears the whole block, sinks in by a hundredth of a voxel and lets it lean by half a degree; with four voxels, samples of half a "
+                    "voxel round the edge as well" for n in ("sampled, turn 20, voxels 4", "sampled, turn 45, voxels 16")},
             measure=first_to_fall)
 def topple_turned(case):
     """The same with blocks and slopes turned about the vertical, so that no edge of a base lies along the grid."""

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+
+#include "brim/contact/cube_contacts.h"
+
+namespace brim {
+
+/// Points searched together: about 20 kB, which fits a first-level cache.
+inline constexpr int kTogether = 64;
+
+/// Data of up to kTogether points.
+using Numbers = std::array<double, kTogether>;
+using Vectors = std::array<Numbers, 3>;
+
+/// Points, the search direction of each, the direction across it on the face, and the gap at each, [m].
+struct Search {
+  Vectors x, e, f;
+  Numbers level;
+  int n = 0;
+  void take(const Search& from, int i) {
+    for (int r = 0; r < 3; ++r) x[r][n] = from.x[r][i], e[r][n] = from.e[r][i], f[r][n] = from.f[r][i];
+    level[n++] = from.level[i];
+  }
+  void go_across(double way) {
+    for (int i = 0; i < n; ++i)
+      for (int r = 0; r < 3; ++r) x[r][i] += way * f[r][i];
+  }
+};
+
+/// Result of a search for each point: distance to the edge, [m], and the slopes of the gap beyond it, along the search
+/// and across. Without an edge all are 0.
+struct Ways {
+  Numbers way, along, across;
+};
+
+/// Searches for edges along a face that two solids share, of many points at once. Tests:
+/// tests/contact/face_edges_test.cpp
+class EdgeFinder {
+ public:
+  /// @param h  [m] step of the grid
+  EdgeFinder(const CubeSide& a, const CubeSide& b, double h);
+  /// d_a + d_b at x + t e, [m].
+  void gaps(const Search& s, const Numbers& t, Numbers& gap);
+  void gaps(const Search& s, double t, Numbers& gap);
+  /// Edges from x along sign e; none when there is none within reach, or no face in the opposite direction.
+  /// @param loosely  do not look in the opposite direction
+  void find(const Search& all, double sign, double reach, bool loosely, Ways& ways);
+
+ private:
+  void distances(const CubeSide& side, const Search& s, const Numbers& t, Numbers& d);
+  /// Gap at a distance beyond where it begins to rise, [voxels].
+  void beyond(double sign, double distance, Numbers& gap);
+  /// The same to both sides of the search.
+  void beside(double sign, double distance, double to_side);
+  /// The edge is where the line of the gap beyond it meets the level of the face.
+  void locate_exact(double sign, Ways& ways);
+  void locate_sampled(double sign, double reach, Ways& ways);
+  void put(int i, double way, double slope, double to_side, Ways& ways) const;
+
+  const CubeSide &a_, &b_;
+  double h_;
+  bool exact_;  ///< distances are exact, not sampled: they rise right at edges
+  Search rising_, near_;
+  std::array<int, kTogether> rises_;
+  std::array<bool, kTogether> face_;
+  std::array<Numbers, 3> beyond_;
+  Numbers lo_, hi_, gap_, other_, left_, right_, t_;
+  Vectors local_;
+};
+
+}  // namespace brim
