@@ -49,7 +49,7 @@ class EdgeFinder {
 
  private:
   void distances(const CubeSide& side, const Search& s, const Numbers& t, Numbers& d);
-  /// Gap at a distance beyond where it begins to rise, [voxels].
+  /// Gap at a distance, [voxels], beyond where it begins to rise.
   void beyond(double sign, double distance, Numbers& gap);
   /// The same to both sides of the search.
   void beside(double sign, double distance, double to_side);

@@ -225,16 +225,20 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
     }
     const Vec3 velocity_a = a.body->mean_velocity(a.index, velocities_of(a, v, first_v)),
                velocity_b = b.body->mean_velocity(b.index, velocities_of(b, v, first_v));
-    const double travel = (velocity_a - velocity_b).norm(),
-                 turn = a.body->relative_speed_bound(a.index, velocities_of(a, v, first_v)) +
-                        b.body->relative_speed_bound(b.index, velocities_of(b, v, first_v));
-    const bool stay = travel < std::max(kStays * pairs[i].h / options.time_step, kTurns * turn);
+    const bool solid = hard && stiff;  // rods and grains do not yield to pressure, but they bend
+    bool stay = false;
+    if (solid && stiffness > 0.0) {
+      const double travel = (velocity_a - velocity_b).norm(),
+                   turn = a.body->relative_speed_bound(a.index, velocities_of(a, v, first_v)) +
+                          b.body->relative_speed_bound(b.index, velocities_of(b, v, first_v));
+      stay = travel < std::max(kStays * pairs[i].h / options.time_step, kTurns * turn);
+    }
     penalties_[i] = {stiffness,
                      m.friction,
                      velocity_a,
                      velocity_b,
                      {a.info.conforming, b.info.conforming},
-                     hard && stiff,  // rods and grains do not yield to pressure, but they bend
+                     solid,
                      filled,
                      inverse_mass_of(a) + inverse_mass_of(b),
                      fixed,
