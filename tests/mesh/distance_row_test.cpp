@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <random>
+#include <vector>
 
 #include "brim/mesh/distance.h"
 #include "brim/mesh/primitives.h"
@@ -70,6 +71,21 @@ TEST(DistanceRow, TellsFarPlacesOnTheRightSideAndNearOnesExactly) {
     }
     EXPECT_GT(near, 500);
     EXPECT_GT(spared, far / 2);
+  }
+}
+
+TEST(DistanceRow, HoldsTheValuesAtAnyPlacesToo) {
+  for (const double spacing : {0.02, 0.07}) {
+    const DistanceGrid grid = grid_of(gear(), spacing);
+    std::mt19937 rng(14);
+    std::uniform_real_distribution<double> in(-1.1, 1.1);  // some of them outside
+    for (const int count : {1, 3, 64, 1000}) {
+      std::vector<double> x(count), y(count), z(count), out(count + 1, -7.0);
+      for (int i = 0; i < count; ++i) x[i] = in(rng), y[i] = in(rng), z[i] = 0.4 * in(rng);
+      distance_places(grid, x.data(), y.data(), z.data(), count, out.data());
+      for (int i = 0; i < count; ++i) EXPECT_NEAR(out[i], grid.value({x[i], y[i], z[i]}), 1e-6);
+      EXPECT_EQ(out[count], -7.0);
+    }
   }
 }
 

@@ -21,7 +21,7 @@ class GridShape final : public Shape, public KnownDistance, public AveragedDista
   double slack() const override { return grid_->spacing(); }
   double rough_distance(const Vec3& p) const override { return grid_->value(p, Interpolation::Trilinear); }
   void distances(const PlaceArrays& at, double* d) const override {
-    for (int i = 0; i < at.count; ++i) d[i] = grid_->value(Vec3(at.x[i], at.y[i], at.z[i]));
+    distance_places(*grid_, at.x, at.y, at.z, at.count, d);
   }
   double least_distance(const Vec3& p) const override { return grid_->least_value(p); }
   void least_distances(const CubeFrame& f, const float* i, const float* j, const float* k, float* out) const override {

@@ -199,13 +199,14 @@ void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState
     }
     const double share = possible > 0.0 ? std::clamp(explained / possible, 0.0, 1.0) : 0.0;
     if (fits_[p] != 0) {
-      const std::size_t n = pair.end - pair.begin;
+      const std::size_t count = pair.end - pair.begin;
       const auto motion = [&](std::span<const Vec3> velocity, const Vec3& mean) {
-        return rigid_motion_of(std::span(contacts.point).subspan(pair.begin, n), velocity.subspan(pair.begin, n), mean);
+        return rigid_motion_of(std::span(contacts.point).subspan(pair.begin, count),
+                               velocity.subspan(pair.begin, count), mean);
       };
       return set_rates_by_motion(contacts, pair, *pairs[p].solids[0], *pairs[p].solids[1],
                                  motion(velocity_a, pairs[p].mean_velocity_a), motion(velocity_b, mean_b),
-                                 mean_b + share * travel, options_.dt, std::span(rate_).subspan(pair.begin, n));
+                                 mean_b + share * travel, options_.dt, std::span(rate_).subspan(pair.begin, count));
     }
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       split(c, g, ea, eb);
