@@ -40,32 +40,46 @@ class EdgeFinder {
  public:
   /// @param h  [m] step of the grid
   EdgeFinder(const CubeSide& a, const CubeSide& b, double h);
-  /// d_a + d_b at x + t e, [m].
-  void gaps(const Search& s, const Numbers& t, Numbers& gap);
-  void gaps(const Search& s, double t, Numbers& gap);
-  /// Edges from x along sign e; none when there is none within reach, or no face in the opposite direction.
-  /// @param loosely  do not look in the opposite direction
-  void find(const Search& all, double sign, double reach, bool loosely, Ways& ways);
+  /// d_a + d_b at x + t e, [m]. @param roughly  to a few hundredths of a voxel, some times as quick
+  void gaps(const Search& s, const Numbers& t, Numbers& gap, bool roughly = false);
+  void gaps(const Search& s, double t, Numbers& gap, bool roughly = false);
+  /// Edges from x along sign e, to a few hundredths of a voxel; also where there is no face in the opposite direction.
+  void glimpse(const Search& all, double sign, double reach, Ways& ways);
+  /// Edges from x along sign e; none when there is none within reach, or no face in the opposite direction. Slopes
+  /// across are not told.
+  void find(const Search& all, double sign, double reach, Ways& ways);
 
  private:
-  void distances(const CubeSide& side, const Search& s, const Numbers& t, Numbers& d);
+  void distances(const CubeSide& side, const Search& s, const Numbers& t, bool roughly, Numbers& d);
+  /// Takes the points whose gap rises within reach into near_, with that gap.
+  void take_rising(const Search& all, double sign, double reach, bool roughly, Ways& ways);
+  /// Change of the gap along a face that counts as zero, [m].
+  double level_of(bool roughly) const;
+  /// Drops points of near_.
+  template <class Kept>
+  void keep(const Kept& kept);
+  /// Halves the ranges in which the gap begins to rise.
+  void halve(double sign, int times, bool roughly);
+  /// Drops points with a ridge on their way, which is no face.
+  void drop_ridges(double sign);
   /// Gap at a distance, [voxels], beyond where it begins to rise.
-  void beyond(double sign, double distance, Numbers& gap);
-  /// The same to both sides of the search.
-  void beside(double sign, double distance, double to_side);
-  /// The edge is where the line of the gap beyond it meets the level of the face.
-  void locate_exact(double sign, Ways& ways);
-  void locate_sampled(double sign, double reach, Ways& ways);
-  void put(int i, double way, double slope, double to_side, Ways& ways) const;
+  void beyond(double sign, double distance, Numbers& gap, bool roughly = false);
+  /// The edge is where the line of the gap beyond it meets the level of the face. Points without one are dropped.
+  void locate(double sign, double reach);
+  void locate_exact(double sign);
+  void locate_sampled(double sign, double reach);
+  /// Slopes of the gap across the search, beyond the edge.
+  void look_across(double sign);
+  void put(Ways& ways) const;
 
   const CubeSide &a_, &b_;
   double h_;
   bool exact_;  ///< distances are exact, not sampled: they rise right at edges
-  Search rising_, near_;
-  std::array<int, kTogether> rises_;
-  std::array<bool, kTogether> face_;
+  Search near_;
+  std::array<int, kTogether> of_;
+  Numbers rise_, lo_, hi_, way_, along_, across_{};  ///< of near_
   std::array<Numbers, 3> beyond_;
-  Numbers lo_, hi_, gap_, other_, left_, right_, t_;
+  Numbers gap_, other_, left_, right_, t_;
   Vectors local_;
 };
 

@@ -89,7 +89,7 @@ class Carrier {
     Vectors to = s_.e;
     for ([[maybe_unused]] const int axis : {0, 1}) {
       for (const double sign : {1.0, -1.0}) {
-        find_.find(s_, sign, kSeen * reach_, true, ahead_);
+        find_.glimpse(s_, sign, kSeen * reach_, ahead_);
         for (int i = 0; i < s_.n; ++i) {
           if (!(ahead_.way[i] > 0.0)) continue;
           const double turn = rounded(std::atan2(ahead_.across[i], sign * ahead_.along[i]), kRounded),
@@ -116,7 +116,7 @@ class Carrier {
   }
   /// Signed distances along e, [m]; between two edges to the middle between them.
   void find_ways() {
-    find_.find(s_, 1.0, reach_, false, ahead_), find_.find(s_, -1.0, reach_, false, behind_);
+    find_.find(s_, 1.0, reach_, ahead_), find_.find(s_, -1.0, reach_, behind_);
     for (int i = 0; i < s_.n; ++i) {
       const bool both = ahead_.way[i] > 0.0 && behind_.way[i] > 0.0;
       way_[i] = rounded((both ? 0.5 : 1.0) * (ahead_.way[i] - behind_.way[i]), kRounded * h_);
