@@ -67,10 +67,10 @@ std::string grid(const char* kind, const char* body, double apart, double above,
 std::string slabs() {
   return R"(
     {"kind": "finite_elements", "name": "lower", "voxel_size": 0.02, "shape": {"kind": "box", "size": [1.4, 1.4, 0.12]},
-     "lattice_spacing": 0.04, "transform": {"position": [0, 0, 0.06]},
+     "lattice_spacing": 0.04, "averaging": 0, "transform": {"position": [0, 0, 0.06]},
      "constraints": [{"select": {"kind": "box", "lo": [-2, -2, -0.1], "hi": [2, 2, 0.001]}}]},
     {"kind": "finite_elements", "name": "upper", "voxel_size": 0.02, "shape": {"kind": "box", "size": [1.4, 1.4, 0.12]},
-     "lattice_spacing": 0.04, "transform": {"position": [0, 0, 0.18]}, "velocity": [0, 0, -0.3]})";
+     "lattice_spacing": 0.04, "averaging": 0, "transform": {"position": [0, 0, 0.18]}, "velocity": [0, 0, -0.3]})";
 }
 
 #define BRIM_CONTACT(...) BENCHMARK_CAPTURE(__VA_ARGS__)->Iterations(10)->Unit(benchmark::kMillisecond)

@@ -1,6 +1,5 @@
 #include "brim/body/fem/fem_body.h"
-#include "brim/mesh/mass_properties.h"
-#include "brim/mesh/topology.h"
+#include "brim/scene/chosen_averaging.h"
 #include "brim/scene/constraints.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/limits.h"
@@ -11,6 +10,9 @@ namespace brim {
 BodyKind finite_elements_kind();
 
 namespace {
+
+/// [-] Elements across a part that bend by 95 % of theory: 4.3 spacings of the lattice.
+constexpr double kEnough = 4.8;
 
 void check_finite_elements(const Node& n) {
   if (!n.has("shape") && !n.has("tet_mesh"))
@@ -24,10 +26,9 @@ class FiniteElementsMaker final : public BodyMaker {
   FiniteElementsMaker(const Node& n, const BuildContext& context) : node_(n), material_(context.material) {
     const double limit = context.world.memory_limit;
     solid_ = read_filled(n, n.at("transform").number("scale"), limit);
-    if (n.number("voxel_size") > 0.0) {
-      const TriMesh surface{solid_.mesh.vertices, tet_surface(solid_.mesh).triangles};
-      check_voxel_size(n, n.number("voxel_size"), surface_area(surface), limit);
-    }
+    const SolidSize size = size_of(solid_.mesh);
+    if (n.number("voxel_size") > 0.0) check_voxel_size(n, n.number("voxel_size"), size.area, limit);
+    averaging_ = chosen_averaging(n, size, kEnough);
   }
 
   std::unique_ptr<Body> body(const Placement& place) const override {
@@ -38,7 +39,7 @@ class FiniteElementsMaker final : public BodyMaker {
     options.young = node_.number("young_modulus");
     options.poisson = node_.number("poisson_ratio");
     options.law = node_.string("law") == "neo_hookean" ? ElasticLaw::StableNeoHookean : ElasticLaw::CorotationalLinear;
-    options.averaging = node_.number("averaging");
+    options.averaging = averaging_;
     options.stiffness_damping = node_.number("stiffness_damping");
     options.mass_damping = node_.number("mass_damping");
     options.initial_velocity = place.velocity;
@@ -55,6 +56,7 @@ class FiniteElementsMaker final : public BodyMaker {
   Node node_;
   Material material_;
   FilledSolid solid_;  ///< scaled, not placed
+  double averaging_ = 0.0;
 };
 
 }  // namespace
