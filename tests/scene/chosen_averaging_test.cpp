@@ -10,18 +10,21 @@
 namespace brim::chosen_averaging_test {
 namespace {
 
-TEST(ChosenAveraging, TheThicknessOfABoxAndOfABallIsThatOfTheirShape) {
+TEST(ChosenAveraging, TheThicknessOfBoxesBallsAndRingsIsThatOfTheirShape) {
   const SolidSize plate{6.0 * 4.0 * 0.5, 2.0 * (24.0 + 3.0 + 2.0), Vec3(4, 0.5, 6), 1.0};
   EXPECT_NEAR(plate.thickness(), 0.5, 1e-12);
   const SolidSize bar{1.0 * 0.2 * 0.2, 4.0 * 0.2 + 2.0 * 0.04, Vec3(1, 0.2, 0.2), 1.0};
   EXPECT_NEAR(bar.thickness(), 0.2, 1e-12);
   const SolidSize ball{M_PI / 6.0, M_PI, Vec3::Ones(), 1.0};
   EXPECT_NEAR(ball.thickness(), 1.0, 1e-12);
-  // Tube of a ring: within a third of its diameter.
   const double r = 1.0, R = 2.5;
   const SolidSize ring{2.0 * M_PI * M_PI * R * r * r, 4.0 * M_PI * M_PI * R * r,
                        Vec3(2.0 * (R + r), 2.0 * (R + r), 2.0 * r), 1.0};
-  EXPECT_NEAR(ring.thickness(), 2.0 * r, 0.67 * r);
+  EXPECT_NEAR(ring.thickness(), 2.0 * r, 1e-12);
+  const double t = 0.05;  // shell of a ball: at most twice its thickness
+  const SolidSize shell{M_PI * t, 2.0 * M_PI, Vec3::Ones(), 1.0};
+  EXPECT_GE(shell.thickness(), t);
+  EXPECT_LE(shell.thickness(), 2.0 * t + 1e-12);
 }
 
 /// Energy of a solid bent into a parabola, over that with a given share or none.

@@ -18,7 +18,8 @@ constexpr double kShare = 0.9, kSlender = 4.0;
 double SolidSize::thickness() const {
   Vec3 side = extent;
   std::sort(side.begin(), side.end());
-  return 1.0 / std::max(0.5 * area / volume - 1.0 / side[1] - 1.0 / side[2], 1.0 / side[2]);
+  const double third = 1.0 / std::max(0.5 * area / volume - 1.0 / side[1] - 1.0 / side[2], 1.0 / side[2]);
+  return std::max(third, std::min(4.0 * volume / area, side[0]));
 }
 
 SolidSize size_of(const TetMesh& mesh) {

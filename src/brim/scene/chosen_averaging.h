@@ -12,7 +12,8 @@ struct SolidSize {
   Vec3 extent;     ///< [m] of its box
   double element;  ///< [m] edge
 
-  /// The third side of the box that has this volume, this area and the two longest sides, [m].
+  /// The third side of the box that has this volume, this area and the two longest sides; or, if that is more, the
+  /// thickness of a round or square bar of this volume and area, as far as it fits the box, [m].
   double thickness() const;
 };
 
