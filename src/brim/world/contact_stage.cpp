@@ -274,14 +274,13 @@ std::span<const std::pair<TileKey, double>> ContactStage::active_tiles() const {
   for (std::size_t i = 0; i < work_count_; ++i)
     for (const NodeBox& box : work_[i].finds.boxes) boxes.emplace_back(box, candidates_[work_[i].candidate].pair.h);
   rigid_.append_boxes(boxes);
-  for (const auto& [box, h] : boxes)
-    for (int corner = 0; corner < 8; ++corner) {
-      const auto tile = [&box = box, corner](int axis) {
-        const int node = corner >> axis & 1 ? box.hi[axis] : box.lo[axis];
-        return node >= 0 ? node / kTileSize : -((kTileSize - 1 - node) / kTileSize);
-      };
-      active_.emplace_back(TileKey{tile(0), tile(1), tile(2)}, h);
-    }
+  const auto tile_of = [](int node) { return node >= 0 ? node / kTileSize : -((kTileSize - 1 - node) / kTileSize); };
+  for (const auto& [box, h] : boxes) {
+    const Vec3i first = box.lo.unaryExpr(tile_of), last = box.hi.unaryExpr(tile_of);
+    for (int k = first.z(); k <= last.z(); ++k)
+      for (int j = first.y(); j <= last.y(); ++j)
+        for (int i = first.x(); i <= last.x(); ++i) active_.emplace_back(TileKey{i, j, k}, h);
+  }
   std::sort(active_.begin(), active_.end(), [](const auto& s, const auto& t) {
     return s.second != t.second ? s.second < t.second : s.first < t.first;
   });

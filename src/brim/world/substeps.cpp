@@ -77,9 +77,9 @@ double most_pieces_of_clusters(std::span<const MotionCluster> clusters, std::spa
 }
 
 /// Clusters per piece of work, and pairs of them.
-constexpr std::size_t kEntriesOfWork = 256, kPairsOfWork = 64;
+constexpr std::size_t kEntriesOfWork = 64, kPairsOfWork = 64;
 /// Parts per piece of work when each is one cluster.
-constexpr std::size_t kPartsOfWork = 256;
+constexpr std::size_t kPartsOfWork = 64;
 
 /// World normal of a part that is a half-space and does not turn; zero for all other parts.
 Vec3 normal_of_half_space(const WorldPart& part, std::span<const double> v) {
