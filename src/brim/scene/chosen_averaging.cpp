@@ -10,8 +10,8 @@ namespace brim {
 
 namespace {
 
-/// [-] Share chosen, and the longest side over the thickness of a solid that is slender.
-constexpr double kShare = 0.9, kSlender = 4.0;
+/// [-] The longest side over the thickness of a solid that is slender.
+constexpr double kSlender = 4.0;
 
 }  // namespace
 
@@ -32,10 +32,10 @@ SolidSize size_of(const TetMesh& mesh) {
   return {volume, surface_area({mesh.vertices, tet_surface(mesh).triangles}), box.extent(), element};
 }
 
-double chosen_averaging(const Node& body, const SolidSize& size, double enough) {
+double chosen_averaging(const Node& body, const SolidSize& size, double enough, double share) {
   if (body.has("averaging")) return body.number("averaging");
   const double thickness = size.thickness();
-  return size.extent.maxCoeff() >= kSlender * thickness && thickness < enough * size.element ? kShare : 0.0;
+  return size.extent.maxCoeff() >= kSlender * thickness && thickness < enough * size.element ? share : 0.0;
 }
 
 }  // namespace brim

@@ -20,10 +20,10 @@ struct SolidSize {
 /// Of tetrahedra; the edge is that of a regular one of their mean volume.
 SolidSize size_of(const TetMesh& mesh);
 
-/// The key "averaging" of an elastic body, [-]. Where the scene leaves it out: 0.9 for a slender solid, which bends,
-/// with too few elements across to bend by 95 % of theory without (docs/bodies/finite_elements.md), else 0.
+/// The key "averaging" of an elastic body, [-]. Where the scene leaves it out: `share` for a slender solid, which
+/// bends, with too few elements across to bend by 95 % of theory without (docs/bodies/finite_elements.md), else 0.
 /// @param enough  [-] elements across that suffice
 /// Tests: tests/scene/chosen_averaging_test.cpp
-double chosen_averaging(const Node& body, const SolidSize& size, double enough);
+double chosen_averaging(const Node& body, const SolidSize& size, double enough, double share);
 
 }  // namespace brim

@@ -28,6 +28,8 @@ constexpr double kBytesPerCarrierTet = 1000.0, kBytesPerParticle = 400.0;
 /// [-] Spacings of a soft image's lattice across a part that bends by 95 % of theory: four, less the rounding of its
 /// surface.
 constexpr double kEnoughSpacings = 3.5;
+/// [-] Share averaged in slender matter of fewer: a beam of two bends 3.7 % too little, with 0.8 6.1 %.
+constexpr double kShareOfImages = 0.9;
 
 void check_image_volume(const Node& n) {
   check_image_source(n);
@@ -106,7 +108,8 @@ class SoftImageMaker final : public BodyMaker {
                                  spacing_, box.extent().maxCoeff()));
     const double volume = mass_properties(solid_.grid, 1.0).volume;
     surface_ = display_surface(solid_.grid);
-    averaging_ = chosen_averaging(n, {volume, surface_area(surface_), box.extent(), spacing_}, kEnoughSpacings);
+    averaging_ =
+        chosen_averaging(n, {volume, surface_area(surface_), box.extent(), spacing_}, kEnoughSpacings, kShareOfImages);
     if (!solid_.density.empty()) solid_.density = joined_means(solid_.grid, solid_.density, kSoftCells);
     if (!solid_.young.empty()) solid_.young = joined_means(solid_.grid, solid_.young, kSoftCells);
     solid_.grid = joined_cells(solid_.grid, kSoftCells);
