@@ -1,8 +1,12 @@
 // Distance queries, distance grids and tetrahedral lattices of generated shapes.
 #include <benchmark/benchmark.h>
 
+#include <array>
+#include <cstdint>
+
 #include "brim/mesh/distance.h"
 #include "brim/mesh/distance_grid.h"
+#include "brim/mesh/distance_row.h"
 #include "brim/mesh/primitives.h"
 #include "brim/mesh/tet_lattice.h"
 
@@ -37,6 +41,23 @@ void grid_value(benchmark::State& state, Interpolation interpolation) {
 }
 BENCHMARK_CAPTURE(grid_value, trilinear, Interpolation::Trilinear);
 BENCHMARK_CAPTURE(grid_value, tricubic, Interpolation::Tricubic);
+
+/// The same places, 64 at a time.
+void grid_values(benchmark::State& state) {
+  DistanceGridOptions o;
+  o.spacing = 1.0 / 32;
+  const DistanceGrid grid = make_distance_grid(shapes::blob(1, 0.5, 4), o);
+  std::array<double, 64> x, y, z, d;
+  int i = 0;
+  for (auto _ : state) {
+    for (std::size_t k = 0; k < x.size(); ++k, ++i)
+      x[k] = (i % 97) / 97.0 - 0.5, y[k] = (i % 89) / 89.0 - 0.5, z[k] = (i % 83) / 83.0 - 0.5;
+    distance_places(grid, x.data(), y.data(), z.data(), static_cast<int>(x.size()), d.data());
+    benchmark::DoNotOptimize(d.data());
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(x.size()));
+}
+BENCHMARK(grid_values);
 
 void lattice(benchmark::State& state) {
   const TriMesh mesh = shapes::blob(1, 0.5, 4);
