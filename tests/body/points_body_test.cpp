@@ -65,6 +65,30 @@ TEST(NeighbourSearch, FindsThePairsThatBruteForceFinds) {
   EXPECT_TRUE(search.find({}, {}, 0.0).empty());
 }
 
+TEST(PointsBody, ForeseesPairsThatASolveCloses) {
+  // Radii 0.1, a gap of 0.01; both move at 1 m/s until one is stopped: in a step of 0.02 s they overlap by 0.01.
+  constexpr double dt = 0.02, gap = 0.01, k = 2 * 1e4 * 0.05;
+  PointsBody body({Vec3(0, 0, 0), Vec3(0.2 + gap, 0, 0)}, options());
+  const std::vector<double> v{-1, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0}, after{0, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0};
+  body.update(0.0, flat(body.rest_positions()), v);
+  body.begin_solve(dt);
+  const auto force_and_product = [&] {
+    std::vector<double> f(12, 0.0), y(12, 0.0);
+    body.add_forces({Vec3::Zero()}, f);
+    body.apply_system(after, y);
+    return std::pair{f[6], y[0]};
+  };
+  EXPECT_FALSE(body.foresee(v)) << "they come along together";
+  EXPECT_EQ(force_and_product(), (std::pair{0.0, 0.0}));
+  EXPECT_TRUE(body.foresee(after));
+  // The spring of the gap, which the motion of the step turns into a push: k (−gap + dt).
+  const auto [force, product] = force_and_product();
+  EXPECT_NEAR(force, -k * gap, 1e-9);
+  EXPECT_NEAR(product, dt * dt * k, 1e-9);
+  EXPECT_FALSE(body.foresee(after)) << "they are known already";
+  EXPECT_EQ(body.elastic_energy(), 0.0);
+}
+
 TEST(PointsBody, TwoGrainsByHand) {
   // Radii 0.1 and 0.3, k = 2 E 0.03/0.4 = 1500 N/m, overlap 0.1: 150 N apart.
   PointsOptions o = options();

@@ -62,6 +62,7 @@ void ConstraintStep::begin(std::span<const std::unique_ptr<Body>> bodies, std::s
   for (std::size_t c = 0; c < n; ++c) frame_[c] = frame_along(rows_.normals()[c]);
   find_start(v);
   recall(memory);
+  guess_ = lambda_;
   force_on_a_.resize(n);
   for (std::size_t c = 0; c < n; ++c) force_on_a_[c] = frame_[c].transpose() * lambda_[c];
   add_forces(force_on_a_, impulse_);
@@ -72,18 +73,18 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
   if (empty()) return true;
   assemble();
   const std::size_t n = rows_.points().size();
-  std::vector<double> change(delta.begin(), delta.end()), guess(width_, 0.0);
+  std::vector<double> change(delta.begin(), delta.end()), response(width_, 0.0);
   change.resize(width_, 0.0);
   direct_.read(first_v_, change);
-  const std::vector<Vec3> first = lambda_;
-  for (std::size_t c = 0; c < n; ++c) sweep_.add_response(c, lambda_[c], guess);
+  position_correction_.clear();
+  for (std::size_t c = 0; c < n; ++c) sweep_.add_response(c, lambda_[c], response);
   std::vector<Vec3> free(n);
   for (std::size_t c = 0; c < n; ++c)
-    free[c] = start_[c] + frame_[c].transpose() * (sweep_.velocity(c, change) - sweep_.velocity(c, guess));
+    free[c] = start_[c] + frame_[c].transpose() * (sweep_.velocity(c, change) - sweep_.velocity(c, response));
   rows_.set_targets(settings_.rows, start_, free);
   if (rows_.bounces()) {
     std::vector<double> without = change;
-    for (std::size_t i = 0; i < width_; ++i) without[i] -= guess[i];
+    for (std::size_t i = 0; i < width_; ++i) without[i] -= response[i];
     pass_impacts_on(std::move(without));
   }
 
@@ -99,7 +100,7 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
   // The sweeps represent factored bodies by their contacts only.
   const auto complete = [&](std::span<const Vec3> lambda, std::span<double> v) {
     std::vector<Vec3> more(n);
-    for (std::size_t c = 0; c < n; ++c) more[c] = lambda[c] - first[c];
+    for (std::size_t c = 0; c < n; ++c) more[c] = lambda[c] - guess_[c];
     direct_.respond(inverses_, first_v_, more, v);
   };
   if (rows_.targets_differ()) {
@@ -119,8 +120,9 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
     complete(lambda_, change);
   }
   if (!added.empty()) {
-    for (std::size_t c = 0; c < n; ++c) force_on_a_[c] = frame_[c].transpose() * (lambda_[c] - first[c]);
+    for (std::size_t c = 0; c < n; ++c) force_on_a_[c] = frame_[c].transpose() * (lambda_[c] - guess_[c]);
     add_forces(force_on_a_, added);
+    guess_ = lambda_;
   }
   bool finite = true;
   for (std::size_t i = 0; i < delta.size(); ++i) {

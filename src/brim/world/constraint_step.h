@@ -52,7 +52,8 @@ class ConstraintStep {
   /// Jᵀ λ of the initial guess, [N s], shape (nv).
   std::span<const double> impulse() const { return impulse_; }
 
-  /// Corrects the velocity changes of the implicit step, which contain the initial guess already.
+  /// Corrects the velocity changes of the implicit step, which contain the initial guess already. May be called again
+  /// in a step, for changes found anew that contain what it has added.
   /// @param solve  x = A⁻¹ b  @param delta  Δv, shape (nv)
   /// @param added  [N s] set to Jᵀ (λ − initial guess), shape (nv); or empty
   /// @return false when a value is not finite
@@ -153,6 +154,7 @@ class ConstraintStep {
   std::vector<Vec3> start_;   ///< [m/s] relative velocity at the start, world frame
   std::vector<Vec3> offset_;  ///< the same in the contact's frame
   std::vector<Vec3> lambda_;  ///< [N s] in the contact's frame
+  std::vector<Vec3> guess_;   ///< the part of lambda_ whose effect the implicit step contains
   std::vector<double> impulse_, position_correction_;
   std::vector<Vec3> force_on_a_;
   // Workspace.

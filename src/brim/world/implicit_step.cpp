@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "brim/body/foresees_contact.h"
+#include "brim/core/interface_of.h"
 #include "brim/core/profile.h"
 #include "brim/core/stopwatch.h"
 
@@ -45,13 +47,19 @@ bool ImplicitStep::solve(const StepContext& context, const Settings& settings, s
            correct([](std::span<const double>, std::span<double>, double) { return SolveReport{}; }, delta, {});
   }
   if (!alone_) guide();
+  taken_.clear();
   begin_bodies();
   begin_system();
   begin_preconditioner();
   if (!make_passes(delta)) return false;
-  if (correct) return correct_by(correct, delta);
-  give_back(delta);
-  return true;
+  if (!correct) {
+    give_back(delta);
+    return true;
+  }
+  if (!correct_by(correct, delta)) return false;
+  // What rows stop may be met by what came along with it.
+  taken_ = added_;
+  return added_.empty() || !foresee(delta) || (make_passes(delta) && correct_by(correct, delta));
 }
 
 bool ImplicitStep::make_passes(std::span<double> delta) {
@@ -77,6 +85,7 @@ bool ImplicitStep::make_passes(std::span<double> delta) {
       const double change = c.response.update_loads(c.contacts, contact_delta_);
       settled_ = change < settings_->load_tolerance;
       near = change < kNear * settings_->load_tolerance;
+      if (foresee(delta)) settled_ = near = false;
     }
     if (kept || (settled_ && s.residual <= settings_->tolerance)) {
       c.report.cg_residual = std::max(c.report.cg_residual, s.residual);
@@ -90,6 +99,24 @@ bool ImplicitStep::make_passes(std::span<double> delta) {
   } else {
     find_residual(delta, {});
   }
+  return true;
+}
+
+bool ImplicitStep::foresee(std::span<const double> delta) {
+  const StepContext& c = *context_;
+  bool changed = false;
+  for (std::size_t b = 0; b < c.bodies.size(); ++b) {
+    auto* body = interface_of<ForeseesContact>(*c.bodies[b]);
+    if (body == nullptr || asleep(b)) continue;
+    const auto v = c.slice(c.v, b), d = c.slice(delta, b);
+    after_.assign(v.begin(), v.end());
+    for (std::size_t i = 0; i < after_.size(); ++i) after_[i] += d[i];
+    changed = body->foresee(after_) || changed;
+  }
+  if (!changed) return false;
+  // Coarse modes are rigid motions, of which inner contacts know nothing.
+  gather_bodies();
+  begin_contact_preconditioner();
   return true;
 }
 
@@ -120,8 +147,8 @@ SolveReport ImplicitStep::solve_once(int pass, bool kept, bool near, std::span<d
   StepReport& report = context_->report;
   // The preconditioner stays good when loads have settled or only few contacts change; the inverse of a rigid system
   // must be exact.
-  const bool held = pass > 0 && !whole_ && (settled_ || preconditioner_.serves(context_->response));
-  if (!held) prepare(pass == 0);
+  const bool held = !fresh_ && !whole_ && (settled_ || preconditioner_.serves(context_->response));
+  if (!held) prepare();
   FluidCoupling& coupling = context_->coupling;
   if (pass == 0 && !coupling.empty()) {
     flowing_.assign(delta.size(), 0.0);
@@ -149,8 +176,7 @@ SolveReport ImplicitStep::solve_once(int pass, bool kept, bool near, std::span<d
   int most = settings_->max_iterations;
   if (held && !settled_) most = std::min(most, ContactPreconditioner::patience(iterations_made_));
   SolveReport s = solve_in(most);
-  if (s.finite && !s.converged && most < settings_->max_iterations)
-    prepare(pass == 0), s = solve_in(settings_->max_iterations);
+  if (s.finite && !s.converged && most < settings_->max_iterations) prepare(), s = solve_in(settings_->max_iterations);
   if (s.finite && !coupling.empty()) coupling.keep_volume(invert_, context_->v, delta);
   if (!held) iterations_made_ = s.iterations;
   ++report.solves;

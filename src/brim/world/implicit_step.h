@@ -70,13 +70,18 @@ class ImplicitStep {
   bool solve_frames(std::span<double> delta);
   /// Tells bodies of particles which of these lie on fixed parts.
   void guide();
-  /// Forces and matrices of the bodies, without contact.
+  /// Begins the solve of all bodies.
   void begin_bodies();
+  /// Forces and matrices of the bodies, without contact.
+  void gather_bodies();
+  /// Lets bodies add contacts of their own that the last solve closes. @return true when the system has changed
+  bool foresee(std::span<const double> delta);
   /// Bodies that contacts and links couple are solved together, others apart.
   void find_islands();
   /// The solver's view of the system: products, preconditioner, filter.
   void begin_system();
   void begin_preconditioner();
+  void begin_contact_preconditioner();
   /// Factors bodies that only fluids act on: the pressure is solved through the inverse of all bodies, many times.
   void invert_coupled(std::span<const std::uint8_t> untouched);
   void multiply(std::span<const double> x, std::span<double> y);
@@ -87,7 +92,7 @@ class ImplicitStep {
   template <class F>
   void filter_bodies(std::span<double> x, const F& left_out) const;
   /// Builds the preconditioner of the active contacts.
-  void prepare(bool first);
+  void prepare();
   void find_right_hand_side(bool first);
   /// Solves, releases contacts and updates friction loads until these change little. @return false: not finite
   bool make_passes(std::span<double> delta);
@@ -114,10 +119,12 @@ class ImplicitStep {
   /// more iteration makes the solution exact.
   bool whole_ = false;
   bool coarse_ = false;      ///< the coarse modes are factored
+  bool fresh_ = true;        ///< no preconditioner has been built for the present system
   bool settled_ = false;     ///< contact forces would change by less than the tolerance
   int iterations_made_ = 0;  ///< of the last solve with a newly built preconditioner
 
-  std::vector<double> internal_, rhs_, scratch_, added_;
+  std::vector<double> internal_, rhs_, scratch_, after_;
+  std::vector<double> added_, taken_;  ///< [N s] of rows: by the last correction, and by the one before it
   std::vector<Vec3> contact_delta_, contact_force_;
   std::vector<std::size_t> first_block_;
   BlockDiagonal bodies_diagonal_, diagonal_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "brim/body/guided_particles.h"
 #include "brim/body/rigid_frame.h"
@@ -79,6 +80,15 @@ void ImplicitStep::guide() {
 }
 
 void ImplicitStep::begin_bodies() {
+  parallel_for(context_->bodies.size(), [&](std::size_t b) {
+    if (asleep(b)) return;
+    const ProfileScope scope("elements", *context_->bodies[b]);
+    context_->bodies[b]->begin_solve(settings_->dt);
+  });
+  gather_bodies();
+}
+
+void ImplicitStep::gather_bodies() {
   const StepContext& c = *context_;
   const double dt = settings_->dt;
   const std::size_t n = c.v.size();
@@ -88,7 +98,6 @@ void ImplicitStep::begin_bodies() {
     if (asleep(b)) return;
     Body& body = *c.bodies[b];
     const ProfileScope scope("elements", body);
-    body.begin_solve(dt);
     body.add_forces(settings_->environment(b, c.environment), c.slice(internal_, b));
     if (c.fill.handles(b))
       c.fill.add_start_stiffness(b, c.slice(scratch_, b));
@@ -99,6 +108,7 @@ void ImplicitStep::begin_bodies() {
   });
   for (std::size_t i = 0; i < n; ++i)
     internal_[i] = dt * (internal_[i] + dt * scratch_[i]) + (c.impulse.empty() ? 0.0 : c.impulse[i]);
+  for (std::size_t i = 0; i < taken_.size(); ++i) internal_[i] += taken_[i];
 
   std::vector<int> sizes;
   first_block_.assign(1, 0);
@@ -211,12 +221,7 @@ void ImplicitStep::begin_preconditioner() {
       for (const int part : {pair.part_a, pair.part_b}) untouched[c.parts[part].body_index] = 0;
   c.coupling.set_untouched(untouched);
   invert_coupled(untouched);
-  if (contacts_ > 0) {
-    const ScopedSeconds contact_timer(contact_seconds());
-    sparse_.resize(bodies);
-    for (std::size_t b = 0; b < bodies; ++b) sparse_[b] = c.maps.sparse_rows(b);
-    preconditioner_.begin(c.bodies, c.first_v, bodies_diagonal_, first_block_, sparse_, island_, settings_->asleep);
-  }
+  begin_contact_preconditioner();
   whole_ = contacts_ > 0 && preconditioner_.knows_all_rigid();
   coarse_ = contacts_ > 0 && !whole_;
   lone_.resize(bodies);
@@ -242,6 +247,16 @@ void ImplicitStep::begin_preconditioner() {
   }
 }
 
+void ImplicitStep::begin_contact_preconditioner() {
+  const StepContext& c = *context_;
+  fresh_ = true;
+  if (contacts_ == 0) return;
+  const ScopedSeconds contact_timer(contact_seconds());
+  sparse_.resize(c.bodies.size());
+  for (std::size_t b = 0; b < c.bodies.size(); ++b) sparse_[b] = c.maps.sparse_rows(b);
+  preconditioner_.begin(c.bodies, c.first_v, bodies_diagonal_, first_block_, sparse_, island_, settings_->asleep);
+}
+
 void ImplicitStep::invert_coupled(std::span<const std::uint8_t> untouched) {
   const StepContext& c = *context_;
   inverted_.assign(c.coupling.empty() ? 0 : c.bodies.size(), 0);
@@ -255,8 +270,9 @@ void ImplicitStep::invert_coupled(std::span<const std::uint8_t> untouched) {
   inverses_.begin(c.bodies, c.first_v, inverted_);
 }
 
-void ImplicitStep::prepare(bool first) {
+void ImplicitStep::prepare() {
   const StepContext& c = *context_;
+  const bool first = std::exchange(fresh_, false);
   diagonal_ = bodies_diagonal_;
   if (contacts_ > 0) {
     const ScopedSeconds contact_timer(contact_seconds());

@@ -1,6 +1,7 @@
 #include "brim/body/points/grain_pairs.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "brim/core/parallel.h"
@@ -9,7 +10,13 @@ namespace brim {
 
 namespace {
 constexpr std::size_t kPairBlock = 512;
-}
+/// Overlap at the end of a step, over the smaller radius, from which a pair is foreseen: less brings in hardly any
+/// energy, and another solve costs as much as for all.
+constexpr double kForeseen = 0.01;
+
+/// Linear springs in series, [N/m].
+double spring(const GrainMaterial& m, double ra, double rb) { return 2.0 * m.young * ra * rb / (ra + rb); }
+}  // namespace
 
 Mat3 GrainPairs::Contact::matrix(double a, double b) const {
   const double across = b * drag;
@@ -36,45 +43,81 @@ void GrainPairs::find(std::span<const Vec3> x, std::span<const double> radius, d
   first_[0] = 0;
 }
 
-GrainPairs::Contact GrainPairs::contact(const NeighbourSearch::Pair& p, std::span<const Vec3> x,
-                                        std::span<const Vec3> v, std::span<const Vec3> spin,
-                                        std::span<const double> radius, std::span<const double> mass,
-                                        const GrainMaterial& m, double dt) const {
+GrainPairs::Contact GrainPairs::meeting(const NeighbourSearch::Pair& p, std::span<const Vec3> x,
+                                        std::span<const double> radius, const GrainMaterial& m, double& overlap) {
   Contact c;
   const double ra = radius[p.a], rb = radius[p.b];
   const Vec3 d = x[p.a] - x[p.b];
-  const double distance = d.norm(), overlap = ra + rb - distance;
+  const double distance = d.norm();
+  overlap = ra + rb - distance;
   c.normal = distance > 0.0 ? Vec3(d / distance) : Vec3::UnitZ();
   c.arm_a = distance * ra / (ra + rb), c.arm_b = distance * rb / (ra + rb);
-  const Vec3 u = v[p.a] - v[p.b] - (c.arm_a * spin[p.a] + c.arm_b * spin[p.b]).cross(c.normal);
-  const double k = 2.0 * m.young * ra * rb / (ra + rb);
-  const double closing = -c.normal.dot(u);
-  const double inverse_mass = 1.0 / mass[p.a] + 1.0 / mass[p.b];
-  if (overlap > 0.0) c.energy = 0.5 * k * overlap * overlap;
+  if (overlap > 0.0) c.energy = 0.5 * spring(m, ra, rb) * overlap * overlap;
+  return c;
+}
+
+Vec3 GrainPairs::sliding(const Contact& c, const NeighbourSearch::Pair& p, std::span<const Vec3> v,
+                         std::span<const Vec3> spin) {
+  return v[p.a] - v[p.b] - (c.arm_a * spin[p.a] + c.arm_b * spin[p.b]).cross(c.normal);
+}
+
+void GrainPairs::press(Contact& c, const NeighbourSearch::Pair& p, double overlap, const Vec3& u,
+                       std::span<const Vec3> spin, std::span<const double> radius, const GrainMaterial& m) {
+  const double ra = radius[p.a], rb = radius[p.b];
+  const double closing = -c.normal.dot(u), b = overlap > 0.0 ? m.damping : 0.0;
+  c.k = spring(m, ra, rb);
+  c.damper = b * c.k;
+  const double push = c.k * (overlap + b * closing);
+  c.force = push * c.normal;
+  if (!(overlap > 0.0 && push > 0.0)) return;
+  const Vec3 slip = u + closing * c.normal;
+  c.drag = m.friction * push / std::max(slip.norm(), m.slip_speed);
+  c.force -= c.drag * slip;
+  const double R = ra * rb / (ra + rb);
+  const Vec3 turn = spin[p.a] - spin[p.b];
+  c.roll = m.rolling * R * push / std::max(turn.norm(), m.slip_speed / R);
+  c.roll_torque = -c.roll * turn;
+}
+
+GrainPairs::Contact GrainPairs::contact(const NeighbourSearch::Pair& p, std::span<const Vec3> x,
+                                        std::span<const Vec3> v, std::span<const Vec3> spin,
+                                        std::span<const double> radius, std::span<const double> mass,
+                                        const GrainMaterial& m, double dt) {
+  double overlap;
+  Contact c = meeting(p, x, radius, m, overlap);
+  const double k = spring(m, radius[p.a], radius[p.b]);
   if (dt == 0.0) {
-    if (overlap <= 0.0) return c;
-    c.k = k;
-    c.force = k * overlap * c.normal;
+    if (overlap > 0.0) c.k = k, c.force = k * overlap * c.normal;
     return c;
   }
+  const Vec3 u = sliding(c, p, v, spin);
   const double b = overlap > 0.0 ? m.damping : 0.0;
+  const double inverse_mass = 1.0 / mass[p.a] + 1.0 / mass[p.b];
   // What would drive a touching pair together in this step without its spring: at rest, as much as the spring holds.
   const double drive = overlap > 0.0 ? dt * (m.gravity + k * overlap * inverse_mass) : 0.0;
-  if (!(overlap + (dt + b) * (closing + drive) > 0.0)) return c;
-  c.k = k;
-  c.damper = b * k;
-  const double push = k * (overlap + b * closing);
-  c.force = push * c.normal;
-  if (overlap > 0.0 && push > 0.0) {
-    const Vec3 slip = u + closing * c.normal;
-    c.drag = m.friction * push / std::max(slip.norm(), m.slip_speed);
-    c.force -= c.drag * slip;
-    const double R = ra * rb / (ra + rb);
-    const Vec3 turn = spin[p.a] - spin[p.b];
-    c.roll = m.rolling * R * push / std::max(turn.norm(), m.slip_speed / R);
-    c.roll_torque = -c.roll * turn;
-  }
+  if (overlap + (dt + b) * (-c.normal.dot(u) + drive) > 0.0) press(c, p, overlap, u, spin, radius, m);
   return c;
+}
+
+bool GrainPairs::foresee(std::span<const Vec3> after, std::span<const Vec3> spin_after, std::span<const Vec3> x,
+                         std::span<const Vec3> v, std::span<const Vec3> spin, std::span<const double> radius,
+                         const GrainMaterial& m, double dt) {
+  std::atomic<bool> any = false;
+  parallel_blocks(pair_.size(), kPairBlock, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto& p = pair_[i];
+      if (contact_[i].k != 0.0) continue;
+      double overlap;
+      Contact c = meeting(p, x, radius, m, overlap);
+      const double b = overlap > 0.0 ? m.damping : 0.0;
+      const double least = kForeseen * std::min(radius[p.a], radius[p.b]);
+      if (!(overlap - (dt + b) * c.normal.dot(sliding(c, p, after, spin_after)) > least)) continue;
+      press(c, p, overlap, sliding(c, p, v, spin), spin, radius, m);
+      contact_[i] = c;
+      any = true;
+    }
+  });
+  return any;
 }
 
 void GrainPairs::evaluate(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const Vec3> spin,

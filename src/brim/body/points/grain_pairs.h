@@ -31,8 +31,9 @@ struct GrainMaterial {
 ///   torque     −l_a n × f on a, −l_b n × f on b: with l_a + l_b = d angular momentum is exact
 ///   K = k n nᵀ,  D = b k n nᵀ + μ N / max(|u_t|, ε) (I − n nᵀ), both of u
 /// The transverse part of K, −k δ/d, is negative and dropped. A pair that would touch within the step, δ − dt n·u > 0,
-/// is included with its spring only, so that it stops at contact. A touching pair is released when it separates so fast
-/// that it would not push at the end of the step even under gravity and a load like its present one:
+/// is included with its spring only, so that it stops at contact; so is one that a solve closes (foresee). A touching
+/// pair is released when it separates so fast that it would not push at the end of the step even under gravity and a
+/// load like its present one:
 ///   δ + (dt + b) (−n·u + dt (g + k δ (1/m_a + 1/m_b))) <= 0
 /// Without these loads in the balance a grain lying on another would bounce for ever.
 /// Velocities have six numbers per grain, v and ω; forces likewise, f and torque.
@@ -48,6 +49,14 @@ class GrainPairs {
   /// @param v, spin  [m/s], [rad/s] one per grain
   void evaluate(std::span<const Vec3> x, std::span<const Vec3> v, std::span<const Vec3> spin,
                 std::span<const double> radius, std::span<const double> mass, const GrainMaterial& material, double dt);
+
+  /// After evaluate: adds the pairs that these velocities would have overlap by a hundredth of the smaller
+  /// radius at the end of the step; none is released.
+  /// @param after, spin_after  [m/s], [rad/s] at the end of the step  @param others  as in evaluate
+  /// @return true when there are such pairs
+  bool foresee(std::span<const Vec3> after, std::span<const Vec3> spin_after, std::span<const Vec3> x,
+               std::span<const Vec3> v, std::span<const Vec3> spin, std::span<const double> radius,
+               const GrainMaterial& material, double dt);
 
   /// Adds the forces of the last evaluation on each grain, [N], and torques, [N m].
   void add_forces(std::span<Vec3> f, std::span<Vec3> torque) const;
@@ -85,9 +94,18 @@ class GrainPairs {
   struct Side {
     std::int32_t other, pair;
   };
-  Contact contact(const NeighbourSearch::Pair& p, std::span<const Vec3> x, std::span<const Vec3> v,
-                  std::span<const Vec3> spin, std::span<const double> radius, std::span<const double> mass,
-                  const GrainMaterial& material, double dt) const;
+  /// A pair without forces. @param overlap  set to δ, [m]
+  static Contact meeting(const NeighbourSearch::Pair& p, std::span<const Vec3> x, std::span<const double> radius,
+                         const GrainMaterial& material, double& overlap);
+  /// u of a pair, [m/s].
+  static Vec3 sliding(const Contact& c, const NeighbourSearch::Pair& p, std::span<const Vec3> v,
+                      std::span<const Vec3> spin);
+  /// Sets the forces of a pair that acts in a step.
+  static void press(Contact& c, const NeighbourSearch::Pair& p, double overlap, const Vec3& u,
+                    std::span<const Vec3> spin, std::span<const double> radius, const GrainMaterial& material);
+  static Contact contact(const NeighbourSearch::Pair& p, std::span<const Vec3> x, std::span<const Vec3> v,
+                         std::span<const Vec3> spin, std::span<const double> radius, std::span<const double> mass,
+                         const GrainMaterial& material, double dt);
   std::span<const Side> sides_of(std::size_t grain) const {
     return std::span(side_).subspan(first_[grain], first_[grain + 1] - first_[grain]);
   }

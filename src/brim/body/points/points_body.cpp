@@ -14,6 +14,8 @@ namespace {
 
 /// Inertia of a grain that does not turn, over its own, as preconditioners see it.
 constexpr double kNoTurn = 1e12;
+/// Overlap at the end of a step, over the smallest radius, for which pairs are not searched anew.
+constexpr double kUnsearched = 0.01;
 
 std::vector<double> radii_of(std::size_t grains, const PointsOptions& o) {
   if (grains == 0) throw InputError("points: there is no grain");
@@ -93,11 +95,11 @@ PointsBody::PointsBody(std::vector<Vec3> centers, std::vector<double> radius, co
   display_.radius = mean;
 }
 
-double PointsBody::gap_for(double dt) const {
+double PointsBody::gap_for(double dt, std::span<const Vec3> v) const {
   Vec3 middle = Vec3::Zero();
-  for (const Vec3& v : v_) middle += v / static_cast<double>(v_.size());
+  for (const Vec3& vi : v) middle += vi / static_cast<double>(v.size());
   double speed = 0.0;
-  for (const Vec3& v : v_) speed = std::max(speed, (v - middle).norm());
+  for (const Vec3& vi : v) speed = std::max(speed, (vi - middle).norm());
   return std::min(2.0 * dt * speed, 2.0 * largest_);
 }
 
@@ -141,7 +143,7 @@ void PointsBody::move(const Pose& by, std::span<double> q, std::span<double> v) 
 
 void PointsBody::add_inner() {
   // The step to come is as long as the last, most often; then the pairs are good for begin_solve also.
-  pairs_.find(x_, radius_, gap_for(dt_));
+  pairs_.find(x_, radius_, gap_for(dt_, v_));
   pairs_.evaluate(x_, v_, spin_, radius_, mass_, material_, 0.0);
   std::fill(pair_torque_.begin(), pair_torque_.end(), Vec3::Zero());
   pairs_.add_forces(force_, pair_torque_);
@@ -150,17 +152,35 @@ void PointsBody::add_inner() {
 
 void PointsBody::begin_solve(double dt) {
   ParticleBody::begin_solve(dt);
-  const double gap = gap_for(dt);
-  if (gap > pairs_.gap()) pairs_.find(x_, radius_, gap);
-  pairs_.evaluate(x_, v_, spin_, radius_, mass_, material_, dt);
-  std::fill(pair_force_.begin(), pair_force_.end(), Vec3::Zero());
-  std::fill(pair_torque_.begin(), pair_torque_.end(), Vec3::Zero());
-  pairs_.add_forces(pair_force_, pair_torque_);
+  find_pairs(gap_for(dt, v_));
+  gather_pairs();
   roll_.assign(mass_.size(), 0.0);
-  pairs_.couple(dt * dt, dt);
   for (std::size_t i = 0; i < load_.size(); ++i)
     roll_[i] = material_.rolling * radius_[i] * load_[i] / std::max(spin_[i].norm(), material_.slip_speed / radius_[i]);
   load_.clear();
+}
+
+void PointsBody::find_pairs(double gap) {
+  if (gap > pairs_.gap()) pairs_.find(x_, radius_, gap);
+  pairs_.evaluate(x_, v_, spin_, radius_, mass_, material_, dt_);
+}
+
+void PointsBody::gather_pairs() {
+  std::fill(pair_force_.begin(), pair_force_.end(), Vec3::Zero());
+  std::fill(pair_torque_.begin(), pair_torque_.end(), Vec3::Zero());
+  pairs_.add_forces(pair_force_, pair_torque_);
+  pairs_.couple(dt_ * dt_, dt_);
+}
+
+bool PointsBody::foresee(std::span<const double> v) {
+  std::vector<Vec3> after(mass_.size()), spin(mass_.size());
+  for (std::size_t i = 0; i < after.size(); ++i) after[i] = three(v, 2 * i), spin[i] = three(v, 2 * i + 1);
+  const double gap = gap_for(dt_, after);
+  // With room for later solves: pairs found anew forget what was foreseen before.
+  if (gap > pairs_.gap() + kUnsearched * smallest_) find_pairs(2.0 * gap);
+  if (!pairs_.foresee(after, spin, x_, v_, spin_, radius_, material_, dt_)) return false;
+  gather_pairs();
+  return true;
 }
 
 void PointsBody::add_forces(const Environment& env, std::span<double> Q) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "brim/body/foresees_contact.h"
 #include "brim/body/particles/particle_body.h"
 #include "brim/body/particles/particle_cells.h"
 #include "brim/body/points/grain_pairs.h"
@@ -24,7 +25,7 @@ struct PointsOptions : ParticleOptions {
 /// with the inertia 2/5 m r². Contact between grains is an internal force of the body (GrainPairs); for all others they
 /// are one part. Contact (paper, section 5.2): raster_points, BallsMap; momentum and angular momentum are exact.
 /// Tests: tests/body/points_body_test.cpp
-class PointsBody final : public ParticleBody, public SpinningBalls, public BlocksOfSix {
+class PointsBody final : public ParticleBody, public SpinningBalls, public BlocksOfSix, public ForeseesContact {
  public:
   /// @param centers  [m], world frame, at least one
   /// @throws InputError  when a number is out of range
@@ -62,6 +63,7 @@ class PointsBody final : public ParticleBody, public SpinningBalls, public Block
   void apply_stiffness(std::span<const double> x, std::span<double> y) const override;
   void apply_damping(std::span<const double> x, std::span<double> y) const override;
   void begin_solve(double dt) override;
+  bool foresee(std::span<const double> v) override;
   void apply_system(std::span<const double> x, std::span<double> y) const override;
   std::optional<BlockSystem> block_system() const override { return std::nullopt; }  // blocks are of six
   SixCouplings couplings() const override;
@@ -80,8 +82,12 @@ class PointsBody final : public ParticleBody, public SpinningBalls, public Block
   void filter_spin(std::span<double> x) const;
   /// y += factor M x.
   void add_mass(double factor, std::span<const double> x, std::span<double> y) const;
-  /// Largest gap of grains that can meet within a step, [m].
-  double gap_for(double dt) const;
+  /// Largest gap of grains that can meet within a step, [m]. @param v  [m/s] of the centres
+  double gap_for(double dt, std::span<const Vec3> v) const;
+  /// Finds the pairs within a gap and their forces in the step to come.
+  void find_pairs(double gap);
+  /// Takes over the forces of the pairs.
+  void gather_pairs();
 
   std::vector<double> radius_;  // [m], per grain
   double smallest_, largest_;   // [m] of them

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <span>
+
+namespace brim {
+
+/// Optional interface of bodies whose inner forces hold contacts of their own, such as grains on grains. Those that the
+/// velocities at the start of a step do not close may close in it: where one grain is stopped, the next, which came
+/// along at the same speed, would be inside it at the end, and the energy of that overlap came from nowhere.
+/// Tests: tests/body/points_body_test.cpp, tests/world/grain_blow_test.cpp
+class ForeseesContact {
+ public:
+  virtual ~ForeseesContact() = default;
+  /// Between two solves of a step, after begin_solve: adds the contacts that the last solve closes.
+  /// @param v  velocities at the end of the step, shape (v_size)
+  /// @return true when forces and matrices have changed
+  virtual bool foresee(std::span<const double> v) = 0;
+};
+
+}  // namespace brim
