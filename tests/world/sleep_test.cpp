@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "brim/world/applied_force.h"
 #include "support/soft_worlds.h"
 
 /// Islands at rest are left out of the step, and come back when something touches them.
@@ -138,6 +139,20 @@ TEST(Sleep, AnObstacleThatSetsOffWakesWhatLiesOnIt) {
   ASSERT_GT(run_until_asleep(w, 200), 0);
   for (int s = 0; w.state().time < 3.0; ++s) w.step();
   EXPECT_NEAR(w.q(1)[2], 1.25, 0.05);
+}
+
+TEST(Sleep, AForceThatBeginsWakesAndAConstantOneLetsSleep) {
+  World w(sleeping());
+  w.add(ground(0.2));
+  const int b = w.add(box("box", {Vec3(0, 0, 0.5)}, 0.2, 1.0, 2.0));
+  AppliedForce push{"push", {"box"}};
+  push.force = Vec3(20, 0, 0);
+  push.scale = {{2.0, 0.0}, {2.5, 1.0}};
+  w.apply(push);
+  ASSERT_GT(run_until_asleep(w, 110), 0);
+  while (w.state().time < 3.5) w.step();
+  EXPECT_FALSE(w.asleep(b));
+  EXPECT_GT(velocity(w, b).x(), 1.0);
 }
 
 TEST(Sleep, SoftBodiesSleepAndAreWoken) {

@@ -1,9 +1,65 @@
 #include "brim/scene/motion.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace brim {
+
+namespace {
+
+/// Angle between two keys of one axis from which keys are added between them, and the largest angle then, [degrees].
+/// The short way between two rotations is the one meant below 180.
+constexpr double kLongWay = 179.9, kBetween = 90.0;
+/// Axes whose directions differ by less are the same.
+constexpr double kSameAxis = 1e-9;
+
+/// A rotation about an axis that may be more than one turn.
+struct Turn {
+  Vec3 axis;  ///< unit; zero: any
+  double degrees;
+};
+
+Quat about(const Vec3& axis, double degrees) {
+  return Quat(Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0, axis));
+}
+
+/// Of the rotations of keys that are about one axis; empty for others.
+std::optional<Turn> turn_of_key(const Node& key) {
+  if (!key.has("rotation")) return Turn{Vec3::Zero(), 0.0};
+  const Node n = key.at("rotation");
+  if (n.has("quaternion")) return std::nullopt;
+  if (n.has("axis"))
+    return Turn{n.number("degrees") == 0.0 ? Vec3(Vec3::Zero()) : n.vec3("axis").normalized(), n.number("degrees")};
+  const Vec3 e = n.vec3("euler_degrees");
+  Eigen::Index most = 0;
+  e.cwiseAbs().maxCoeff(&most);
+  if (e.cwiseAbs().sum() != std::abs(e[most])) return std::nullopt;
+  return Turn{e[most] == 0.0 ? Vec3(Vec3::Zero()) : Vec3(Vec3::Unit(most)), e[most]};
+}
+
+Quat rotation_of_key(const Node& key) {
+  return key.has("rotation") ? read_rotation(key.at("rotation")) : Quat::Identity();
+}
+
+/// Adds keys before `last` where the angle between the keys is too large for the short way.
+/// @param from, to  turns of the last key of the motion, and of `last`
+void add_between(std::vector<MotionKey>& motion, const Turn& from, const Turn& to, const MotionKey& last) {
+  const Vec3 axis = from.axis.isZero() ? to.axis : from.axis;
+  const double way = axis.dot(to.axis) < 0.0 ? -to.degrees : to.degrees, degrees = way - from.degrees;
+  if (!to.axis.isZero() && axis.cross(to.axis).norm() > kSameAxis) return;
+  if (!(std::abs(degrees) > kLongWay)) return;
+  const MotionKey first = motion.back();
+  const double pieces = std::ceil(std::abs(degrees) / kBetween);
+  for (double k = 1.0; k < pieces; ++k) {
+    const double s = k / pieces;
+    motion.push_back({(1.0 - s) * first.time + s * last.time, (1.0 - s) * first.offset + s * last.offset,
+                      about(axis, from.degrees + s * degrees)});
+  }
+}
+
+}  // namespace
 
 void check_key_times(const Node& keys) {
   for (std::size_t i = 1; i < keys.size(); ++i)
@@ -15,19 +71,19 @@ void check_key_times(const Node& keys) {
 
 std::vector<MotionKey> read_motion(const Node& keys) {
   std::vector<MotionKey> motion;
+  std::optional<Turn> before;
   for (std::size_t i = 0; i < keys.size(); ++i) {
     const Node n = keys.at(i);
-    MotionKey key{n.number("time"), n.vec3("offset"), Quat::Identity()};
-    if (n.has("rotation")) key.rotation = read_rotation(n.at("rotation"));
+    const MotionKey key{n.number("time"), n.vec3("offset"), rotation_of_key(n)};
+    const std::optional<Turn> turn = turn_of_key(n);
+    if (i > 0 && before && turn) add_between(motion, *before, *turn, key);
     motion.push_back(key);
+    before = turn;
   }
   return motion;
 }
 
 Quat read_rotation(const Node& n) {
-  const auto about = [](const Vec3& axis, double degrees) {
-    return Quat(Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0, axis));
-  };
   if (n.has("axis")) {
     const Vec3 axis = n.vec3("axis");
     if (!(axis.norm() > 1e-12)) throw n.at("axis").error("[0,0,0] is not allowed; must be a direction of some length");

@@ -16,6 +16,9 @@ struct MotionKey {
 
 /// @throws InputError  when times do not increase
 void check_key_times(const Node& keyframes);
+/// Reads the keys of a motion. Between rotations about one axis, given by axis or Euler angles, the angle is linear,
+/// also over many turns, by keys added in between; other rotations take the short way. Tests:
+/// tests/scene/motion_test.cpp
 std::vector<MotionKey> read_motion(const Node& keyframes);
 /// Offset and rotation of a motion at a time: interpolated between keys, constant outside.
 MotionKey at_time(const std::vector<MotionKey>& keys, double time);

@@ -31,6 +31,8 @@ constexpr double kMostMargin = 0.4, kMostRowMargin = 0.85;
 /// Number of boxes whose partners one thread searches at a time.
 constexpr std::size_t kBoxesOfWork = 64;
 
+bool one_conforms(const WorldPart& a, const WorldPart& b) { return a.info.conforming || b.info.conforming; }
+
 /// [bytes] memory of a step per pair with overlapping boxes.
 constexpr double kPairBytes = 300.0;
 
@@ -127,6 +129,22 @@ void ContactStage::sweep_boxes(double memory_limit) {
       kBoxesOfWork);
 }
 
+double ContactStage::largest_speed(std::int32_t pa, std::int32_t pb) const {
+  return (outline_[pa].velocity - outline_[pb].velocity).norm() + outline_[pa].spread + outline_[pb].spread;
+}
+
+void ContactStage::find_blows(std::span<const WorldPart> parts) {
+  blow_.assign(parts.size(), 0.0);
+  const auto gives_way = [&](std::int32_t p) { return !parts[p].solid && !is_fixed(parts[p]); };
+  for (const auto& [pa, pb] : touching_) {
+    const bool a = gives_way(pa), b = gives_way(pb);
+    if (!(a || b) || one_conforms(parts[pa], parts[pb]) || !may_touch(parts[pa], parts[pb])) continue;
+    const double speed = largest_speed(pa, pb);
+    if (a) blow_[pa] = std::max(blow_[pa], speed);
+    if (b) blow_[pb] = std::max(blow_[pb], speed);
+  }
+}
+
 ContactStage::Meeting ContactStage::meet(std::span<const WorldPart> parts, std::int32_t pa, std::int32_t pb, double dt,
                                          const HeldPairs& held_before, const WorldOptions& options) const {
   const double ramp = options.ramp_voxels, fall = options.environment.gravity.norm() * dt;
@@ -139,11 +157,12 @@ ContactStage::Meeting ContactStage::meet(std::span<const WorldPart> parts, std::
   m.region = box_a.intersection(box_b);
   m.level = meeting_level(a, b);
   m.h = meeting_step(a, b);  // the finer of the two steps, at that level
-  // Nodes whose gap may close within the step count as inactive contacts.
-  const double speed =
-      (outline_[pa].velocity - outline_[pb].velocity).norm() + outline_[pa].spread + outline_[pb].spread;
+  // Nodes whose gap may close within the step count as inactive contacts: by the speed of the two, or of a third part
+  // that hits one of them, if this deforms.
+  double speed = largest_speed(pa, pb);
   const bool rigid_rows = held || meet_by_rigid_rows(a, b, options);
   const double least = rigid_rows ? kRowMargin : meet_by_rows(a, b, options) ? kSoftRowMargin : 0.0;
+  if (least == 0.0 && !one_conforms(a, b)) speed = std::max({speed, blow_[pa], blow_[pb]});
   m.margin = std::clamp(1.5 * (speed + fall) * dt / (ramp * m.h), least,
                         rigid_rows && !held_before.contains(pa, pb) ? kMostRowMargin : kMostMargin);
   require_near(a, b, m.region, m.h);
@@ -168,6 +187,7 @@ void ContactStage::find_candidates(std::span<const WorldPart> parts, std::span<c
   // The root of the hierarchy: boxes of whole parts.
   outline(parts, v, first_v, ramp);
   sweep_boxes(options.memory_limit);
+  find_blows(parts);
   meeting_.resize(touching_.size());
   parallel_for(
       touching_.size(),

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "brim/body/distance_bound.h"
+#include "brim/body/spinning_balls.h"
 #include "brim/core/interface_of.h"
 #include "brim/world/fill_stage.h"
 
@@ -233,16 +234,18 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
                           b.body->relative_speed_bound(b.index, velocities_of(b, v, first_v));
       stay = travel < std::max(kStays * pairs[i].h / options.time_step, kTurns * turn);
     }
-    penalties_[i] = {stiffness,
-                     m.friction,
-                     velocity_a,
-                     velocity_b,
-                     {a.info.conforming, b.info.conforming},
-                     solid,
-                     filled,
-                     inverse_mass_of(a) + inverse_mass_of(b),
-                     fixed,
-                     {stay ? stage.solid(pairs[i].part_a) : nullptr, stay ? stage.solid(pairs[i].part_b) : nullptr}};
+    penalties_[i] = {
+        stiffness,
+        m.friction,
+        velocity_a,
+        velocity_b,
+        {a.info.conforming, b.info.conforming},
+        solid,
+        filled,
+        inverse_mass_of(a) + inverse_mass_of(b),
+        fixed,
+        {stay ? stage.solid(pairs[i].part_a) : nullptr, stay ? stage.solid(pairs[i].part_b) : nullptr},
+        interface_of<SpinningBalls>(*a.body) != nullptr || interface_of<SpinningBalls>(*b.body) != nullptr};
   }
 }
 

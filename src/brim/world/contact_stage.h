@@ -117,6 +117,10 @@ class ContactStage {
                double ramp);
   /// Pairs of parts whose swept boxes overlap, ordered.
   void sweep_boxes(double memory_limit);
+  /// [m/s] bound of the relative speed of the material of two parts.
+  double largest_speed(std::int32_t a, std::int32_t b) const;
+  /// Finds how fast each part that deforms may be hit.
+  void find_blows(std::span<const WorldPart> parts);
   Meeting meet(std::span<const WorldPart> parts, std::int32_t a, std::int32_t b, double dt,
                const HeldPairs& held_before, const WorldOptions& options) const;
   std::int32_t layer_of(std::int32_t part, double h, int level, const Aabb& region);
@@ -133,7 +137,9 @@ class ContactStage {
   bool average_ = true;  ///< coarse densities are means of fine ones
   std::vector<RigidContacts::Touch> held_;
   std::vector<Outline> outline_;  ///< per part
-  std::vector<Aabb> swept_;       ///< of each part
+  /// [m/s] per part that deforms: largest speed of another near it relative to it; 0 for all else, and of fluids.
+  std::vector<double> blow_;
+  std::vector<Aabb> swept_;  ///< of each part
   BoxSweep sweep_;
   std::vector<std::int32_t> first_touch_;
   std::vector<std::vector<std::pair<std::int32_t, std::int32_t>>>

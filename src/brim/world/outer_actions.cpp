@@ -160,6 +160,15 @@ void OuterActions::add_at_points(const Vec3& force, std::span<const WorldPart> p
   }
 }
 
+void OuterActions::find_changing(double time, double dt, std::vector<int>& out) const {
+  for (const Entry& e : entries_) {
+    const double now = at_time(e.given.scale, time);
+    const bool blows = e.given.wind && e.given.wind->field;
+    if (!blows && now == at_time(e.given.scale, time - dt) && now == at_time(e.given.scale, time + dt)) continue;
+    for (const Action& a : e.actions) out.push_back(a.body);
+  }
+}
+
 std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Body>> bodies,
                                               std::span<const WorldPart> parts, std::span<const double> q,
                                               std::span<const std::size_t> first_q, std::span<const double> v,

@@ -33,6 +33,9 @@ class OuterActions {
   }
   /// Sets the flags of bodies with wind or a position-dependent force. @param flags  shape (bodies)
   void flag_acted_on(std::span<std::uint8_t> flags) const;
+  /// Appends the bodies on which something acts that changes with time: by its scale around this sub-step, or by a wind
+  /// field, of which nothing is known.
+  void find_changing(double time, double dt, std::vector<int>& out) const;
   /// [N s] over a sub-step, added to `base`; shape (nv). Bodies are at their last update.
   /// @param base  shape (nv) or empty
   std::span<const double> impulse(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts,

@@ -14,8 +14,8 @@ namespace brim {
 /// Decides which bodies sleep. Bodies that touch each other form an island; an island whose bodies have all been nearly
 /// still for half a second falls asleep: its velocities become zero and the step leaves out its bodies and their
 /// contacts. It wakes as a whole when an awake or moving body touches it, when it is given a velocity (prescribed, or
-/// set from outside) and on request. Part of the world's state, in its memory, so that a resumed run continues bit for
-/// bit:
+/// set from outside), while a force or wind on one of its bodies changes with time, and on request. Part of the world's
+/// state, in its memory, so that a resumed run continues bit for bit:
 ///   memory: [-0.5, n, n times (seconds of rest, island or -1), others ...]; only others when no body rests
 /// Tests: tests/world/sleep_test.cpp
 class Sleep {

@@ -34,7 +34,11 @@ void World::Impl::prescribe(double dt) {
     bodies[b]->prescribe(state.time, dt, q(b), v(b));
     if (sleep.asleep(b) && std::any_of(v(b).begin(), v(b).end(), [](double x) { return x != 0.0; })) sleep.wake(b);
   }
-  if (sleep.on()) sleep.mark(parts, state.v, first_v);
+  if (!sleep.on()) return;
+  std::vector<int> pushed;
+  actions.find_changing(state.time, dt, pushed);
+  for (const int b : pushed) sleep.wake(static_cast<std::size_t>(b));
+  sleep.mark(parts, state.v, first_v);
 }
 
 void World::Impl::find_contacts(double dt, StepReport& report) {

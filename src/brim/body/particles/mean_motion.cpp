@@ -1,5 +1,7 @@
 #include "brim/body/particles/mean_motion.h"
 
+#include <algorithm>
+
 #include "brim/math/free_turn.h"
 #include "brim/math/small_symmetric.h"
 
@@ -9,8 +11,6 @@ namespace {
 
 /// Prescribed particles within this share of their extent from a line count as on it.
 constexpr double kOnLine = 1e-9;
-/// Turns that meet less than this share of the largest moment of inertia are none: a straight line about itself.
-constexpr double kNoInertia = 1e-12;
 
 Eigen::Map<const Vec3> triple(std::span<const double> a, std::size_t i) {
   return Eigen::Map<const Vec3>(a.data() + 3 * i);
@@ -32,6 +32,7 @@ void for_others(const ParticleSet& p, const F& f) {
 /// c, ċ and the axis.
 MeanMotion frame_of(const ParticleSet& p, std::span<const double> x, std::span<const double> v) {
   MeanMotion m;
+  m.least_inertia = p.least_inertia;
   if (p.prescribed.empty()) {
     double total = 0.0;
     for (std::size_t i = 0; i < p.mass.size(); ++i) {
@@ -72,10 +73,15 @@ void take_inertia(const ParticleSet& p, std::span<const double> x, MeanMotion& m
 namespace {
 
 /// ω of an angular momentum, the axes of inertia known.
-Vec3 spin_about(const SymmetricAxes& e, const Vec3& L) {
+Vec3 spin_about(const SymmetricAxes& e, double least_share, const Vec3& L) {
+  const double least = least_share * e.values[2];
   Vec3 w = Vec3::Zero();
-  for (int k = 0; k < 3; ++k)
-    if (e.values[k] > kNoInertia * e.values[2]) w += e.vectors.col(k) * (e.vectors.col(k).dot(L) / e.values[k]);
+  for (int k = 0; k < 3; ++k) {
+    const double I = e.values[k], mobility = I >= least && I > 0.0 ? 1.0 / I
+                                             : least > 0.0         ? std::max(0.0, I) / (least * least)
+                                                                   : 0.0;
+    w += mobility * e.vectors.col(k).dot(L) * e.vectors.col(k);
+  }
   return w;
 }
 
@@ -86,13 +92,14 @@ Vec3 MeanMotion::spin_of(const Vec3& L) const {
     const double about = axis->dot(inertia * *axis);
     return about > 0.0 ? Vec3(*axis * (axis->dot(L) / about)) : Vec3::Zero();
   }
-  return spin_about(symmetric_axes(inertia), L);
+  return spin_about(symmetric_axes(inertia), least_inertia, L);
 }
 
 Mat3 MeanMotion::turn(double dt) const {
   if (axis) return rotation_from_vector(dt * spin).toRotationMatrix();
   const SymmetricAxes axes = symmetric_axes(inertia);
-  return free_turn(inertia * spin, dt, [&](const Vec3& L) { return spin_about(axes, L); }).toRotationMatrix();
+  return free_turn(inertia * spin, dt, [&](const Vec3& L) { return spin_about(axes, least_inertia, L); })
+      .toRotationMatrix();
 }
 
 MeanMotion mean_motion(const ParticleSet& p, std::span<const double> x, std::span<const double> v) {
@@ -102,7 +109,7 @@ MeanMotion mean_motion(const ParticleSet& p, std::span<const double> x, std::spa
   Vec3 L = Vec3::Zero();
   for (std::size_t i = 0; i < p.mass.size(); ++i)
     L += p.mass[i] * (triple(x, i) - m.center).cross(triple(v, i) - m.velocity);
-  m.spin = m.spin_of(L);
+  m.spin = m.spin_of(L), m.momentum = L;
   return m;
 }
 
@@ -150,7 +157,7 @@ void turn_velocities(const ParticleSet& p, double dt, std::span<const double> be
                      std::span<double> v, std::span<const double> j) {
   const MeanMotion m = mean_motion(p, before, v);
   if (!m.free) return;
-  Vec3 t = Vec3::Zero(), L = m.inertia * m.spin;
+  Vec3 t = Vec3::Zero(), L = m.momentum;
   double total = 0.0;
   for (std::size_t i = 0; i < p.mass.size(); ++i) {
     t += triple(j, i), total += p.mass[i];

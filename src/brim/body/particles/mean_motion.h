@@ -12,6 +12,9 @@ namespace brim {
 struct ParticleSet {
   std::span<const double> mass;              ///< [kg]
   std::span<const std::int32_t> prescribed;  ///< sorted
+  /// Share of the largest moment of inertia below which the rotation about an axis is less and less part of the rigid
+  /// motion: a line that vibrates has a momentum about itself that as a rotation would be arbitrarily fast.
+  double least_inertia = 1e-9;
 };
 
 /// Rigid part of the motion of particles, with their angular momentum:
@@ -22,9 +25,12 @@ struct MeanMotion {
   bool free = true;
   Vec3 center = Vec3::Zero(), velocity = Vec3::Zero(), spin = Vec3::Zero();  // c, ċ, ω
   Mat3 inertia = Mat3::Zero();                                               // I
-  std::optional<Vec3> axis;  ///< unit; if only rotations about a line remain
+  Vec3 momentum = Vec3::Zero();  ///< Σ m (x − c) × (v − ċ), also of u where I ω is not all of it
+  std::optional<Vec3> axis;      ///< unit; if only rotations about a line remain
+  double least_inertia = 0.0;    ///< ParticleSet's
 
-  /// ω of an angular momentum about c; zero about axes without inertia.
+  /// ω of an angular momentum about c: L / I about axes with at least least_inertia of the largest moment I₃, and
+  /// L I / (least_inertia I₃)² about others, zero without inertia.
   Vec3 spin_of(const Vec3& L) const;
   /// R of a step at constant angular momentum (free_turn).
   Mat3 turn(double dt) const;

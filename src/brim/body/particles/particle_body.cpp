@@ -100,7 +100,7 @@ void ParticleBody::update(double, std::span<const double> q, std::span<const dou
 
 void ParticleBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
   if (hold_together(stiffness_))
-    advance_turning({mass_, prescribed_}, dt, q, v);
+    advance_turning(particle_set(), dt, q, v);
   else
     for (std::size_t i = 0; i < q.size(); ++i) q[i] += dt * v[i];
 }
@@ -129,7 +129,7 @@ void ParticleBody::finish_step(double, double dt, std::span<double> q, std::span
     for (std::size_t i = 0; i < v_.size(); ++i)
       at(std::span(impulse_), i) -= dt * (at(std::span(x), i) + options_.mass_damping * mass_[i] * v_[i]);
   }
-  turn_velocities({mass_, prescribed_}, dt, flat(x_), q, v, impulse_);
+  turn_velocities(particle_set(), dt, flat(x_), q, v, impulse_);
 }
 
 void ParticleBody::add_forces(const Environment& env, std::span<double> Q) const {
@@ -138,7 +138,7 @@ void ParticleBody::add_forces(const Environment& env, std::span<double> Q) const
   if (options_.stiffness_damping > 0.0) {
     stiffness_.multiply_add(-options_.stiffness_damping, 0.0, mass_, flat(v_), Q);
   }
-  if (hold_together(stiffness_)) add_turning_forces({mass_, prescribed_}, dt_, flat(x_), flat(v_), Q);
+  if (hold_together(stiffness_)) add_turning_forces(particle_set(), dt_, flat(x_), flat(v_), Q);
   add_outer_forces(Q);
 }
 

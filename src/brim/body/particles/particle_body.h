@@ -13,6 +13,7 @@
 #include "brim/body/outer_forces.h"
 #include "brim/body/particles/body_pieces.h"
 #include "brim/body/particles/element_clusters.h"
+#include "brim/body/particles/mean_motion.h"
 #include "brim/body/particles/particle_contact.h"
 #include "brim/math/block_matrix.h"
 
@@ -140,7 +141,9 @@ class ParticleBody : public Body,
   std::vector<double> mass_;
   ParticleOptions options_;
   std::vector<std::int32_t> prescribed_;  // fixed and moved nodes, sorted
-  std::vector<Vec3> x_, v_, force_;       // of the last update
+  double least_inertia_ = 1e-9;           // ParticleSet's
+  ParticleSet particle_set() const { return {mass_, prescribed_, least_inertia_}; }
+  std::vector<Vec3> x_, v_, force_;  // of the last update
   BlockMatrix stiffness_;
   Display display_;
 

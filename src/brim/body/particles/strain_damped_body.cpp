@@ -23,7 +23,7 @@ void StrainDampedBody::add_forces(const Environment& env, std::span<double> Q) c
   for (std::size_t i = 0; i < rest_.size(); ++i)
     Eigen::Map<Vec3>(Q.data() + 3 * i) += mass_[i] * env.gravity + force_[i] - a * mass_[i] * v_[i];
   if (options_.stiffness_damping > 0.0) damper_.multiply_add(-options_.stiffness_damping, 0.0, mass_, v, Q);
-  add_turning_forces({mass_, prescribed_}, dt_, {x_.data()->data(), 3 * x_.size()}, v, Q);
+  add_turning_forces(particle_set(), dt_, {x_.data()->data(), 3 * x_.size()}, v, Q);
   add_outer_forces(Q);
 }
 

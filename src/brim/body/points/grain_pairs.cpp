@@ -101,7 +101,7 @@ GrainPairs::Contact GrainPairs::contact(const NeighbourSearch::Pair& p, std::spa
 
 bool GrainPairs::foresee(std::span<const Vec3> after, std::span<const Vec3> spin_after, std::span<const Vec3> x,
                          std::span<const Vec3> v, std::span<const Vec3> spin, std::span<const double> radius,
-                         const GrainMaterial& m, double dt) {
+                         std::span<const double> mass, const GrainMaterial& m, double dt) {
   std::atomic<bool> any = false;
   parallel_blocks(pair_.size(), kPairBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -111,8 +111,17 @@ bool GrainPairs::foresee(std::span<const Vec3> after, std::span<const Vec3> spin
       Contact c = meeting(p, x, radius, m, overlap);
       const double b = overlap > 0.0 ? m.damping : 0.0;
       const double least = kForeseen * std::min(radius[p.a], radius[p.b]);
-      if (!(overlap - (dt + b) * c.normal.dot(sliding(c, p, after, spin_after)) > least)) continue;
-      press(c, p, overlap, sliding(c, p, v, spin), spin, radius, m);
+      const Vec3 found = sliding(c, p, after, spin_after), u = sliding(c, p, v, spin);
+      const double closing = -c.normal.dot(found);
+      if (!(overlap + (dt + b) * closing > least)) continue;
+      press(c, p, overlap, u, spin, radius, m);
+      if (c.drag == 0.0 && closing > 0.0) {
+        // The blow stops the two at most: friction of that load.
+        const double stop = closing / (dt * (1.0 / mass[p.a] + 1.0 / mass[p.b]));
+        const Vec3 slip = found + closing * c.normal;
+        c.drag = m.friction * std::min(c.k * (overlap + dt * closing), stop) / std::max(slip.norm(), m.slip_speed);
+        c.force -= c.drag * (u - c.normal * c.normal.dot(u));
+      }
       contact_[i] = c;
       any = true;
     }

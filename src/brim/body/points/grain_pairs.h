@@ -56,7 +56,7 @@ class GrainPairs {
   /// @return true when there are such pairs
   bool foresee(std::span<const Vec3> after, std::span<const Vec3> spin_after, std::span<const Vec3> x,
                std::span<const Vec3> v, std::span<const Vec3> spin, std::span<const double> radius,
-               const GrainMaterial& material, double dt);
+               std::span<const double> mass, const GrainMaterial& material, double dt);
 
   /// Adds the forces of the last evaluation on each grain, [N], and torques, [N m].
   void add_forces(std::span<Vec3> f, std::span<Vec3> torque) const;

@@ -178,7 +178,7 @@ bool PointsBody::foresee(std::span<const double> v) {
   const double gap = gap_for(dt_, after);
   // With room for later solves: pairs found anew forget what was foreseen before.
   if (gap > pairs_.gap() + kUnsearched * smallest_) find_pairs(2.0 * gap);
-  if (!pairs_.foresee(after, spin, x_, v_, spin_, radius_, material_, dt_)) return false;
+  if (!pairs_.foresee(after, spin, x_, v_, spin_, radius_, mass_, material_, dt_)) return false;
   gather_pairs();
   return true;
 }

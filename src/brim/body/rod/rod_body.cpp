@@ -5,6 +5,13 @@
 
 namespace brim {
 
+namespace {
+
+/// ParticleSet::least_inertia of a line: nodes off it by some hundredth of its length.
+constexpr double kLeastInertia = 1e-4;
+
+}  // namespace
+
 RodBody::Line RodBody::make_line(const std::vector<Vec3>& nodes, const RodOptions& o) {
   require_positive("rod", "radius", o.radius);
   require_positive("rod", "linear density", o.linear_density);
@@ -42,6 +49,7 @@ RodBody::RodBody(std::vector<Vec3> nodes, Line line, const RodOptions& options)
   pattern.add_elements(bending_.nodes(), 3);
   pattern.finish();
   share_pattern(std::move(pattern));
+  least_inertia_ = kLeastInertia;
   stretch_.find_pairs(stiffness_);
   bending_.find_pairs(stiffness_);
   force_.assign(particle_count(), Vec3::Zero());
