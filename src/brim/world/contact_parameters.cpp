@@ -71,6 +71,11 @@ std::span<const double> velocities_of(const WorldPart& p, std::span<const double
 
 bool is_rigid(const WorldPart& p) { return p.body->v_size() <= 6 * static_cast<std::size_t>(p.body->part_count()); }
 
+/// True for a part that moves, of which no node moves without others.
+static bool moves_together(const WorldPart& p) {
+  return !is_fixed(p) && (is_rigid(p) || interface_of<SpinningBalls>(*p.body) != nullptr);
+}
+
 bool has_distance(const WorldPart& p) {
   const auto* body = interface_of<DistanceBound>(*p.body);
   return body != nullptr && body->solid(p.index) != nullptr;
@@ -234,18 +239,17 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
                           b.body->relative_speed_bound(b.index, velocities_of(b, v, first_v));
       stay = travel < std::max(kStays * pairs[i].h / options.time_step, kTurns * turn);
     }
-    penalties_[i] = {
-        stiffness,
-        m.friction,
-        velocity_a,
-        velocity_b,
-        {a.info.conforming, b.info.conforming},
-        solid,
-        filled,
-        inverse_mass_of(a) + inverse_mass_of(b),
-        fixed,
-        {stay ? stage.solid(pairs[i].part_a) : nullptr, stay ? stage.solid(pairs[i].part_b) : nullptr},
-        interface_of<SpinningBalls>(*a.body) != nullptr || interface_of<SpinningBalls>(*b.body) != nullptr};
+    penalties_[i] = {stiffness,
+                     m.friction,
+                     velocity_a,
+                     velocity_b,
+                     {a.info.conforming, b.info.conforming},
+                     solid,
+                     filled,
+                     inverse_mass_of(a) + inverse_mass_of(b),
+                     fixed,
+                     {stay ? stage.solid(pairs[i].part_a) : nullptr, stay ? stage.solid(pairs[i].part_b) : nullptr},
+                     moves_together(a) || moves_together(b)};
   }
 }
 
