@@ -187,11 +187,6 @@ void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState
       g = std::max(0.0, direction_[c].dot(normal_[c])) * normal_[c];
       ea = bend[0] * (contacts.gradient_a[c] - g);
       eb = bend[1] * (contacts.gradient_b[c] + g);
-      if (pairs[p].rigid || pairs[p].together) return;
-      // A node of its own is stopped by its own force: that the curved part is less steep across the surface too is no
-      // motion of the patch along it.
-      ea -= normal_[c] * normal_[c].dot(ea);
-      eb -= normal_[c] * normal_[c].dot(eb);
     };
     Vec3 g, ea, eb;
     double explained = 0.0, possible = 0.0;

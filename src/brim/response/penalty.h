@@ -35,7 +35,6 @@ struct PairState {
   bool fixed = false;         ///< one of the bodies does not move
   /// Both parts, if their distances are known and their centres hardly move past each other; else null.
   std::array<const CubeSide*, 2> solids = {};
-  bool together = false;  ///< a part that moves is rigid or made of balls: its nodes move together
 };
 
 /// Action of a link, in the place of a contact: a force at the start of the step and the matrix across n nᵀ + along 1

@@ -10,7 +10,6 @@
 #include <tuple>
 
 #include "brim/body/distance_bound.h"
-#include "brim/body/spinning_balls.h"
 #include "brim/core/interface_of.h"
 #include "brim/world/fill_stage.h"
 
@@ -70,11 +69,6 @@ std::span<const double> velocities_of(const WorldPart& p, std::span<const double
 }  // namespace
 
 bool is_rigid(const WorldPart& p) { return p.body->v_size() <= 6 * static_cast<std::size_t>(p.body->part_count()); }
-
-/// True for a part that moves, of which no node moves without others.
-static bool moves_together(const WorldPart& p) {
-  return !is_fixed(p) && (is_rigid(p) || interface_of<SpinningBalls>(*p.body) != nullptr);
-}
 
 bool has_distance(const WorldPart& p) {
   const auto* body = interface_of<DistanceBound>(*p.body);
@@ -248,8 +242,7 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
                      filled,
                      inverse_mass_of(a) + inverse_mass_of(b),
                      fixed,
-                     {stay ? stage.solid(pairs[i].part_a) : nullptr, stay ? stage.solid(pairs[i].part_b) : nullptr},
-                     moves_together(a) || moves_together(b)};
+                     {stay ? stage.solid(pairs[i].part_a) : nullptr, stay ? stage.solid(pairs[i].part_b) : nullptr}};
   }
 }
 
