@@ -108,6 +108,75 @@ TEST(ProjectedGaussSeidel, SolutionsHoldCoulombsLawAtEveryContact) {
   }
 }
 
+TEST(ProjectedGaussSeidel, ResponsesThatItLearnsReplaceWhatItAssumed) {
+  constexpr unsigned kSeed = 33;
+  SCOPED_TRACE(kSeed);
+  std::mt19937 rng(kSeed);
+  constexpr int kContacts = 3, kVelocities = 12, kRows = 3 * kContacts;
+  std::normal_distribution<double> normal;
+  Problem p(kContacts, kVelocities, 0.3, rng);
+  p.solver.begin_learning(kVelocities);
+  const std::size_t width = kVelocities + ProjectedGaussSeidel::kLearned;
+  const Eigen::MatrixXd B = Eigen::MatrixXd::NullaryExpr(kRows, kRows, [&] { return normal(rng); });
+  const Eigen::MatrixXd W = B * B.transpose();
+  const auto expected = [&](const std::vector<Vec3>& impulse) {
+    std::vector<double> v(width, 0.0);
+    for (std::size_t c = 0; c < kContacts; ++c) p.solver.add_response(c, impulse[c], v);
+    std::vector<Vec3> u;
+    for (std::size_t c = 0; c < kContacts; ++c) u.push_back(p.solver.velocity(c, v));
+    return u;
+  };
+  const auto actual = [&](const std::vector<Vec3>& impulse) {
+    Eigen::VectorXd x(kRows);
+    for (int c = 0; c < kContacts; ++c) x.segment<3>(3 * c) = impulse[static_cast<std::size_t>(c)];
+    const Eigen::VectorXd y = W * x;
+    std::vector<Vec3> u;
+    for (int c = 0; c < kContacts; ++c) u.emplace_back(y.segment<3>(3 * c));
+    return u;
+  };
+  const auto away = [](const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+    double d = 0.0, size = 0.0;
+    for (std::size_t c = 0; c < a.size(); ++c) d += (a[c] - b[c]).squaredNorm(), size += b[c].squaredNorm();
+    return std::sqrt(d / size);
+  };
+  const auto random = [&] {
+    std::vector<Vec3> impulse;
+    for (int c = 0; c < kContacts; ++c) impulse.emplace_back(normal(rng), normal(rng), normal(rng));
+    return impulse;
+  };
+  const std::vector<Vec3> probe = random();
+  EXPECT_GT(away(expected(probe), actual(probe)), 0.1) << "the test is empty";
+  // Conjugate impulses: what is learned of one stays when the next is.
+  std::vector<std::vector<Vec3>> before;
+  const auto dot = [](const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+    double sum = 0.0;
+    for (std::size_t c = 0; c < a.size(); ++c) sum += a[c].dot(b[c]);
+    return sum;
+  };
+  for (int i = 0; i < kRows; ++i) {
+    std::vector<Vec3> impulse = random();
+    for (const auto& b : before) {
+      const double share = dot(impulse, actual(b)) / dot(b, actual(b));
+      for (std::size_t c = 0; c < kContacts; ++c) impulse[c] -= share * b[c];
+    }
+    before.push_back(impulse);
+    p.solver.learn(impulse, expected(impulse), actual(impulse));
+    EXPECT_LT(away(expected(impulse), actual(impulse)), 1e-9);
+  }
+  EXPECT_LT(away(expected(probe), actual(probe)), 1e-7);
+  // Sweeps of what was learned end where Coulomb's law holds with the true responses.
+  std::vector<double> v = p.free;
+  v.resize(width, 0.0);
+  std::vector<Vec3> impulse(kContacts, Vec3::Zero()), start;
+  for (std::size_t c = 0; c < kContacts; ++c) start.push_back(p.solver.velocity(c, v) + p.offset[c]);
+  ASSERT_TRUE(p.solver.solve(p.offset, p.target, 1e-12, 20000, 0.0, impulse, v).converged);
+  const std::vector<Vec3> change = actual(impulse);
+  for (std::size_t c = 0; c < kContacts; ++c)
+    EXPECT_LT(contact_residual(W.block<3, 3>(3 * c, 3 * c).trace() / 3.0, 0.3,
+                               start[c] + change[c] - Vec3(p.target[c], 0, 0), impulse[c]),
+              1e-6);
+}
+
 TEST(ProjectedGaussSeidel, WithoutFrictionTheSolutionIsThatOfEveryActiveSetTried) {
   constexpr unsigned kSeed = 5;
   SCOPED_TRACE(kSeed);

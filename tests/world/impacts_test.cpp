@@ -3,6 +3,7 @@
 #include "brim/mesh/distance_grid.h"
 #include "brim/mesh/primitives.h"
 #include "brim/raster/grid_shape.h"
+#include "support/momentum.h"
 #include "support/worlds.h"
 
 /// Impacts by constraint rows: one after the other within a step, and of faces that land flat.
@@ -73,6 +74,38 @@ double energy_kept(double gap) {
 TEST(Impacts, OnAClusterKeepItsEnergy) {
   // Of a pair that has met in a step and is driven together again, a second blow was left out: 1.08 of the energy.
   for (const double gap : {1e-5, 1e-3, 0.01, 0.03}) EXPECT_NEAR(energy_kept(gap), 1.0, 2e-3) << gap;
+}
+
+TEST(Impacts, AStruckBallLeavesAlongTheLineOfCentresOfTheImpact) {
+  // Steps in which the balls turn about each other by up to ten degrees before they touch.
+  WorldOptions o = rows(0.05, 1.0);
+  o.environment.gravity.setZero();
+  o.time_step = 1.0 / 60.0;
+  constexpr double kBeside = 0.24, kSpeed = 2.0;
+  for (const double ahead : {0.5, 0.508, 0.516, 0.524, 0.532}) {
+    SCOPED_TRACE(ahead);
+    World w(o);
+    testing::Start s;
+    s.x = Vec3(-ahead, kBeside, 0), s.v = Vec3(kSpeed, 0, 0);
+    w.add(testing::ball("cue", s, 0.0, 0.2));
+    w.add(testing::ball("struck", {Vec3::Zero()}, 0.0, 0.2));
+    const auto before = testing::momentum(w);
+    double angular = 0.0;
+    for (int i = 0; i < 30; ++i) {
+      const StepReport r = w.step();
+      ASSERT_TRUE(r.ok);
+      angular = std::max(angular, r.angular_error);
+    }
+    // Along (√(1 − 0.6²), −0.6), with what the cue ball had along it.
+    EXPECT_LT((testing::velocity(w, 1) - 0.8 * kSpeed * Vec3(0.8, -0.6, 0)).norm(), 2e-3);
+    EXPECT_LT((testing::velocity(w, 0) - 0.6 * kSpeed * Vec3(0.6, 0.8, 0)).norm(), 2e-3);
+    EXPECT_LT(testing::spin(w, 0).norm() + testing::spin(w, 1).norm(), 1e-4)
+        << "without friction, radii in single precision";
+    EXPECT_LT(angular, 1e-12);
+    const auto after = testing::momentum(w);
+    EXPECT_LT((after.linear - before.linear).norm(), 1e-10 * before.linear.norm());
+    EXPECT_LT((after.angular - before.angular).norm(), 1e-3 * before.angular.norm());
+  }
 }
 
 TEST(Impacts, ARingThatLandsFlatBouncesStraight) {

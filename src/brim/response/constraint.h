@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -67,6 +68,11 @@ class Constraint {
     Mat3 a = Mat3::Zero(), b = Mat3::Zero();
   };
   std::span<const Bend> bends() const { return bend_; }
+  /// Radii of two balls, [m], where the two surfaces are round at a point of gathered rows; else zero.
+  using Radii = std::array<double, 2>;
+  std::span<const Radii> radii() const { return radii_; }
+  /// Places a point where its surfaces will touch: friction acts there too.
+  void place(std::size_t c, const Vec3& point, const Vec3& normal, double gap);
 
   /// @param start, free  [m/s] relative velocity a − b at each point: at the start, and of the motion without contact
   void set_targets(const ConstraintOptions& options, std::span<const Vec3> start, std::span<const Vec3> free);
@@ -127,6 +133,7 @@ class Constraint {
   std::vector<double> friction_, restitution_;
   std::vector<std::uint8_t> off_nodes_;  ///< per pair of points_: nonzero when its gaps are read at grid nodes
   std::vector<Bend> bend_;
+  std::vector<Radii> radii_;
   std::vector<double> velocity_target_, position_target_;
   std::vector<double> touch_time_;  ///< [s] from the start of the step to the contact; 0 when already in contact
   bool targets_differ_ = false, bounces_ = false;

@@ -51,7 +51,7 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
       friction_viscosity_.resize(n), mu_.resize(n);
   pressed_.assign(n, 0.0), drag_.assign(n, 0.0);
   bonds_.clear();
-  slip_.resize(contacts.pairs.size()), inverse_mass_.resize(contacts.pairs.size()),
+  slip_.resize(contacts.pairs.size()), inverse_mass_.resize(contacts.pairs.size()), body_.resize(contacts.pairs.size()),
       rigid_.resize(contacts.pairs.size()), fixed_.resize(contacts.pairs.size()), filled_.resize(contacts.pairs.size());
 
   if (!normals_found_) find_normals(contacts, pairs);
@@ -100,7 +100,7 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
     for (std::size_t c = pair.begin; c < pair.end; ++c)
       set_friction(c, load_[c], stuck ? Vec3::Zero() : slip_after(c, {}), slip_[p].stick);
     slip_[p].assumed = std::max(slip_[p].stick, stuck || !(load > 0.0) ? 0.0 : slip / load);
-    inverse_mass_[p] = pairs[p].inverse_mass, rigid_[p] = pairs[p].rigid;
+    inverse_mass_[p] = pairs[p].inverse_mass, body_[p] = pairs[p].body, rigid_[p] = pairs[p].rigid;
     fixed_[p] = pairs[p].fixed;
     filled_[p] = pairs[p].filled;
   });

@@ -29,10 +29,12 @@ struct PairState {
   Vec3 mean_velocity_b = Vec3::Zero();
   /// Sides that conform to the other, as fluids do: if only one does, normals are the other's, unsmoothed.
   std::array<bool, 2> conforming = {false, false};
-  bool rigid = false;         ///< neither part deforms: no node moves without all the others
-  bool filled = false;        ///< one part's own pressure carries the normal load: this response adds friction only
-  double inverse_mass = 0.0;  ///< [1/kg] sum of the inverse masses of the two bodies
-  bool fixed = false;         ///< one of the bodies does not move
+  bool rigid = false;   ///< neither part deforms: no node moves without all the others
+  bool filled = false;  ///< one part's own pressure carries the normal load: this response adds friction only
+  /// [1/kg] of the two bodies; 0 of one that is held by more than contact.
+  std::array<double, 2> inverse_mass = {0.0, 0.0};
+  std::array<std::int32_t, 2> body = {0, 1};  ///< numbers of the two bodies
+  bool fixed = false;                         ///< one of the bodies does not move
   /// Both parts, if their distances are known and their centres hardly move past each other; else null.
   std::array<const CubeSide*, 2> solids = {};
 };
@@ -157,6 +159,11 @@ class Penalty {
   };
   /// @param share  pair's net load over the sum of its loads
   SlipForecast expected_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta, double share);
+  /// Friction of a rigid pair beyond its limit, as a force on a, [N]; less than nothing at most as far as its slip
+  /// would stop.
+  Vec3 friction_beyond(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta, double share) const;
+  /// How all of that, once it is gone, changes the velocities of the bodies.
+  void push_bodies();
 
   /// Results of the step's solves for a pair's slip.
   struct SlipHistory {
@@ -199,13 +206,17 @@ class Penalty {
   std::vector<double> mu_;
   std::vector<double> pressed_, drag_;  ///< set_pressed
   std::vector<Action> action_;
-  std::vector<Bond> bonds_;                  ///< of the links, the last contacts
-  std::vector<SlipHistory> slip_;            ///< per pair
-  std::vector<double> inverse_mass_;         ///< [1/kg] per pair
-  std::vector<std::uint8_t> rigid_, fixed_;  ///< per pair
-  std::vector<std::uint8_t> filled_;         ///< per pair
-  std::vector<std::uint8_t> fits_;           ///< per pair: rigid solids that fit each other
-  std::vector<std::array<double, 2>> bend_;  ///< per pair: curvature of each part at the patch, 0 flat to 1
+  std::vector<Bond> bonds_;                          ///< of the links, the last contacts
+  std::vector<SlipHistory> slip_;                    ///< per pair
+  std::vector<std::array<double, 2>> inverse_mass_;  ///< [1/kg] per pair and body
+  std::vector<std::array<std::int32_t, 2>> body_;    ///< per pair
+  std::vector<double> share_;                        ///< per pair, in update_loads: net load over the sum of loads
+  std::vector<Vec3> beyond_;                         ///< per pair: friction_beyond
+  std::vector<Vec3> pushed_;                         ///< [m/s] per body, by the friction beyond its limits
+  std::vector<std::uint8_t> rigid_, fixed_;          ///< per pair
+  std::vector<std::uint8_t> filled_;                 ///< per pair
+  std::vector<std::uint8_t> fits_;                   ///< per pair: rigid solids that fit each other
+  std::vector<std::array<double, 2>> bend_;          ///< per pair: curvature of each part at the patch, 0 flat to 1
 };
 
 }  // namespace brim

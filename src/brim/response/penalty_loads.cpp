@@ -63,6 +63,7 @@ void Penalty::update_bonds(std::span<const Vec3> delta, double& changed, double&
 
 double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> delta) {
   std::vector<double> change(contacts.pairs.size(), 0.0), total(contacts.pairs.size(), 0.0);
+  share_.resize(contacts.pairs.size()), beyond_.resize(contacts.pairs.size());
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
     // Pulling nodes are released; until the next solve they still carry part of the net load, and newly active ones
@@ -88,7 +89,13 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
       if (!was_active && active_[c]) come += load_[c];
     }
     total[p] = push;
-    const double share = push > 0.0 ? std::max(0.0, net) / (push + come) : 1.0;
+    share_[p] = push > 0.0 ? std::max(0.0, net) / (push + come) : 1.0;
+    beyond_[p] = rigid_[p] ? friction_beyond(pair, p, delta, share_[p]) : Vec3::Zero();
+  });
+  push_bodies();
+  parallel_for(contacts.pairs.size(), [&](std::size_t p) {
+    const ContactPair& pair = contacts.pairs[p];
+    const double share = share_[p];
     const SlipForecast next = expected_slip(pair, p, delta, share);
     double load = 0.0, assumed = 0.0;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
@@ -148,6 +155,30 @@ double Penalty::SlipHistory::keep_between(double next, double found, bool too_mu
   return tight.assumed * std::pow(loose.assumed / tight.assumed, share);
 }
 
+Vec3 Penalty::friction_beyond(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta, double share) const {
+  const Vec3 mean = mean_slip(pair, delta);
+  const double size = mean.norm(), light = options_.dt * (inverse_mass_[p][0] + inverse_mass_[p][1]);
+  if (!(size > 0.0)) return Vec3::Zero();
+  const Vec3 way = mean / size;
+  double friction = 0.0, most = 0.0;
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    if (action_[c].viscosity > 0.0) friction += friction_viscosity_[c] * way.dot(slip_after(c, delta));
+    if (active_[c] && load_[c] > 0.0) most += mu_[c] * share * load_[c];
+  }
+  return (light > 0.0 ? std::max(friction - most, -size / light) : friction - most) * way;
+}
+
+void Penalty::push_bodies() {
+  std::int32_t last = -1;
+  for (const auto& [a, b] : body_) last = std::max({last, a, b});
+  pushed_.assign(static_cast<std::size_t>(last + 1), Vec3::Zero());
+  for (std::size_t p = 0; p < body_.size(); ++p) {
+    if (!rigid_[p]) continue;
+    pushed_[static_cast<std::size_t>(body_[p][0])] += options_.dt * inverse_mass_[p][0] * beyond_[p];
+    pushed_[static_cast<std::size_t>(body_[p][1])] -= options_.dt * inverse_mass_[p][1] * beyond_[p];
+  }
+}
+
 Penalty::SlipForecast Penalty::expected_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta,
                                              double share) {
   SlipHistory& h = slip_[p];
@@ -171,13 +202,22 @@ Penalty::SlipForecast Penalty::expected_slip(const ContactPair& pair, std::size_
   if (!(found > 0.0)) return f;
   // A sliding pair is left with v = A − b F by the friction F. Two solves with different friction give b, which is at
   // least that of the whole masses; Coulomb's limit then leaves A − b µN if that is positive; else it sticks.
-  const double whole = options_.dt * inverse_mass_[p], less = h.friction_before - friction;
+  const double whole = options_.dt * (inverse_mass_[p][0] + inverse_mass_[p][1]), less = h.friction_before - friction;
   const double secant = (found - h.found_before) / less;
   const bool tells = h.solves > 0 && std::abs(less) > kTellingFriction * most && secant > whole;
   const double b = tells ? std::min(secant, kLightest * whole) : whole;
   // If a part deforms and both move, masses alone underestimate b: a sheet pressed between heavy bodies would alternate
   // between sticking and slipping.
-  if (tells || rigid_[p] || fixed_[p]) f.ratio = std::max(0.0, 1.0 + b * (friction - most) / found);
+  double next = found + b * (friction - most);
+  if (rigid_[p]) {
+    // What other contacts of the two bodies will give way or hold.
+    const auto [a, other] = body_[p];
+    const auto [light_a, light_b] = inverse_mass_[p];
+    const Vec3 way = f.mean / size;
+    next += way.dot(pushed_[static_cast<std::size_t>(a)] - pushed_[static_cast<std::size_t>(other)] -
+                    options_.dt * (light_a + light_b) * beyond_[p]);
+  }
+  if (tells || rigid_[p] || fixed_[p]) f.ratio = std::max(0.0, next / found);
   // If a part deforms, some nodes of a patch stick while others slide, and slip is not linear in friction.
   if (!rigid_[p]) f.ratio = h.keep_between(f.ratio * found, found, friction > most) / found;
   h.friction_before = friction, h.found_before = found, ++h.solves;

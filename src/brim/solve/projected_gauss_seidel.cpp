@@ -39,6 +39,7 @@ void ProjectedGaussSeidel::clear() {
   shares_.clear(), runs_.clear(), response_.clear();
   friction_.clear(), local_.clear(), local_inverse_.clear();
   first_share_.assign(1, 0), first_run_.assign(1, 0);
+  learned_.clear(), learned_columns_ = 0;
 }
 
 void ProjectedGaussSeidel::add(std::span<const Entry> entries, double friction) {
@@ -77,6 +78,8 @@ void ProjectedGaussSeidel::add_pair(const RigidPairRows::Side& a, const RigidPai
 Vec3 ProjectedGaussSeidel::row_velocity(std::size_t r, std::span<const double> v) const {
   Vec3 u = Vec3::Zero();
   for (std::size_t i = first_share_[r]; i < first_share_[r + 1]; ++i) u += shares_[i].row * v[shares_[i].index];
+  const Vec3* column = learned_.data() + r * kLearned;
+  for (std::size_t k = 0; k < learned_columns_; ++k) u += column[k] * v[first_learned_ + k];
   return u;
 }
 
@@ -84,6 +87,32 @@ void ProjectedGaussSeidel::add_row_response(std::size_t r, const Vec3& impulse, 
   for (std::size_t k = first_run_[r]; k < first_run_[r + 1]; ++k)
     add_run(response_.data() + runs_[k].begin, runs_[k].size, impulse.x(), impulse.y(), impulse.z(),
             v.data() + runs_[k].index);
+  const Vec3* column = learned_.data() + r * kLearned;
+  for (std::size_t k = 0; k < learned_columns_; k += 2) {
+    v[first_learned_ + k] -= column[k].dot(impulse);
+    v[first_learned_ + k + 1] += column[k + 1].dot(impulse);
+  }
+}
+
+void ProjectedGaussSeidel::begin_learning(std::size_t first) {
+  first_learned_ = first, learned_columns_ = 0;
+  learned_.resize(friction_.size() * kLearned);
+}
+
+void ProjectedGaussSeidel::learn(std::span<const Vec3> impulse, std::span<const Vec3> expected,
+                                 std::span<const Vec3> actual) {
+  double before = 0.0, after = 0.0;
+  for (std::size_t c = 0; c < size(); ++c) before += impulse[c].dot(expected[c]), after += impulse[c].dot(actual[c]);
+  if (learned_columns_ == kLearned || !(before > 0.0) || !(after > 0.0)) return;
+  for (std::size_t c = 0; c < size(); ++c) {
+    if (place_[c].rigid) continue;
+    const std::size_t r = place_[c].row;
+    Vec3* column = learned_.data() + r * kLearned + learned_columns_;
+    column[0] = expected[c] / std::sqrt(before), column[1] = actual[c] / std::sqrt(after);
+    local_[r] += column[1] * column[1].transpose() - column[0] * column[0].transpose();
+    local_inverse_[r] = invert_response(local_[r]);
+  }
+  learned_columns_ += 2;
 }
 
 Vec3 ProjectedGaussSeidel::velocity(std::size_t c, std::span<const double> v) const {

@@ -50,6 +50,17 @@ class ProjectedGaussSeidel {
   }
   std::size_t size() const { return place_.size(); }
 
+  /// Makes room for learn(): velocities from `first` on, kLearned of them, describe no body. Call it after the last
+  /// add().
+  void begin_learning(std::size_t first);
+  /// Corrects the responses R P Rᵀ of contacts of the general form by one that is known, so that they give it for these
+  /// impulses (Broyden-Fletcher-Goldfarb-Shanno): W' = W − W λ (W λ)ᵀ / λ·W λ + u uᵀ / λ·u. Does nothing where the
+  /// room is used up or a product is not positive.
+  /// @param impulse  λ, zero at contacts of rigid pairs  @param expected  W λ, [m/s]  @param actual  u, [m/s]
+  void learn(std::span<const Vec3> impulse, std::span<const Vec3> expected, std::span<const Vec3> actual);
+  /// Velocities that begin_learning() makes room for: two for each response.
+  static constexpr std::size_t kLearned = 64;
+
   /// @param offset  o, [m/s], shape (size)
   /// @param target  b, [m/s], shape (size)
   /// @param impulse λ as (n, t1, t2), initial guess on entry (already in v), solution on return, [N s], shape (size)
@@ -129,8 +140,10 @@ class ProjectedGaussSeidel {
   std::vector<double> response_;
   std::vector<std::size_t> first_share_{0}, first_run_{0};
   std::vector<double> friction_;
-  std::vector<Mat3> local_;               ///< W = R P Rᵀ
-  std::vector<Mat3> local_inverse_;       ///< zero where W is singular
+  std::vector<Mat3> local_;          ///< W = R P Rᵀ
+  std::vector<Mat3> local_inverse_;  ///< zero where W is singular
+  std::vector<Vec3> learned_;        ///< per row kLearned columns c: W' = W + Σ ∓ c cᵀ, minus for even ones
+  std::size_t first_learned_ = 0, learned_columns_ = 0;
   std::vector<std::size_t> layer_first_;  ///< start of each layer in layered_; empty when groups are swept one by one
   std::vector<std::uint32_t> layered_;    ///< groups, layer by layer
   mutable std::vector<double> change_;    ///< of each group

@@ -14,7 +14,7 @@ namespace brim {
 namespace {
 
 /// Maximum number of solves with A when its inverse is unknown: for velocities, and for displacements that differ.
-constexpr int kMostRefinements = 40, kPositionRefinements = 4;
+constexpr int kMostRefinements = 40, kPositionRefinements = 10;
 /// With more connected points of rigid pairs the number of sweeps decreases in proportion, down to this share: warm
 /// starts continue the solution from step to step, and the cost stays linear. A residual the size of a free fall's
 /// motion gives a warning.
@@ -56,6 +56,8 @@ void ConstraintStep::begin(std::span<const std::unique_ptr<Body>> bodies, std::s
   if (n == 0) return;
 
   mark_bodies(contacts, pairs, gathered);
+  ways_.assign(points.pairs.size(), {});
+  if (!mapped_) find_round_impacts(v);
   most_sweeps_ = find_most_sweeps();
   if (mapped_) build_maps();
   frame_.resize(n), offset_.resize(n);
@@ -107,7 +109,7 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
     std::vector<Vec3> lambda = lambda_;
     std::vector<double> way = change;
     const double worst = report.row_residual;
-    if (solids_ && !rows_.bounces())
+    if (solids_ && exact_ && !rows_.bounces())
       push_apart(lambda, way, report);
     else
       solve_rows(solve, rows_.position_targets(), kPositionRefinements, lambda, way, residual, report);
@@ -220,15 +222,20 @@ void ConstraintStep::finish(StepReport& report, std::vector<ContactSample>& samp
   // Where friction acts at another point, it is an entry of its own.
   ContactSet acting;
   std::vector<Vec3> forces;
-  for (const ContactPair& pair : points.pairs) {
+  for (std::size_t p = 0; p < points.pairs.size(); ++p) {
+    const ContactPair& pair = points.pairs[p];
     acting.pairs.push_back(pair);
     acting.pairs.back().begin = forces.size();
+    const auto add = [&](const Vec3& x, const Vec3& f) {
+      acting.point.push_back(x - ways_[p].a), acting.link_point_b.push_back(x - ways_[p].b);
+      forces.push_back(f);
+    };
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const Vec3& n = rows_.normals()[c];
       const bool apart = apart_[c] != 0;
       const Vec3 along = apart ? Vec3(n * n.dot(force[c])) : force[c];
-      acting.point.push_back(points.point[c]), forces.push_back(along);
-      if (apart) acting.point.push_back(rows_.grips()[c]), forces.push_back(force[c] - along);
+      add(points.point[c], along);
+      if (apart) add(rows_.grips()[c], force[c] - along);
     }
     acting.pairs.back().end = forces.size();
   }

@@ -79,6 +79,11 @@ class ConstraintStep {
   void for_arms(const F& f) const;
   void build_maps();
   void find_start(std::span<const double> v);
+  /// Places the rows of balls that will bounce off each other where they touch (find_round_impact), with the bodies
+  /// where they are then.
+  void find_round_impacts(std::span<const double> v);
+  /// Velocity of a rigid part, [m/s]. @param arm  [m] from its centre
+  Vec3 velocity_at(std::int32_t part, const Vec3& arm, std::span<const double> v) const;
   /// Calls f(pair, contact, offset of the friction point) for points whose friction acts elsewhere, when all pairs are
   /// rigid.
   template <class F>
@@ -87,7 +92,8 @@ class ConstraintStep {
   void add_forces(std::span<const Vec3> force, std::span<double> Q) const;
   void add_mapped_forces(std::span<const Vec3> force, std::span<double> Q) const;
   void recall(std::span<const double> memory);
-  RigidPairRows::Side side_of(std::int32_t part) const;
+  /// @param way  [m] that the body has gone when the rows act
+  RigidPairRows::Side side_of(std::int32_t part, const Vec3& way) const;
   void assemble();
   /// Chooses the bodies' inverses: all exact when affordable and no penalty contact is involved.
   void choose_inverses();
@@ -103,6 +109,8 @@ class ConstraintStep {
   /// Forces of the body for unit impulses along the rows of contact c, filtered, into force_.
   void find_forces(const ContactPair& pair, std::size_t c, std::size_t body, bool side_a, bool side_b);
   void add_row(const ContactPair& pair, std::size_t c);
+  /// The same of a rigid pair p, in the general form.
+  void add_rigid_row(std::size_t p, std::size_t c);
   /// Lets impacts follow each other within the step: a bouncing body passes its speed on to those it touches.
   /// @param v  velocity changes of the motion without contacts
   void pass_impacts_on(std::vector<double> v);
@@ -150,7 +158,12 @@ class ConstraintStep {
   std::vector<std::uint8_t> known_;  ///< per point, unless exact_: the sweeps solve it (find_known)
   int most_sweeps_ = 0;
 
-  std::vector<Mat3> frame_;   ///< rows n, t1, t2
+  std::vector<Mat3> frame_;  ///< rows n, t1, t2
+  /// [m] ways of the two bodies of a pair to the moment of the impact that its row describes.
+  struct Ways {
+    Vec3 a = Vec3::Zero(), b = Vec3::Zero();
+  };
+  std::vector<Ways> ways_;    ///< per pair of the rows
   std::vector<Vec3> start_;   ///< [m/s] relative velocity at the start, world frame
   std::vector<Vec3> offset_;  ///< the same in the contact's frame
   std::vector<Vec3> lambda_;  ///< [N s] in the contact's frame

@@ -52,7 +52,7 @@ void ConstraintStep::for_arms(const F& f) const {
         if (pair.begin == pair.end) return;
         const Vec3 a = frame_of(pair.part_a)->rigid_frame().center, b = frame_of(pair.part_b)->rigid_frame().center;
         for (std::size_t c = pair.begin; c < pair.end; ++c)
-          f(pair, c, Vec3(points.point[c] - a), Vec3(points.point[c] - b));
+          f(pair, c, Vec3(points.point[c] - ways_[p].a - a), Vec3(points.point[c] - ways_[p].b - b));
       },
       64);
 }
@@ -86,6 +86,11 @@ void ConstraintStep::build_maps() {
   grip_maps_.build(parts_, gripped_, first_v_);
 }
 
+Vec3 ConstraintStep::velocity_at(std::int32_t part, const Vec3& arm, std::span<const double> v) const {
+  const double* u = v.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)];
+  return Vec3(u[0], u[1], u[2]) + Vec3(u[3], u[4], u[5]).cross(arm);
+}
+
 void ConstraintStep::find_start(std::span<const double> v) {
   const std::size_t n = rows_.points().size(), grips = grip_of_.size();
   start_.resize(n);
@@ -100,12 +105,8 @@ void ConstraintStep::find_start(std::span<const double> v) {
       start_[c] = u + normal * normal.dot(start_[c] - u);
     }
   } else {
-    const auto velocity = [&](std::int32_t part, const Vec3& arm) -> Vec3 {
-      const double* u = v.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)];
-      return Vec3(u[0], u[1], u[2]) + Vec3(u[3], u[4], u[5]).cross(arm);
-    };
     for_arms([&](const ContactPair& pair, std::size_t c, const Vec3& a, const Vec3& b) {
-      start_[c] = velocity(pair.part_a, a) - velocity(pair.part_b, b);
+      start_[c] = velocity_at(pair.part_a, a, v) - velocity_at(pair.part_b, b, v);
     });
     const auto spin = [&](std::int32_t part) {
       return Eigen::Map<const Vec3>(v.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)] + 3);
@@ -144,19 +145,20 @@ void ConstraintStep::add_forces(std::span<const Vec3> force, std::span<double> Q
     add(pair.part_b, -1.0);
   });
   const ContactSet& points = rows_.points();
-  for (const ContactPair& pair : points.pairs) {
+  for (std::size_t p = 0; p < points.pairs.size(); ++p) {
+    const ContactPair& pair = points.pairs[p];
     if (pair.begin == pair.end) continue;
-    const auto add = [&](std::int32_t part, double sign) {
+    const auto add = [&](std::int32_t part, const Vec3& way, double sign) {
       if (is_fixed(parts_[part])) return;
-      const Vec3 center = frame_of(part)->rigid_frame().center;
+      const Vec3 center = frame_of(part)->rigid_frame().center + way;
       Eigen::Map<Eigen::Matrix<double, 6, 1>> q(Q.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)]);
       for (std::size_t c = pair.begin; c < pair.end; ++c) {
         q.head<3>() += sign * force[c];
         q.tail<3>() += sign * (points.point[c] - center).cross(force[c]);
       }
     };
-    add(pair.part_a, 1.0);
-    add(pair.part_b, -1.0);
+    add(pair.part_a, ways_[p].a, 1.0);
+    add(pair.part_b, ways_[p].b, -1.0);
   }
 }
 
@@ -173,12 +175,12 @@ void ConstraintStep::recall(std::span<const double> memory) {
   }
 }
 
-RigidPairRows::Side ConstraintStep::side_of(std::int32_t part) const {
+RigidPairRows::Side ConstraintStep::side_of(std::int32_t part, const Vec3& way) const {
   const WorldPart& p = parts_[part];
   const RigidFrame::Frame f = frame_of(part)->rigid_frame();
   const auto body = static_cast<std::size_t>(p.body_index);
-  if (is_fixed(p)) return {RigidPairRows::kFixed, f.center, 0.0, Mat3::Zero()};
-  return {first_v_[body], f.center, f.inverse_mass, f.inverse_inertia};
+  if (is_fixed(p)) return {RigidPairRows::kFixed, f.center + way, 0.0, Mat3::Zero()};
+  return {first_v_[body], f.center + way, f.inverse_mass, f.inverse_inertia};
 }
 
 void ConstraintStep::choose_inverses() {
@@ -263,16 +265,43 @@ void ConstraintStep::assemble() {
       });
   direct_.solve(inverses_, first_v_);
   width_ = first_mode_.back() + direct_.size();
-  for (const ContactPair& pair : points.pairs) {
+  for (std::size_t p = 0; p < points.pairs.size(); ++p) {
+    const ContactPair& pair = points.pairs[p];
     const std::size_t n = pair.end - pair.begin;
     if (n == 0) continue;
-    if (rigid(pair))
-      sweep_.add_pair(side_of(pair.part_a), side_of(pair.part_b), std::span(points.point).subspan(pair.begin, n),
-                      rows_.grips().subspan(pair.begin, n), std::span<const Mat3>(frame_).subspan(pair.begin, n),
-                      rows_.friction()[pair.begin]);
+    if (rigid(pair) && (exact_ || known_[pair.begin]))
+      sweep_.add_pair(side_of(pair.part_a, ways_[p].a), side_of(pair.part_b, ways_[p].b),
+                      std::span(points.point).subspan(pair.begin, n), rows_.grips().subspan(pair.begin, n),
+                      std::span<const Mat3>(frame_).subspan(pair.begin, n), rows_.friction()[pair.begin]);
     else
-      for (std::size_t c = pair.begin; c < pair.end; ++c) add_row(pair, c);
+      for (std::size_t c = pair.begin; c < pair.end; ++c) rigid(pair) ? add_rigid_row(p, c) : add_row(pair, c);
   }
+  if (exact_) return;
+  sweep_.begin_learning(width_);
+  width_ += ProjectedGaussSeidel::kLearned;
+}
+
+void ConstraintStep::add_rigid_row(std::size_t p, std::size_t c) {
+  const ContactPair& pair = rows_.points().pairs[p];
+  entries_.clear();
+  const auto add = [&](std::int32_t part, const Vec3& way, double sign) {
+    const RigidPairRows::Side side = side_of(part, way);
+    if (side.first == RigidPairRows::kFixed) return;
+    Mat3 turn;  // columns: torques of unit impulses along the rows
+    for (int k = 0; k < 3; ++k)
+      turn.col(k) =
+          ((k == 0 ? rows_.points().point[c] : rows_.grips()[c]) - side.center).cross(frame_[c].row(k).transpose());
+    const Mat3 spin = side.inverse_inertia * turn;
+    for (int i = 0; i < 3; ++i)
+      entries_.push_back({side.first + static_cast<std::size_t>(i), sign * frame_[c].col(i),
+                          sign * side.inverse_mass * frame_[c].col(i)});
+    for (int i = 0; i < 3; ++i)
+      entries_.push_back({side.first + 3 + static_cast<std::size_t>(i), sign * turn.row(i).transpose(),
+                          sign * spin.row(i).transpose()});
+  };
+  add(pair.part_a, ways_[p].a, 1.0);
+  add(pair.part_b, ways_[p].b, -1.0);
+  sweep_.add(entries_, rows_.friction()[c]);
 }
 
 void ConstraintStep::add_row(const ContactPair& pair, std::size_t c) {

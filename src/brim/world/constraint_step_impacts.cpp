@@ -1,7 +1,8 @@
-// Propagation of impacts in ConstraintStep, one after the other.
+// Impacts in ConstraintStep: the moment of those of balls, and their propagation one after the other.
 #include <algorithm>
 #include <limits>
 
+#include "brim/response/round_impact.h"
 #include "brim/world/constraint_step.h"
 
 namespace brim {
@@ -16,6 +17,32 @@ constexpr double kSlightBounce = 1e-3;
 constexpr int kStrikeRounds = 50, kMostStrikes = 100;
 
 }  // namespace
+
+void ConstraintStep::find_round_impacts(std::span<const double> v) {
+  const ContactSet& points = rows_.points();
+  for (std::size_t p = 0; p < points.pairs.size(); ++p) {
+    const ContactPair& pair = points.pairs[p];
+    if (pair.end != pair.begin + 1) continue;
+    const std::size_t c = pair.begin;
+    const Constraint::Radii radii = rows_.radii()[c];
+    const double gap = -points.depth[c];
+    if (!(radii[0] > 0.0) || !(rows_.restitution()[c] > 0.0) || !(gap > 0.0)) continue;
+    const Vec3 n = rows_.normals()[c], ball_a = points.point[c] + (radii[0] + 0.5 * gap) * n,
+               ball_b = points.point[c] - (radii[1] + 0.5 * gap) * n;
+    const Vec3 center_a = frame_of(pair.part_a)->rigid_frame().center,
+               center_b = frame_of(pair.part_b)->rigid_frame().center;
+    const Vec3 velocity_a = velocity_at(pair.part_a, ball_a - center_a, v),
+               velocity_b = velocity_at(pair.part_b, ball_b - center_b, v), u = velocity_a - velocity_b;
+    // What does not bounce closes its gap over the whole step, and has no moment of impact.
+    if (!(-u.dot(n) > settings_.rows.bounce_speed)) continue;
+    const auto impact = find_round_impact(ball_a - ball_b, u, radii[0] + radii[1], settings_.rows.dt);
+    if (!impact) continue;
+    ways_[p] = {impact->time * velocity_at(pair.part_a, Vec3::Zero(), v),
+                impact->time * velocity_at(pair.part_b, Vec3::Zero(), v)};
+    const Vec3 at = ball_b + impact->time * velocity_b + radii[1] * impact->normal;
+    rows_.place(c, at, impact->normal, impact->gap);
+  }
+}
 
 void ConstraintStep::pass_impacts_on(std::vector<double> v) {
   const std::size_t n = rows_.points().size();

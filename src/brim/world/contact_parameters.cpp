@@ -8,8 +8,10 @@
 #include <map>
 #include <set>
 #include <tuple>
+#include <unordered_set>
 
 #include "brim/body/distance_bound.h"
+#include "brim/body/movable.h"
 #include "brim/core/interface_of.h"
 #include "brim/world/fill_stage.h"
 
@@ -58,8 +60,12 @@ double faces_of(const ContactPair& pair) {
   return 1.0 + (kFaces - 1.0) * flat * flat;
 }
 
-/// [1/kg]
-double inverse_mass_of(const WorldPart& p) { return is_fixed(p) ? 0.0 : 1.0 / p.body->mass(); }
+/// [1/kg] Lower bound of what a force moves the body by: that of its mass, zero where something may hold it.
+double inverse_mass_of(const WorldPart& p) {
+  const auto* movable = interface_of<Movable>(*p.body);
+  const bool held = is_fixed(p) || (movable != nullptr && *movable->bound() != 0);
+  return held ? 0.0 : 1.0 / p.body->mass();
+}
 
 std::span<const double> velocities_of(const WorldPart& p, std::span<const double> v,
                                       std::span<const std::size_t> first_v) {
@@ -240,13 +246,22 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
                      {a.info.conforming, b.info.conforming},
                      solid,
                      filled,
-                     inverse_mass_of(a) + inverse_mass_of(b),
+                     {inverse_mass_of(a), inverse_mass_of(b)},
+                     {a.body_index, b.body_index},
                      fixed,
                      {stay ? stage.solid(pairs[i].part_a) : nullptr, stay ? stage.solid(pairs[i].part_b) : nullptr}};
   }
 }
 
-void ContactParameters::leave_to_links(std::size_t first) {
+void ContactParameters::leave_to_links(std::span<const WorldPart> parts, const ContactSet& contacts,
+                                       std::size_t first) {
+  std::unordered_set<std::int32_t> linked;
+  for (std::size_t i = first; i < penalties_.size(); ++i)
+    for (const std::int32_t part : {contacts.pairs[i].part_a, contacts.pairs[i].part_b})
+      linked.insert(parts[part].body_index);
+  for (std::size_t i = 0; i < first && !linked.empty(); ++i)
+    for (std::size_t side = 0; side < 2; ++side)
+      if (linked.contains(penalties_[i].body[side])) penalties_[i].inverse_mass[side] = 0.0;
   for (std::size_t i = first; i < penalties_.size(); ++i) {
     penalties_[i] = PairState{};
     // Without gradients there are no normals and no loads.

@@ -44,8 +44,8 @@ class ContactParameters {
   /// Sets the responses' parameters of every pair of a sub-step's contacts, at the velocities v.
   void choose(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
               const WorldOptions& options, const ContactStage& stage);
-  /// The last pairs, from `first` on, are links: they get no contact parameters.
-  void leave_to_links(std::size_t first);
+  /// The last pairs, from `first` on, are links: they get no contact parameters, and hold the bodies that they join.
+  void leave_to_links(std::span<const WorldPart> parts, const ContactSet& contacts, std::size_t first);
   /// Warns of materials whose given contact stiffness is below five times the modulus of the material behind it, or
   /// thirty times what would be chosen.
   void warn(std::span<const WorldPart> parts, const WorldOptions& options, StepReport& report) const;

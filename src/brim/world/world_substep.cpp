@@ -77,7 +77,7 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
   {
     const ScopedSeconds timer(seconds(Phase::Respond));
     laws.choose(parts, state.v, first_v, options, stage);
-    laws.leave_to_links(contacts.first_link_pair());
+    laws.leave_to_links(parts, contacts, contacts.first_link_pair());
     response.find_normals(contacts, laws.penalties());
     place_under_balls(parts, response.normals(), contacts);
     maps.build(parts, contacts, first_v);

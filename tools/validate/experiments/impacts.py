@@ -16,10 +16,10 @@ def throw(case):
     return scene([rigid("ball", ball(0.1), (0, 0, 0), 0.05, velocity=[3, 0, 5])], 1.0, dt=case.dt)
 
 
-def two_balls(velocity, place, e, densities=(1000, 1000)):
+def two_balls(velocity, place, e, densities=(1000, 1000), dt=1 / 240):
     return scene([rigid("one", ball(0.2), (-0.6, 0, 0), 0.05, velocity=velocity, density=densities[0]),
                   rigid("two", ball(0.2), place, 0.05, density=densities[1])],
-                 0.5, dt=1 / 240, friction=0.0, restitution=e, response=ROWS, gravity=[0, 0, 0])
+                 0.5, dt=dt, friction=0.0, restitution=e, response=ROWS, gravity=[0, 0, 0])
 
 
 @experiment(law="v₂' = (1 + e) m₁ v₁ / (m₁ + m₂)", source="Newton", unit="m/s", tolerance=0.02, fast=True,
@@ -35,6 +35,14 @@ def head_on(case):
 def billiards(case):
     """A ball hits an equal one at rest beside its middle, by so many metres of the 0.4 m between their centres (rows)."""
     return two_balls([2, 0, 0], (0, case.offset, 0), 1.0)
+
+
+@experiment(law="what is struck leaves along the line of centres of the impact, at asin (b / 2 R)", source="no friction", unit="degrees", tolerance=0.005, scale=90.0, fast=True,
+            cases=cases(offset=(0.1, 0.2, 0.3), start=(0.0, 0.011, 0.022)), theory=lambda c: math.degrees(math.asin(c.offset / 0.4)),
+            measure=lambda c, r: -math.degrees(math.atan2(*r.velocity("two")[-1, [1, 0]])))
+def line_of_centres(case):
+    """The same with steps of a sixtieth of a second, in which the balls turn about each other by up to ten degrees before they touch, from several starts: the direction of the struck one."""
+    return two_balls([2, 0, 0], (case.start, -case.offset, 0), 1.0, dt=1 / 60)
 
 
 def angle_between(a, b):

@@ -54,6 +54,28 @@ def incline_stick(case):
     """A box on a plane rests well inside the cone of friction: its creep, promised below 1 mm/s."""
     return sliding_box(case, 2.0)
 
+@experiment(law="a = g (1 − 2 μ F / m g), and none above 1", source="Coulomb", unit="m/s²", tolerance=0.02, scale=G, fast=True,
+            cases=cases(response=BOTH, plate=("joint", "tree"), held=(0.6, 0.8, 1.2)), theory=lambda c: G * max(0.0, 1.0 - c.held),
+            misses={"response constraint, plate tree, held 0.8": "the plate's rail bears any torque, so that nothing says where on the faces the load lies; the rows choose a place off the middle, the box turns and moves aside, and friction has a smaller share left for its fall"},
+            measure=lambda c, r: -fits.slope_of(r.time, r.velocity("box")[:, 2]))
+def pinched_box(case):
+    """A box of 2 kg between a wall and a plate of 0.5 kg, which slides on a prismatic joint or is the link of a tree with one, and is pressed so that friction on both sides holds this
+    share of the weight."""
+    press = case.held * 2.0 * G / (2 * 0.4)
+    plate = {"voxel_size": 0.0125, "transform": {"position": [0.125, 0, 0]}}
+    if case.plate == "joint":
+        plate |= {"kind": "rigid", "shape": box(0.05, 0.2, 0.2), "mass": 0.5}
+    else:
+        plate["links"] = [{"name": "link", "joint": {"kind": "prismatic", "axis": [1, 0, 0], "drive": {"stiffness": 0.001, "damping": 0, "target": -1000 * press}},
+                           "shape": box(0.05, 0.2, 0.2), "mass": 0.5, "voxel_size": plate.pop("voxel_size")}]
+        plate["kind"] = "articulated"
+    pressed = scene([{**slope(90, 0.025), "transform": {"position": [-0.1, 0, 0], "rotation": about((0, 1, 0), 90)}},
+                     rigid("box", box(0.2, 0.2, 0.2), (0, 0, 0), 0.025, mass=2.0), {"name": "plate", **plate}], 0.2, dt=1 / 240, friction=0.4, response=case.response)
+    if case.plate == "joint":
+        pressed["forces"] = [{"name": "press", "bodies": ["plate"], "force": [-press, 0, 0]}]
+        pressed["joints"] = [{"name": "rail", "body": "plate", "kind": "prismatic", "position": [0.15, 0, 0], "axis": [1, 0, 0]}]
+    return pressed
+
 
 def tower(case):
     """Blocks beside each other, each on a slope of its own: which is the first that falls over?"""
