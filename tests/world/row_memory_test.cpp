@@ -29,7 +29,28 @@ TEST(RowMemory, PointsFindTheNearestOfTheirPairOnceAndWithinTwoVoxels) {
   EXPECT_EQ(force[0], Vec3(0, 3, 0));  // the nearer of the two
   EXPECT_EQ(force[1], Vec3(0, 2, 0));  // what is left
   EXPECT_EQ(force[2], Vec3::Zero());   // both are taken
-  EXPECT_EQ(force[3], Vec3::Zero());   // three voxels away
+  EXPECT_EQ(force[3], Vec3(0, 0, 4));  // three voxels away, but nothing else takes it
+}
+
+TEST(RowMemory, WhereAllPointsOfAPairAreOthersTheyShareItsForce) {
+  std::vector<double> memory;
+  ContactPair pair;
+  pair.part_a = 0, pair.part_b = 1, pair.h = 0.1, pair.begin = 0, pair.end = 2;
+  for (const double x : {0.0, 1.0, 2.0}) RowMemory::keep(pair, Vec3(x, 0, 0), Vec3(1, 0, x), memory);
+  ContactSet points;
+  points.pairs = {pair};
+  points.resize(2);
+  points.point = {Vec3(0.5, 0, 0), Vec3(5, 0, 0)};
+  std::vector<Vec3> force(2);
+  RowMemory recall;
+  recall.recall(memory, points, force);
+  EXPECT_TRUE(recall.shared(0));
+  for (const Vec3& f : force) EXPECT_EQ(f, Vec3(1.5, 0, 1.5));
+  points.point[0] = Vec3(0.05, 0, 0);  // one is known
+  recall.recall(memory, points, force);
+  EXPECT_FALSE(recall.shared(0));
+  EXPECT_EQ(force[0], Vec3(1, 0, 0));
+  EXPECT_EQ(force[1], Vec3::Zero());
 }
 
 TEST(RowMemory, TellsThePairsThatHavePoints) {

@@ -187,6 +187,10 @@ void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState
       g = std::max(0.0, direction_[c].dot(normal_[c])) * normal_[c];
       ea = bend[0] * (contacts.gradient_a[c] - g);
       eb = bend[1] * (contacts.gradient_b[c] + g);
+      // At an edge a part's own slope is less than the common one, and grows as the other part comes: the predicted
+      // rate of closing would be too small.
+      if (!pairs[p].rigid && !pairs[p].balls)
+        ea -= normal_[c] * normal_[c].dot(ea), eb -= normal_[c] * normal_[c].dot(eb);
     };
     Vec3 g, ea, eb;
     double explained = 0.0, possible = 0.0;

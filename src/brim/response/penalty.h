@@ -35,6 +35,7 @@ struct PairState {
   std::array<double, 2> inverse_mass = {0.0, 0.0};
   std::array<std::int32_t, 2> body = {0, 1};  ///< numbers of the two bodies
   bool fixed = false;                         ///< one of the bodies does not move
+  bool balls = false;                         ///< one of the parts consists of balls that turn
   /// Both parts, if their distances are known and their centres hardly move past each other; else null.
   std::array<const CubeSide*, 2> solids = {};
 };

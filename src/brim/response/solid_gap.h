@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "brim/contact/cube_contacts.h"
@@ -75,6 +76,10 @@ class SolidGap {
   bool find_valley(double& angle, Reading& ring) const;
   /// Stores the two ends of an edge. @return its middle
   Vec3 add_edge(const Reading& flat, const Edge& edge, const RowPoint& like);
+  /// Adds points to the left and right of a face that is wider in its middle than at the edges found at two opposite
+  /// sides, and merges the ends of those where they are close, as on a round rim.
+  /// @param middles  of the two edges  @param of_first  number of ends of the first  @param like  as in add_end
+  void add_sides(const Reading& face, const std::array<Vec3, 2>& middles, std::size_t of_first, const RowPoint& like);
   /// @param like  row whose normal and curvatures the end gets
   void add_end(const Reading& flat, const Vec3& x, const RowPoint& like);
   /// Moves the friction points of the ends so that their torque is that of an even pressure (friction_radius.h).

@@ -25,6 +25,9 @@ constexpr double kDeparture = 0.005, kFound = 0.1, kFarthestEdge = 1e5;
 constexpr double kBeside = 0.15;
 /// Sine of the angle between two edges above which they meet in a corner.
 constexpr double kLeastAngle = 0.3;
+/// Width of a face at its ends over the distance between them from which on it has no other points; over the width in
+/// its middle, from which on it is no round face, and below which two ends are one.
+constexpr double kSlender = 0.7, kRoundFace = 0.7, kNarrow = 0.4;
 /// [h] difference from the smallest gap beyond which an end needs no row yet.
 constexpr double kTooFar = 0.3;
 
@@ -88,6 +91,31 @@ Vec3 SolidGap::add_edge(const Reading& flat, const Edge& edge, const RowPoint& l
     middle += 0.5 * x;
   }
   return middle;
+}
+
+void SolidGap::add_sides(const Reading& face, const std::array<Vec3, 2>& middles, std::size_t of_first,
+                         const RowPoint& like) {
+  const Vec3 apart = middles[1] - middles[0], center = 0.5 * (middles[0] + middles[1]),
+             across = parting_.normal.cross(apart).normalized();
+  const std::array<std::pair<std::size_t, std::size_t>, 2> pairs{{{0, of_first}, {of_first, ends_.size()}}};
+  std::array<double, 2> width{};
+  for (int k = 0; k < 2; ++k)
+    if (const auto [begin, end] = pairs[k]; end == begin + 2)
+      width[k] = (ends_[begin].point - ends_[begin + 1].point).norm();
+  if (std::min(width[0], width[1]) > kSlender * apart.norm()) return;
+  Edge left, right;
+  if (!walk(face, center, across, left) || !walk(face, center, -across, right)) return;
+  const double whole = across.dot(left.x - right.x);
+  if (ends_.size() == 4 && std::max(width[0], width[1]) > kRoundFace * whole) return;
+  // On a round rim two ends lie close together, and the face would stand on a line.
+  for (int k = 1; k >= 0; --k) {
+    if (!(width[k] > 0.0 && width[k] < kNarrow * whole)) continue;
+    const auto first = ends_.begin() + static_cast<std::ptrdiff_t>(pairs[k].first);
+    ends_.erase(first, first + 2);
+    add_end(face, middles[k], like);
+  }
+  add_end(face, left.x, like);
+  add_end(face, right.x, like);
 }
 
 bool SolidGap::find_valley(double& angle, Reading& ring) const {
@@ -157,16 +185,15 @@ void SolidGap::find_ends(const RowPoint& least) {
   on_face.normal = least.normal;
   face_ = face, face_found_ = best < 2.0;
   if (face_found_) {
-    // A face: one edge, and the opposite one from its middle; for a round face also points to the left and right.
+    // A face: one edge, and the opposite one from its middle.
     if (walk(face, face.x, way(side), edge)) {
       const Vec3 first = add_edge(face, edge, on_face);
+      const std::size_t of_first = ends_.size();
       Vec3 in = parting_.normal.cross(edge.along);
       if (in.dot(way(side)) > 0.0) in = -in;
       if (walk(face, first, in, edge)) {
-        const Vec3 middle = 0.5 * (first + add_edge(face, edge, on_face));
-        const bool few = ends_.size() < 4;
-        for (const double sign : {1.0, -1.0})
-          if (few && walk(face, middle, sign * parting_.normal.cross(in), edge)) add_end(face, edge.x, on_face);
+        const Vec3 second = add_edge(face, edge, on_face);
+        add_sides(face, {first, second}, of_first, on_face);
       }
     }
   }

@@ -92,6 +92,8 @@ class ConstraintStep {
   void add_forces(std::span<const Vec3> force, std::span<double> Q) const;
   void add_mapped_forces(std::span<const Vec3> force, std::span<double> Q) const;
   void recall(std::span<const double> memory);
+  /// Spreads the loads that points of flat contacts of rigid bodies share anew evenly (even_loads).
+  void even_out();
   /// @param way  [m] that the body has gone when the rows act
   RigidPairRows::Side side_of(std::int32_t part, const Vec3& way) const;
   void assemble();

@@ -1,6 +1,7 @@
 // Preparation of ConstraintStep: bodies of the rows, relative velocities of the points, responses of the bodies.
 #include <algorithm>
 
+#include "brim/response/even_loads.h"
 #include "brim/world/constraint_step.h"
 
 namespace brim {
@@ -9,6 +10,8 @@ namespace {
 
 /// Largest number of a body's contacts with a full response matrix: it is stored and swept at quadratic cost.
 constexpr std::size_t kMostDirect = 400;
+/// Cosine of normals that count as parallel; share of its limit from which on friction counts as that of sliding.
+constexpr double kParallel = 0.9999, kSlides = 0.999;
 
 }  // namespace
 
@@ -162,10 +165,42 @@ void ConstraintStep::add_forces(std::span<const Vec3> force, std::span<double> Q
   }
 }
 
+void ConstraintStep::even_out() {
+  const ContactSet& points = rows_.points();
+  parallel_for(
+      points.pairs.size(),
+      [&](std::size_t p) {
+        const ContactPair& pair = points.pairs[p];
+        const std::size_t n = pair.end - pair.begin;
+        if (n < 4 || !recall_.shared(p) || !rigid(pair)) return;
+        const Vec3 normal = rows_.normals()[pair.begin];
+        // Points without a load may not touch.
+        std::vector<std::size_t> bears;
+        std::vector<double> load;
+        std::vector<Vec3> at;
+        for (std::size_t c = pair.begin; c < pair.end; ++c) {
+          if (rows_.normals()[c].dot(normal) < kParallel) return;
+          const double l = force_on_a_[c].dot(normal);
+          if (l > 0.0) bears.push_back(c), load.push_back(l), at.push_back(points.point[c]);
+        }
+        const std::vector<double> before = load;
+        if (!even_loads(at, normal, load)) return;
+        // What slides has the friction of its new load, what sticks keeps it.
+        for (std::size_t i = 0; i < bears.size(); ++i) {
+          Vec3& f = force_on_a_[bears[i]];
+          Vec3 along = f - normal * normal.dot(f);
+          if (along.norm() > kSlides * rows_.friction()[bears[i]] * before[i]) along *= load[i] / before[i];
+          f = load[i] * normal + along;
+        }
+      },
+      64);
+}
+
 void ConstraintStep::recall(std::span<const double> memory) {
   const std::size_t n = rows_.points().size();
   force_on_a_.resize(n);
   recall_.recall(memory, rows_.points(), force_on_a_);
+  even_out();
   for (std::size_t c = 0; c < n; ++c) {
     Vec3 l = settings_.rows.dt * (frame_[c] * force_on_a_[c]);
     l.x() = std::max(0.0, l.x());

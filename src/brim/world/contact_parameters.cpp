@@ -12,6 +12,7 @@
 
 #include "brim/body/distance_bound.h"
 #include "brim/body/movable.h"
+#include "brim/body/spinning_balls.h"
 #include "brim/core/interface_of.h"
 #include "brim/world/fill_stage.h"
 
@@ -249,6 +250,7 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
                      {inverse_mass_of(a), inverse_mass_of(b)},
                      {a.body_index, b.body_index},
                      fixed,
+                     interface_of<SpinningBalls>(*a.body) != nullptr || interface_of<SpinningBalls>(*b.body) != nullptr,
                      {stay ? stage.solid(pairs[i].part_a) : nullptr, stay ? stage.solid(pairs[i].part_b) : nullptr}};
   }
 }

@@ -14,6 +14,7 @@ constexpr double kSamePoint = 2.0;
 void RowMemory::recall(std::span<const double> memory, const ContactSet& points, std::span<Vec3> force) {
   const std::size_t old = memory.size() / kRecord;
   used_.assign(old, 0);
+  anew_.clear();
   std::size_t first = 0;
   const auto is_before = [&](std::size_t i, const ContactPair& p) {
     const double a = memory[kRecord * i], b = memory[kRecord * i + 1];
@@ -23,6 +24,7 @@ void RowMemory::recall(std::span<const double> memory, const ContactSet& points,
     while (first < old && is_before(first, pair)) ++first;
     std::size_t end = first;
     while (end < old && memory[kRecord * end] == pair.part_a && memory[kRecord * end + 1] == pair.part_b) ++end;
+    fresh_.clear();
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       force[c].setZero();
       double least = kSamePoint * kSamePoint * pair.h * pair.h;
@@ -32,11 +34,21 @@ void RowMemory::recall(std::span<const double> memory, const ContactSet& points,
         const double d = used_[i] ? least : (Vec3(m[2], m[3], m[4]) - points.point[c]).squaredNorm();
         if (d < least) least = d, best = i;
       }
-      if (best == end) continue;
+      if (best == end) {
+        fresh_.push_back(c);
+        continue;
+      }
       used_[best] = 1;
       const double* m = &memory[kRecord * best];
       force[c] = Vec3(m[5], m[6], m[7]);
     }
+    // All points are others: they share what the pair bore.
+    const bool anew = end > first && fresh_.size() == pair.end - pair.begin;
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = first; anew && i < end; ++i)
+      sum += Vec3(memory[kRecord * i + 5], memory[kRecord * i + 6], memory[kRecord * i + 7]);
+    for (const std::size_t c : fresh_) force[c] = sum / static_cast<double>(fresh_.size());
+    anew_.push_back(anew && !fresh_.empty());
     first = end;
   }
 }

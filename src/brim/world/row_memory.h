@@ -16,8 +16,11 @@ namespace brim {
 class RowMemory {
  public:
   /// Force on a of the nearest point of the same pair in the last step, within two voxels and each used once, or zero;
-  /// shape (points).
+  /// where no point of a pair has one, they share its force: on a round face that spins all are others in each step.
+  /// Shape (points).
   void recall(std::span<const double> memory, const ContactSet& points, std::span<Vec3> force);
+  /// True when points of pair p shared forces in the last recall().
+  bool shared(std::size_t p) const { return anew_[p] != 0; }
   /// The pairs of parts that have points, in order.
   static std::vector<std::pair<std::int32_t, std::int32_t>> pairs(std::span<const double> memory);
   /// Appends a point. @param force  [N] on a
@@ -25,6 +28,8 @@ class RowMemory {
 
  private:
   std::vector<std::uint8_t> used_;
+  std::vector<std::size_t> fresh_;  ///< points of a pair without a match
+  std::vector<std::uint8_t> anew_;  ///< per pair
 };
 
 }  // namespace brim
