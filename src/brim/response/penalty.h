@@ -158,12 +158,17 @@ class Penalty {
     double ratio = 1.0;        ///< slip to assume in the next solve, over the slip found by the last
     Vec3 mean = Vec3::Zero();  ///< [m/s] mean slip found, between rigid parts
   };
+  SlipForecast expected_slip(std::size_t p);
+  /// What a solve has found of a pair's slip.
+  struct SlipFound {
+    Vec3 mean = Vec3::Zero();           ///< [m/s] between rigid parts, load-weighted
+    double speed = 0.0;                 ///< [m/s] its size; where a part deforms, the load-weighted mean of the speeds
+    double friction = 0.0, most = 0.0;  ///< [N] friction that has opposed the slip, and its limit
+    Vec3 beyond = Vec3::Zero();         ///< [N] friction of a rigid pair beyond its limit, along the mean slip
+  };
   /// @param share  pair's net load over the sum of its loads
-  SlipForecast expected_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta, double share);
-  /// Friction of a rigid pair beyond its limit, as a force on a, [N]; less than nothing at most as far as its slip
-  /// would stop.
-  Vec3 friction_beyond(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta, double share) const;
-  /// How all of that, once it is gone, changes the velocities of the bodies.
+  SlipFound find_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta, double share) const;
+  /// How the friction beyond its limits, once it is gone, changes the velocities of the bodies.
   void push_bodies();
 
   /// Results of the step's solves for a pair's slip.
@@ -212,7 +217,7 @@ class Penalty {
   std::vector<std::array<double, 2>> inverse_mass_;  ///< [1/kg] per pair and body
   std::vector<std::array<std::int32_t, 2>> body_;    ///< per pair
   std::vector<double> share_;                        ///< per pair, in update_loads: net load over the sum of loads
-  std::vector<Vec3> beyond_;                         ///< per pair: friction_beyond
+  std::vector<SlipFound> found_;                     ///< per pair, in update_loads
   std::vector<Vec3> pushed_;                         ///< [m/s] per body, by the friction beyond its limits
   std::vector<std::uint8_t> rigid_, fixed_;          ///< per pair
   std::vector<std::uint8_t> filled_;                 ///< per pair

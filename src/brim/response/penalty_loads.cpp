@@ -63,7 +63,7 @@ void Penalty::update_bonds(std::span<const Vec3> delta, double& changed, double&
 
 double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> delta) {
   std::vector<double> change(contacts.pairs.size(), 0.0), total(contacts.pairs.size(), 0.0);
-  share_.resize(contacts.pairs.size()), beyond_.resize(contacts.pairs.size());
+  share_.resize(contacts.pairs.size()), found_.resize(contacts.pairs.size());
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
     // Pulling nodes are released; until the next solve they still carry part of the net load, and newly active ones
@@ -90,13 +90,13 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
     }
     total[p] = push;
     share_[p] = push > 0.0 ? std::max(0.0, net) / (push + come) : 1.0;
-    beyond_[p] = rigid_[p] ? friction_beyond(pair, p, delta, share_[p]) : Vec3::Zero();
+    found_[p] = find_slip(pair, p, delta, share_[p]);
   });
   push_bodies();
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
     const double share = share_[p];
-    const SlipForecast next = expected_slip(pair, p, delta, share);
+    const SlipForecast next = expected_slip(p);
     double load = 0.0, assumed = 0.0;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const Vec3 slip = slip_after(c, delta);
@@ -155,17 +155,26 @@ double Penalty::SlipHistory::keep_between(double next, double found, bool too_mu
   return tight.assumed * std::pow(loose.assumed / tight.assumed, share);
 }
 
-Vec3 Penalty::friction_beyond(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta, double share) const {
-  const Vec3 mean = mean_slip(pair, delta);
-  const double size = mean.norm(), light = options_.dt * (inverse_mass_[p][0] + inverse_mass_[p][1]);
-  if (!(size > 0.0)) return Vec3::Zero();
-  const Vec3 way = mean / size;
-  double friction = 0.0, most = 0.0;
+Penalty::SlipFound Penalty::find_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta,
+                                      double share) const {
+  SlipFound f;
+  if (rigid_[p]) f.mean = mean_slip(pair, delta);
+  const double size = f.mean.norm();
+  double load = 0.0, slip = 0.0;
   for (std::size_t c = pair.begin; c < pair.end; ++c) {
-    if (action_[c].viscosity > 0.0) friction += friction_viscosity_[c] * way.dot(slip_after(c, delta));
-    if (active_[c] && load_[c] > 0.0) most += mu_[c] * share * load_[c];
+    const Vec3 after = slip_after(c, delta);
+    const double speed = after.norm();
+    if (action_[c].viscosity > 0.0)
+      f.friction += friction_viscosity_[c] * (rigid_[p] ? f.mean.dot(after) / std::max(size, kNone) : speed);
+    if (!active_[c] || !(load_[c] > 0.0)) continue;
+    f.most += mu_[c] * share * load_[c];
+    load += load_[c], slip += load_[c] * speed;
   }
-  return (light > 0.0 ? std::max(friction - most, -size / light) : friction - most) * way;
+  f.speed = rigid_[p] ? size : load > 0.0 ? slip / load : 0.0;
+  // Friction below its limit grows no further than to where the slip ends.
+  const double light = options_.dt * (inverse_mass_[p][0] + inverse_mass_[p][1]), excess = f.friction - f.most;
+  if (rigid_[p] && size > 0.0) f.beyond = (light > 0.0 ? std::max(excess, -size / light) : excess) * f.mean / size;
+  return f;
 }
 
 void Penalty::push_bodies() {
@@ -174,31 +183,18 @@ void Penalty::push_bodies() {
   pushed_.assign(static_cast<std::size_t>(last + 1), Vec3::Zero());
   for (std::size_t p = 0; p < body_.size(); ++p) {
     if (!rigid_[p]) continue;
-    pushed_[static_cast<std::size_t>(body_[p][0])] += options_.dt * inverse_mass_[p][0] * beyond_[p];
-    pushed_[static_cast<std::size_t>(body_[p][1])] -= options_.dt * inverse_mass_[p][1] * beyond_[p];
+    pushed_[static_cast<std::size_t>(body_[p][0])] += options_.dt * inverse_mass_[p][0] * found_[p].beyond;
+    pushed_[static_cast<std::size_t>(body_[p][1])] -= options_.dt * inverse_mass_[p][1] * found_[p].beyond;
   }
 }
 
-Penalty::SlipForecast Penalty::expected_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta,
-                                             double share) {
+Penalty::SlipForecast Penalty::expected_slip(std::size_t p) {
   SlipHistory& h = slip_[p];
   // Friction changes the slip of rigid parts as a whole, and leaves their rotation; of deformable parts each node's
   // own.
   SlipForecast f;
-  if (rigid_[p]) f.mean = mean_slip(pair, delta);
-  const double size = f.mean.norm();
-  double found = size, friction = 0.0, most = 0.0;  // [m/s]; [N] friction that has opposed the slip, and its limit
-  double load = 0.0, slip = 0.0;
-  for (std::size_t c = pair.begin; c < pair.end; ++c) {
-    const Vec3 after = slip_after(c, delta);
-    const double speed = after.norm();
-    if (action_[c].viscosity > 0.0)
-      friction += friction_viscosity_[c] * (rigid_[p] ? f.mean.dot(after) / std::max(size, kNone) : speed);
-    if (!active_[c] || !(load_[c] > 0.0)) continue;
-    most += mu_[c] * share * load_[c];
-    load += load_[c], slip += load_[c] * speed;
-  }
-  if (!rigid_[p]) found = load > 0.0 ? slip / load : 0.0;
+  f.mean = found_[p].mean;
+  const double found = found_[p].speed, friction = found_[p].friction, most = found_[p].most;
   if (!(found > 0.0)) return f;
   // A sliding pair is left with v = A − b F by the friction F. Two solves with different friction give b, which is at
   // least that of the whole masses; Coulomb's limit then leaves A − b µN if that is positive; else it sticks.
@@ -213,9 +209,9 @@ Penalty::SlipForecast Penalty::expected_slip(const ContactPair& pair, std::size_
     // What other contacts of the two bodies will give way or hold.
     const auto [a, other] = body_[p];
     const auto [light_a, light_b] = inverse_mass_[p];
-    const Vec3 way = f.mean / size;
+    const Vec3 way = f.mean / found;
     next += way.dot(pushed_[static_cast<std::size_t>(a)] - pushed_[static_cast<std::size_t>(other)] -
-                    options_.dt * (light_a + light_b) * beyond_[p]);
+                    options_.dt * (light_a + light_b) * found_[p].beyond);
   }
   if (tells || rigid_[p] || fixed_[p]) f.ratio = std::max(0.0, next / found);
   // If a part deforms, some nodes of a patch stick while others slide, and slip is not linear in friction.

@@ -141,7 +141,7 @@ class ParticleBody : public Body,
   std::vector<double> mass_;
   ParticleOptions options_;
   std::vector<std::int32_t> prescribed_;  // fixed and moved nodes, sorted
-  double least_inertia_ = 1e-9;           // ParticleSet's
+  double least_inertia_ = ParticleSet().least_inertia;
   ParticleSet particle_set() const { return {mass_, prescribed_, least_inertia_}; }
   std::vector<Vec3> x_, v_, force_;  // of the last update
   BlockMatrix stiffness_;
