@@ -22,9 +22,6 @@ constexpr double kRefined = 30.0;
 /// Tolerance of the sweeps that find a direction, relative to the remaining error; maximum number of sweeps.
 constexpr double kRough = 0.1;
 constexpr int kRoughSweeps = 200;
-/// Directions from which on the sweeps' whole step is taken: with friction the shortest way is not the best, and two of
-/// some hundred steps of a light box between a jelly and a heavy one did not end.
-constexpr int kWholeSteps = 8;
 
 }  // namespace
 
@@ -78,7 +75,7 @@ void ConstraintStep::refine(const ImplicitStep::Respond& solve, std::span<const 
     double curvature = 0.0, down = 0.0;
     for (std::size_t c = 0; c < n; ++c) curvature += way[c].dot(actual[c]), down += way[c].dot(expected[c]);
     const double best = curvature > 0.0 ? std::clamp(down / curvature, kLeastWay, kLongestWay) : 1.0;
-    const double t = i < kWholeSteps ? longest_way(lambda, way, best) : 1.0;
+    const double t = longest_way(lambda, way, best);
     for (std::size_t c = 0; c < n; ++c) lambda[c] += t * way[c];
     for (std::size_t j = 0; j < nv; ++j) delta[j] += t * way_v[j];
     sweep_.learn(way, expected, actual);
