@@ -15,6 +15,8 @@ class GuidedParticles {
   /// For the coming step; the next update clears it. @param guided  nonzero for particles that lie on a fixed part,
   /// shape (particles)
   virtual void set_guided(std::span<const std::uint8_t> guided) = 0;
+  /// For the coming step; the next update clears it. @param linked  nonzero for particles that a link holds
+  virtual void set_linked(std::span<const std::uint8_t> linked) = 0;
   /// y += (∂Q/∂q) x, without the rotation of tension between guided particles. @param x  [m/s]  @param y  [N/s]
   virtual void apply_start_stiffness(std::span<const double> x, std::span<double> y) const = 0;
 };

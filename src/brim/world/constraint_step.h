@@ -15,6 +15,7 @@
 #include "brim/world/implicit_step.h"
 #include "brim/world/islands.h"
 #include "brim/world/row_memory.h"
+#include "brim/world/turning.h"
 #include "brim/world/step_report.h"
 
 namespace brim {
@@ -154,6 +155,7 @@ class ConstraintStep {
   std::vector<std::uint8_t> mixed_;       ///< per body: has penalty contacts
   std::vector<const RigidFrame*> rigid_;  ///< per body, or null
   RowMemory recall_;
+  Turning turning_;
   bool mapped_ = false;  ///< some pair is not rigid: points have maps
   bool solids_ = true;   ///< all rows are between rigid frames, or solids of articulated bodies
   bool exact_ = true, converged_ = true;

@@ -23,24 +23,26 @@ constexpr double kRounding = 1e-9;
 void FreeFlight::find(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts,
                       const ContactStage& stage, PartFilter& filter, const ContactParameters& laws,
                       const OuterActions& actions, const WorldOptions& options) {
-  held_.assign(bodies.size(), 0);
-  const auto hold = [&](std::int32_t a, std::int32_t b) {
-    held_[static_cast<std::size_t>(parts[a].body_index)] = 1;
-    held_[static_cast<std::size_t>(parts[b].body_index)] = 1;
+  held_.assign(bodies.size(), 0), near_.assign(bodies.size(), 0);
+  const auto approach = [&](std::int32_t a, std::int32_t b) {
+    for (const std::int32_t p : {a, b}) near_[static_cast<std::size_t>(parts[p].body_index)] = 1;
+  };
+  const auto touch = [&](std::int32_t a, std::int32_t b) {
+    for (const std::int32_t p : {a, b}) hold(static_cast<std::size_t>(parts[p].body_index));
   };
   for (const ContactPair& p : stage.contacts().pairs)
-    if (p.begin < p.end) hold(p.part_a, p.part_b);
-  stage.rigid().for_pairs(hold);
+    if (p.begin < p.end) touch(p.part_a, p.part_b);
+  stage.rigid().for_pairs(touch);
   stage.for_near([&](std::int32_t a, std::int32_t b) {
     const ConstraintPair law = laws.constraint_between(parts[a], parts[b], options);
     const bool bounces = law.constrained && law.restitution > 0.0;
-    if (!bounces && filter.leaves_some(parts[a], parts[b])) hold(a, b);
+    if (!bounces && filter.leaves_some(parts[a], parts[b])) approach(a, b);
   });
-  actions.flag_acted_on(held_);
+  actions.flag_pulled(near_), actions.flag_acted_on(held_);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const auto* outer = interface_of<OuterForces>(*bodies[b]);
     const bool in_a_box = interface_of<Walled>(*bodies[b]) != nullptr;
-    if (in_a_box || (outer != nullptr && outer->has_outer_forces())) held_[b] = 1;
+    if (in_a_box || (outer != nullptr && outer->has_outer_forces())) hold(b);
   }
 }
 

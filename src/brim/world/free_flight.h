@@ -33,8 +33,10 @@ class FreeFlight {
             PartFilter& filter, const ContactParameters& laws, const OuterActions& actions,
             const WorldOptions& options);
   /// Marks a body as not flying: something else acts on it.
-  void hold(std::size_t body) { held_[body] = 1; }
-  bool flies(std::size_t body) const { return held_[body] == 0; }
+  void hold(std::size_t body) { near_[body] = held_[body] = 1; }
+  bool flies(std::size_t body) const { return near_[body] == 0; }
+  /// True for a body that nothing but uniform gravity has acted on, however near others are.
+  bool is_free(std::size_t body) const { return held_[body] == 0; }
   /// Sets a body back by dt/2 Δc, after its finish_step.
   /// @param delta     v⁺ − v of the body, as solved
   /// @param advanced  v⁺ by which its positions were advanced
@@ -43,7 +45,7 @@ class FreeFlight {
                        std::span<double> q, std::span<const double> v);
 
  private:
-  std::vector<std::uint8_t> held_;  // per body
+  std::vector<std::uint8_t> near_, held_;  // per body: may be touched soon, or held; held
 };
 
 }  // namespace brim

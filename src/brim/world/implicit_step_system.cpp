@@ -55,28 +55,32 @@ bool ImplicitStep::solve_frames(std::span<double> delta) {
 
 void ImplicitStep::guide() {
   const StepContext& c = *context_;
-  // Particles reached by a force at one of these contacts.
-  contact_force_.assign(c.contacts.size(), Vec3::Zero());
-  bool any = false;
-  for (std::size_t p = 0; p < c.contacts.pairs.size(); ++p) {
-    const ContactPair& pair = c.contacts.pairs[p];
-    for (std::size_t i = pair.begin; i < pair.end && c.response.guides(p); ++i)
-      if (c.contacts.overlap[i] > kGuided) contact_force_[i] = Vec3::Ones(), any = true;
-  }
-  if (!any) return;
-  scratch_.assign(c.first_v.back(), 0.0);
-  c.maps.add_forces(contact_force_, scratch_);
-  std::vector<std::uint8_t> guided;
-  for (std::size_t b = 0; b < c.bodies.size(); ++b) {
-    auto* body = interface_of<GuidedParticles>(*c.bodies[b]);
-    if (body == nullptr) continue;
-    const auto reached = c.slice(scratch_, b);
-    guided.assign(reached.size() / 3, 0);
-    bool touched = false;
-    for (std::size_t i = 0; i < guided.size(); ++i)
-      if (reached[3 * i] != 0.0) guided[i] = 1, touched = true;
-    if (touched) body->set_guided(guided);
-  }
+  const auto tell = [&](auto chosen, auto set) {
+    // Particles reached by a force at one of these contacts.
+    contact_force_.assign(c.contacts.size(), Vec3::Zero());
+    bool any = false;
+    for (std::size_t p = 0; p < c.contacts.pairs.size(); ++p)
+      for (std::size_t i = c.contacts.pairs[p].begin; i < c.contacts.pairs[p].end; ++i)
+        if (chosen(p, i)) contact_force_[i] = Vec3::Ones(), any = true;
+    if (!any) return;
+    scratch_.assign(c.first_v.back(), 0.0);
+    c.maps.add_forces(contact_force_, scratch_);
+    std::vector<std::uint8_t> flags;
+    for (std::size_t b = 0; b < c.bodies.size(); ++b) {
+      auto* body = interface_of<GuidedParticles>(*c.bodies[b]);
+      if (body == nullptr) continue;
+      const auto reached = c.slice(scratch_, b);
+      flags.assign(reached.size() / 3, 0);
+      bool touched = false;
+      for (std::size_t i = 0; i < flags.size(); ++i)
+        if (reached[3 * i] != 0.0) flags[i] = 1, touched = true;
+      if (touched) set(*body, flags);
+    }
+  };
+  tell([&](std::size_t p, std::size_t i) { return c.response.guides(p) && c.contacts.overlap[i] > kGuided; },
+       [](GuidedParticles& body, const std::vector<std::uint8_t>& flags) { body.set_guided(flags); });
+  tell([&](std::size_t p, std::size_t) { return p >= c.contacts.first_link_pair(); },
+       [](GuidedParticles& body, const std::vector<std::uint8_t>& flags) { body.set_linked(flags); });
 }
 
 void ImplicitStep::begin_bodies() {

@@ -102,10 +102,17 @@ int OuterActions::add(const AppliedForce& given, std::span<const std::unique_ptr
   return static_cast<int>(entries_.size()) - 1;
 }
 
-void OuterActions::flag_acted_on(std::span<std::uint8_t> flags) const {
+void OuterActions::flag_pulled(std::span<std::uint8_t> flags) const {
   for (const Entry& e : entries_)
     for (const Action& a : e.actions)
       if (e.given.attractor || a.wind) flags[static_cast<std::size_t>(a.body)] = 1;
+}
+
+void OuterActions::flag_acted_on(std::span<std::uint8_t> flags) const {
+  for (const Entry& e : entries_)
+    for (const Action& a : e.actions)
+      if (e.given.attractor || a.wind || e.given.force != Vec3::Zero() || e.given.torque != Vec3::Zero())
+        flags[static_cast<std::size_t>(a.body)] = 1;
 }
 
 void OuterActions::choose_points(const AppliedForce& given, std::span<const WorldPart> parts, std::span<const double> q,

@@ -32,6 +32,8 @@ class OuterActions {
     return body < gravity_scale_.size() ? Environment{gravity_scale_[body] * env.gravity} : env;
   }
   /// Sets the flags of bodies with wind or a position-dependent force. @param flags  shape (bodies)
+  void flag_pulled(std::span<std::uint8_t> flags) const;
+  /// Sets the flags of bodies with any force that is not the same acceleration everywhere. @param flags  shape (bodies)
   void flag_acted_on(std::span<std::uint8_t> flags) const;
   /// Appends the bodies on which something acts that changes with time: by its scale around this sub-step, or by a wind
   /// field, of which nothing is known.

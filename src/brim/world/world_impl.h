@@ -25,6 +25,7 @@
 #include "brim/world/self_contact.h"
 #include "brim/world/sleep.h"
 #include "brim/world/touch_rules.h"
+#include "brim/world/turning.h"
 #include "brim/world/watcher.h"
 #include "brim/world/world.h"
 #include "brim/world/world_part.h"
@@ -77,6 +78,7 @@ struct World::Impl {
   HeldPairs held_pairs;   ///< that rows connected in the last sub-step
   FreeFlight flight;
   ContactMaps maps;
+  Turning turning;
   Penalty response;
   ImplicitStep implicit;
   ConstraintStep constraints;

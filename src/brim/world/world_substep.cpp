@@ -2,6 +2,7 @@
 #include <cmath>
 #include <optional>
 
+#include "brim/body/keeps_energy.h"
 #include "brim/body/spinning_balls.h"
 #include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
@@ -83,6 +84,8 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
     maps.build(parts, contacts, first_v);
     maps.for_directed([&](std::size_t c, const Vec3& n) { response.set_normal(c, n); });
     maps.velocities(state.v, velocity_a, velocity_b);
+    turning.begin(parts, contacts, state.v, first_v, dt);
+    if (turning.any()) turning.add_slips(contacts, response.normals(), velocity_a, velocity_b);
     const double g = options.environment.gravity.norm();
     PenaltyOptions p;
     p.dt = dt;
@@ -241,6 +244,8 @@ double World::Impl::substep(double left, StepReport& report) {
     bodies[b]->advance(dt, q(b), own(advance_v));
     bodies[b]->finish_step(state.time, dt, q(b), v(b));
     if (flight.flies(b)) FreeFlight::set_back(*bodies[b], dt, own(delta), own(advance_v), q(b), v(b));
+    auto* kept = flight.is_free(b) ? interface_of<KeepsEnergy>(*bodies[b]) : nullptr;
+    if (kept != nullptr) kept->keep_energy(state.time + dt, q(b), v(b));
   });
   stir();
   levels.shift().pass(dt);

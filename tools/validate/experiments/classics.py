@@ -151,3 +151,28 @@ def heading(run):
     """[rad] where the top leans to, over time."""
     w, x, y, z = run.q("top")[:, 3:7].T
     return np.unwrap(np.arctan2(2 * (y * z - w * x), 2 * (x * z + w * y)))
+
+
+LOOSE = {
+    "net": {"kind": "mass_spring", "grid": {"size": [0.6, 0.5], "cells": [8, 8]}, "form": "net", "density": 0.1, "thickness": 0.02, "stiffness": 1e4,
+            "angular_velocity": [1, 2, 3]},
+    "ring": {"kind": "rod", "points": [[0.3 * math.cos(t), 0.3 * math.sin(t), 0] for t in np.linspace(0, 2 * math.pi, 25)[:-1]], "closed": True,
+             "segments": 24, "radius": 0.02, "angular_velocity": [1, 2, 3]},
+    "bow": {"kind": "rod", "points": [[s, 0, 0.04 * (0.25 - s * s)] for s in np.linspace(-0.5, 0.5, 21)], "segments": 20, "radius": 0.02,
+            "angular_velocity": [0.5, 1, 3]},
+    "string": {"kind": "rod", "points": [[s, 0, 0.04 * (0.25 - s * s)] for s in np.linspace(-0.5, 0.5, 21)], "segments": 20, "radius": 0.02,
+               "bend_stiffness": 0.0, "angular_velocity": [0.5, 1, 3]},
+}
+
+
+def largest_energy(run):
+    energy = run.series("kinetic_energy") + run.series("potential_energy")
+    return energy.max() / energy[1]
+
+
+@experiment(law="E ≤ E₀", source="nothing acts on it, and its forces are those of an energy", unit="-", tolerance=1e-6, theory=1.0, fast=True,
+            cases=cases(body=tuple(LOOSE), dt=(1 / 60, 1 / 240)), measure=lambda c, r: largest_energy(r),
+            curve=lambda c, r: (r.time[1:], (r.series("kinetic_energy") + r.series("potential_energy"))[1:]), axes=("t [s]", "energy [J]"))
+def loose_spins(case):
+    """A net of springs, a ring, a rod bent by a hundredth and a string spin freely for 4 s: their largest energy over that of the first step."""
+    return scene([{**LOOSE[case.body], "name": "loose"}], 4.0, dt=case.dt, frame=round(1 / (60 * case.dt)), gravity=[0, 0, 0])

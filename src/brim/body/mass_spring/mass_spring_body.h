@@ -32,6 +32,7 @@ class MassSpringBody final : public StrainDampedBody {
 
   std::string_view kind() const override { return "mass_spring"; }
   double elastic_energy() const override { return springs_.energy(x_); }
+  const SpringElements* stiff_springs() const override { return &springs_; }
   const Display& display() const override { return solid_ ? solid_->display() : display_; }
   void display_positions(std::span<Vec3f> x) const override;
 

@@ -6,6 +6,7 @@
 #include "brim/body/posed_display.h"
 #include "brim/body/posed_shape.h"
 #include "brim/body/rigid_frame.h"
+#include "brim/body/turns.h"
 
 namespace brim {
 
@@ -26,7 +27,7 @@ struct ObstacleModel {
 
 /// Static or animated rigid solid of infinite mass. q and v are those of a rigid body (origin of the shape); all of v
 /// is prescribed, so the solver has no unknowns.
-class ObstacleBody final : public Body, public DistanceBound, public RigidFrame, public PosedDisplay, public Movable {
+class ObstacleBody final : public Body, public DistanceBound, public RigidFrame, public Turns, public PosedDisplay, public Movable {
  public:
   /// @throws InputError when keys are missing or their times do not increase
   explicit ObstacleBody(ObstacleModel model);
@@ -71,6 +72,7 @@ class ObstacleBody final : public Body, public DistanceBound, public RigidFrame,
   Vec3 angular_momentum(std::span<const double>) const override { return Vec3::Zero(); }
 
   Frame rigid_frame() const override { return {solid_.pose().translation, 0.0, Mat3::Zero()}; }
+  Turn turn(std::span<const double> v) const override { return {solid_.pose().translation, {v[3], v[4], v[5]}}; }
 
   const Display& display() const override { return display_; }
   void display_positions(std::span<Vec3f> x) const override { solid_.display_positions(x); }

@@ -1,6 +1,7 @@
 #include "brim/body/particles/mean_motion.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "brim/math/free_turn.h"
 #include "brim/math/small_symmetric.h"
@@ -113,17 +114,29 @@ MeanMotion mean_motion(const ParticleSet& p, std::span<const double> x, std::spa
   return m;
 }
 
-void advance_turning(const ParticleSet& p, double dt, std::span<double> x, std::span<const double> v) {
+void advance_turning(const ParticleSet& p, double dt, std::span<double> x, std::span<const double> v,
+                     const Straighten& straighten) {
   const MeanMotion m = mean_motion(p, x, v);
-  const Mat3 turned = m.turn(dt) - Mat3::Identity();
+  const Mat3 R = m.turn(dt), turned = R - Mat3::Identity();
+  const auto own = [&](std::size_t i) -> Vec3 {
+    return triple(v, i) - m.velocity - m.spin.cross(triple(x, i) - m.center);
+  };
+  std::vector<double> more;
+  if (straighten) {
+    std::vector<double> way(x.size());
+    for (std::size_t i = 0; i < p.mass.size(); ++i) triple(std::span(way), i) = dt * own(i);
+    more.assign(x.size(), 0.0);
+    if (!straighten(x, way, more)) more.clear();
+  }
   const auto extra = [&](std::size_t i) -> Vec3 {
-    const Vec3 d = triple(x, i) - m.center, round = m.spin.cross(d), u = triple(v, i) - m.velocity - round;
-    return turned * (d + dt * u) - dt * round;
+    const Vec3 d = triple(x, i) - m.center;
+    return turned * (d + dt * own(i)) - dt * m.spin.cross(d);
   };
   if (m.spin != Vec3::Zero())
     for_others(p, [&](std::size_t i) { triple(x, i) += dt * triple(v, i) + extra(i); });
   else
     for_others(p, [&](std::size_t i) { triple(x, i) += dt * triple(v, i); });
+  if (!more.empty()) for_others(p, [&](std::size_t i) { triple(x, i) += R * triple(std::span(more), i); });
   for (const std::int32_t i : p.prescribed) {
     const auto k = static_cast<std::size_t>(i);
     triple(x, k) += dt * triple(v, k);
@@ -177,6 +190,32 @@ void turn_velocities(const ParticleSet& p, double dt, std::span<const double> be
   const Vec3 w = next.spin_of(L);
   for_others(p,
              [&](std::size_t i) { triple(v, i) = m.velocity + t + w.cross(triple(after, i) - next.center) + own(i); });
+}
+
+double energy_about_center(std::span<const double> mass, std::span<const double> v) {
+  Vec3 momentum = Vec3::Zero();
+  double total = 0.0, energy = 0.0;
+  for (std::size_t i = 0; i < mass.size(); ++i) {
+    total += mass[i];
+    momentum += mass[i] * triple(v, i);
+  }
+  const Vec3 mean = momentum / total;
+  for (std::size_t i = 0; i < mass.size(); ++i) energy += 0.5 * mass[i] * (triple(v, i) - mean).squaredNorm();
+  return energy;
+}
+
+void slow_inner_motion(const ParticleSet& p, std::span<const double> x, double most, std::span<double> v) {
+  const double excess = energy_about_center(p.mass, v) - most;
+  if (!(excess > 0.0)) return;
+  const MeanMotion m = mean_motion(p, x, v);
+  const auto own = [&](std::size_t i) -> Vec3 {
+    return triple(v, i) - m.velocity - m.spin.cross(triple(x, i) - m.center);
+  };
+  double inner = 0.0;
+  for (std::size_t i = 0; i < p.mass.size(); ++i) inner += 0.5 * p.mass[i] * own(i).squaredNorm();
+  if (!(inner > 0.0)) return;
+  const double less = 1.0 - std::sqrt(std::max(0.0, 1.0 - excess / inner));
+  for (std::size_t i = 0; i < p.mass.size(); ++i) triple(v, i) -= less * own(i);
 }
 
 }  // namespace brim

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -39,9 +40,18 @@ struct MeanMotion {
 /// @param x, v  shape (3 particles)
 MeanMotion mean_motion(const ParticleSet& p, std::span<const double> x, std::span<const double> v);
 
+/// Correction of the positions that particles reach in the frame that turns with them.
+/// @param x     [m] at the start
+/// @param way   [m] dt u
+/// @param more  [m] to be added, zero on entry
+/// @return false when there is none
+using Straighten = std::function<bool(std::span<const double> x, std::span<const double> way, std::span<double> more)>;
+
 /// x ← c + dt ċ + R (d + dt u), R: rotation of the step. A rigid motion causes no stretch, unlike x + dt v.
+/// @param straighten  null: no correction
 /// Tests: tests/body/spin_test.cpp
-void advance_turning(const ParticleSet& p, double dt, std::span<double> x, std::span<const double> v);
+void advance_turning(const ParticleSet& p, double dt, std::span<double> x, std::span<const double> v,
+                     const Straighten& straighten = {});
 
 /// Q += m δv / dt, change of the velocities in the frame that rotates with the particles, without forces:
 ///   δv = (Rᵀ − 1) (ω × d) + (Rᵀ² − 1) u, without its own rigid part
@@ -56,5 +66,13 @@ void add_turning_forces(const ParticleSet& p, double dt, std::span<const double>
 /// @param j       [N s] to be given back, as a rigid motion
 void turn_velocities(const ParticleSet& p, double dt, std::span<const double> before, std::span<double> after,
                      std::span<double> v, std::span<const double> j);
+
+/// [J] Kinetic energy of the motion about the centre of mass.
+double energy_about_center(std::span<const double> mass, std::span<const double> v);
+
+/// v ← ċ + ω × d + s u, 0 <= s <= 1: energy_about_center is then at most `most`, or that of the rotation alone. Both
+/// momenta stay as they are. Tests: tests/body/mean_motion_test.cpp
+/// @param p  without prescribed particles
+void slow_inner_motion(const ParticleSet& p, std::span<const double> x, double most, std::span<double> v);
 
 }  // namespace brim

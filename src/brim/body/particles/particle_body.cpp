@@ -85,12 +85,17 @@ void ParticleBody::prescribe(double time, double dt, std::span<const double> q, 
 void ParticleBody::update(double, std::span<const double> q, std::span<const double> v) {
   BRIM_CHECK(q.size(), ==, q_size());
   BRIM_CHECK(v.size(), ==, 3 * rest_.size());
+  if (std::exchange(ahead_, false) && std::ranges::equal(q, flat(x_))) {
+    for (std::size_t i = 0; i < rest_.size(); ++i) v_[i] = at(v, i);
+    guided_.clear(), linked_.clear();
+    return;
+  }
   box_ = Aabb{};
   for (std::size_t i = 0; i < rest_.size(); ++i) {
     x_[i] = at(q, i), v_[i] = at(v, i);
     box_.extend(x_[i]);
   }
-  guided_.clear();
+  guided_.clear(), linked_.clear();
   force_.assign(rest_.size(), Vec3::Zero());
   stiffness_.set_zero();
   add_inner();
@@ -98,9 +103,24 @@ void ParticleBody::update(double, std::span<const double> q, std::span<const dou
   if (pieces_) pieces_->set_name(name()), pieces_->follow(x_);
 }
 
+Turns::Turn ParticleBody::turn(std::span<const double> v) const {
+  if (!hold_together(stiffness_)) return {};
+  const MeanMotion m = mean_motion(particle_set(), flat(x_), v);
+  return {m.center, m.spin};
+}
+
+void ParticleBody::keep_energy(double time, std::span<const double> q, std::span<double> v) {
+  if (!prescribed_.empty() || !hold_together(stiffness_)) return;
+  const double before = elastic_energy() + energy_about_center(mass_, flat(v_));
+  update(time, q, v);
+  slow_inner_motion(particle_set(), q, before - elastic_energy(), v);
+  for (std::size_t i = 0; i < rest_.size(); ++i) v_[i] = at(v, i);
+  ahead_ = true;
+}
+
 void ParticleBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
   if (hold_together(stiffness_))
-    advance_turning(particle_set(), dt, q, v);
+    advance_turning(particle_set(), dt, q, v, straightening(dt));
   else
     for (std::size_t i = 0; i < q.size(); ++i) q[i] += dt * v[i];
 }

@@ -7,6 +7,7 @@
 
 #include "brim/body/body.h"
 #include "brim/body/guided_particles.h"
+#include "brim/body/keeps_energy.h"
 #include "brim/body/meets_itself.h"
 #include "brim/body/movable.h"
 #include "brim/body/octant_presence.h"
@@ -15,6 +16,7 @@
 #include "brim/body/particles/element_clusters.h"
 #include "brim/body/particles/mean_motion.h"
 #include "brim/body/particles/particle_contact.h"
+#include "brim/body/turns.h"
 #include "brim/math/block_matrix.h"
 
 namespace brim {
@@ -54,7 +56,9 @@ class ParticleBody : public Body,
                      public OuterForces,
                      public Movable,
                      public GuidedParticles,
-                     public MeetsItself {
+                     public KeepsEnergy,
+                     public MeetsItself,
+                     public Turns {
  public:
   std::size_t q_size() const override { return 3 * rest_.size(); }
   std::size_t v_size() const override { return 3 * rest_.size(); }
@@ -67,11 +71,13 @@ class ParticleBody : public Body,
 
   /// Restores the momentum of free motion lost in the step (docs/numerics.md, Momentum of deformable bodies).
   void finish_step(double time, double dt, std::span<double> q, std::span<double> v) override;
+  void keep_energy(double time, std::span<const double> q, std::span<double> v) override;
 
   void add_forces(const Environment& env, std::span<double> Q) const override;
   void apply_mass(std::span<const double> x, std::span<double> y) const override;
   void apply_stiffness(std::span<const double> x, std::span<double> y) const override;
   void set_guided(std::span<const std::uint8_t> guided) override { guided_.assign(guided.begin(), guided.end()); }
+  void set_linked(std::span<const std::uint8_t> linked) override { linked_.assign(linked.begin(), linked.end()); }
   void apply_start_stiffness(std::span<const double> x, std::span<double> y) const override;
   void apply_damping(std::span<const double> x, std::span<double> y) const override;
   void apply_system(std::span<const double> x, std::span<double> y) const override;
@@ -103,6 +109,7 @@ class ParticleBody : public Body,
   Vec3 linear_momentum(std::span<const double> v) const override;
   Vec3 angular_momentum(std::span<const double> v) const override;
   bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
+  Turn turn(std::span<const double> v) const override;
 
   /// The particles themselves; kinds with another display override both functions.
   const Display& display() const override { return display_; }
@@ -132,6 +139,11 @@ class ParticleBody : public Body,
                                      std::span<double> y) const {
     (void)x, (void)guided, (void)y;
   }
+  /// Correction of the positions after a step of dt; null: none.
+  virtual Straighten straightening(double dt) const {
+    (void)dt;
+    return {};
+  }
   /// Sets the body's contact and its parameters. The options' voxel size and material override those given, and so does
   /// an areal mass of 0 for a body without free particles.
   /// @throws InputError  for self-contact of a body that is neither a sheet nor a line
@@ -145,11 +157,13 @@ class ParticleBody : public Body,
   ParticleSet particle_set() const { return {mass_, prescribed_, least_inertia_}; }
   std::vector<Vec3> x_, v_, force_;  // of the last update
   BlockMatrix stiffness_;
+  std::vector<std::uint8_t> linked_;  // in this step, or empty
   Display display_;
 
  private:
   double total_mass_ = 0.0;           // [kg]
   Aabb box_;                          // of x_
+  bool ahead_ = false;                // keep_energy has updated to x_: the next update finds it done
   std::vector<double> impulse_;       // [N s] scratch of finish_step
   std::vector<std::uint8_t> guided_;  // in this step, or empty
   std::unique_ptr<const ParticleContact> contact_;

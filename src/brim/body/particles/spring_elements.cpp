@@ -4,6 +4,13 @@
 
 namespace brim {
 
+namespace {
+
+/// Cosine below which a spring has turned too far in a step for its direction at the start to tell its length.
+constexpr double kTurned = 0.5;
+
+}  // namespace
+
 SpringElements::SpringElements(std::span<const Spring> springs, std::span<const Vec3> x, bool slack) : slack_(slack) {
   std::vector<std::int32_t> ends;
   ends.reserve(2 * springs.size());
@@ -40,6 +47,28 @@ void SpringElements::add(std::span<const Vec3> x, std::span<Vec3> force, BlockMa
     stiffness.add(pair_[k], -K);
     damper.add(pair_[k], -along);
   });
+}
+
+double SpringElements::add_turned(std::span<const double> x, std::span<const double> way, std::span<const double> more,
+                                  std::span<double> force) const {
+  double energy = 0.0;
+  for (const Spring& s : spring_) {
+    const auto between = [&](std::span<const double> at) -> Vec3 {
+      return Eigen::Map<const Vec3>(at.data() + 3 * s.node[1]) - Eigen::Map<const Vec3>(at.data() + 3 * s.node[0]);
+    };
+    const Vec3 d = between(x), moved = d + between(way);
+    const double l = d.norm();
+    if (!(l > 0.0)) continue;
+    const Vec3 n = d / l;
+    const double least = slack_ ? s.length : 0.0, straight = n.dot(moved);
+    if (!(straight > kTurned * l)) continue;
+    const double longer = std::max(least, (moved + between(more)).norm()) - std::max(least, straight);
+    const Vec3 pull = s.stiffness * longer * n;
+    energy += 0.5 * s.stiffness * longer * longer;
+    Eigen::Map<Vec3>(force.data() + 3 * s.node[0]) += pull;
+    Eigen::Map<Vec3>(force.data() + 3 * s.node[1]) -= pull;
+  }
+  return energy;
 }
 
 double SpringElements::energy(std::span<const Vec3> x) const {

@@ -35,6 +35,14 @@ class SpringElements {
   /// force += −∂E/∂x, stiffness += K, damper += k n nᵀ; the last two have the same pattern. Parallel, same bits for any
   /// number of threads.
   void add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness, BlockMatrix& damper) const;
+  /// Forces of what springs have become longer by turning: a way across the springs stretches them in second order.
+  /// @param x     [m] at the start; forces are along the springs there
+  /// @param way   [m] by which the solve has moved the particles
+  /// @param more  [m] moved in addition
+  /// @param force  [N] added to
+  /// @return [J] energy of these lengths
+  double add_turned(std::span<const double> x, std::span<const double> way, std::span<const double> more,
+                    std::span<double> force) const;
   /// E, [J].
   double energy(std::span<const Vec3> x) const;
 

@@ -1,9 +1,26 @@
 #include "brim/body/particles/strain_damped_body.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "brim/body/particles/mean_motion.h"
 #include "brim/core/parallel.h"
+#include "brim/solve/conjugate_gradient.h"
 
 namespace brim {
+
+namespace {
+
+/// Energy of springs stretched by turning, relative to that of the motion, that is left to the next step.
+constexpr double kLeft = 1e-4;
+/// Number of corrections; relative accuracy of each, which the next improves; its most iterations.
+constexpr int kRounds = 3;
+constexpr double kAccuracy = 1e-2;
+constexpr int kIterations = 200;
+/// Share of the energy that a correction may leave at most to be kept.
+constexpr double kWorth = 0.5;
+
+}  // namespace
 
 void StrainDampedBody::share_pattern(BlockMatrix pattern) {
   stiffness_ = pattern;
@@ -66,6 +83,54 @@ void StrainDampedBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) 
     for (std::size_t i = begin; i < end; ++i)
       D.block(first + i) += system_.diagonal(i) + b * mass_[i] * Mat3::Identity();
   });
+}
+
+Straighten StrainDampedBody::straightening(double dt) const {
+  // The system of another step would not do.
+  if (stiff_springs() == nullptr || dt != dt_) return {};
+  return [this](std::span<const double> x, std::span<const double> way, std::span<double> more) {
+    return straighten(x, way, more);
+  };
+}
+
+bool StrainDampedBody::straighten(std::span<const double> x, std::span<const double> way,
+                                  std::span<double> more) const {
+  double motion = 0.0;
+  for (std::size_t i = 0; i < mass_.size(); ++i)
+    motion += 0.5 * mass_[i] * Eigen::Map<const Vec3>(way.data() + 3 * i).squaredNorm() / (dt_ * dt_);
+  std::vector<double> force(x.size(), 0.0), p(x.size());
+  double energy = stiff_springs()->add_turned(x, way, more, force);
+  if (!(energy > kLeft * motion)) return false;
+  BlockDiagonal D;
+  D.reset(block_sizes());
+  add_system_diagonal(0, D);
+  D.factor();
+  LinearSystem system;
+  system.apply = [&](std::span<const double> a, std::span<double> b) {
+    std::fill(b.begin(), b.end(), 0.0);
+    apply_system(a, b);
+  };
+  system.precondition = [&](std::span<const double> r, std::span<double> z) { D.solve(r, z); };
+  // Links would pull back what is moved at them.
+  system.filter = [&](std::span<double> a) {
+    filter(a);
+    for (std::size_t i = 0; i < linked_.size(); ++i)
+      if (linked_[i] != 0) Eigen::Map<Vec3>(a.data() + 3 * i).setZero();
+  };
+  ConjugateGradient cg;
+  for (int round = 0; round < kRounds && energy > kLeft * motion; ++round) {
+    for (double& f : force) f *= dt_ * dt_;
+    std::fill(p.begin(), p.end(), 0.0);
+    if (!cg.solve(system, force, kAccuracy, kIterations, p).finite) return false;
+    for (std::size_t i = 0; i < more.size(); ++i) more[i] += p[i];
+    std::fill(force.begin(), force.end(), 0.0);
+    const double before = std::exchange(energy, stiff_springs()->add_turned(x, way, more, force));
+    if (energy < kWorth * before) continue;
+    // Far from where the springs are linear, corrections may make things worse.
+    for (std::size_t i = 0; i < more.size(); ++i) more[i] -= p[i];
+    return round > 0;
+  }
+  return true;
 }
 
 }  // namespace brim

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "brim/body/particles/particle_body.h"
+#include "brim/body/particles/spring_elements.h"
 
 namespace brim {
 
@@ -8,6 +9,8 @@ namespace brim {
 /// stiffness, without the geometric part from tension. So a spinning, stretched rope is not braked:
 ///   A = (1 + dt a) M + dt² K + dt b D
 /// D is computed with the internal forces, in a matrix with the pattern of K.
+/// Springs that turn against the body's mean rotation keep the lengths that the solve gave them (docs/numerics.md,
+/// Momentum of deformable bodies).
 class StrainDampedBody : public ParticleBody {
  public:
   void update(double time, std::span<const double> q, std::span<const double> v) override;
@@ -26,9 +29,15 @@ class StrainDampedBody : public ParticleBody {
   void add_turning_stiffness(std::span<const double> x, std::span<const std::uint8_t> guided,
                              std::span<double> y) const override;
 
+  Straighten straightening(double dt) const override;
+  /// Springs that must not be stretched by turning; null: none.
+  virtual const SpringElements* stiff_springs() const { return nullptr; }
+
   BlockMatrix damper_;  // D [N/m], filled by add_inner
 
  private:
+  bool straighten(std::span<const double> x, std::span<const double> way, std::span<double> more) const;
+
   BlockMatrix system_;  // dt² K + dt b D, made by begin_solve
 };
 

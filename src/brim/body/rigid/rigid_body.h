@@ -7,6 +7,7 @@
 #include "brim/body/posed_display.h"
 #include "brim/body/posed_shape.h"
 #include "brim/body/rigid_frame.h"
+#include "brim/body/turns.h"
 
 namespace brim {
 
@@ -31,7 +32,7 @@ struct RigidModel {
 /// Free rotation conserves angular momentum exactly: after each step ω follows from L at the new orientation.
 class RigidBody final : public Body,
                         public DistanceBound,
-                        public RigidFrame,
+                        public RigidFrame, public Turns,
                         public PosedDisplay,
                         public OuterForces,
                         public Movable {
@@ -76,6 +77,7 @@ class RigidBody final : public Body,
   Vec3 angular_momentum(std::span<const double> v) const override;
 
   Frame rigid_frame() const override;
+  Turn turn(std::span<const double> v) const override { return {center_, {v[3], v[4], v[5]}}; }
   bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
 
   const Display& display() const override { return display_; }

@@ -31,6 +31,7 @@ class RodBody final : public StrainDampedBody {
 
   std::string_view kind() const override { return "rod"; }
   double elastic_energy() const override { return stretch_.energy(x_) + bending_.energy(x_); }
+  const SpringElements* stiff_springs() const override { return &stretch_; }
 
   const SpringElements& stretch() const { return stretch_; }
   const RodBending& bending() const { return bending_; }
