@@ -36,12 +36,13 @@ TEST(AdvanceTurning, AddsACorrectionInTheFrameThatTurns) {
   advance_turning(p, dt, plain, kVelocities);
   advance_turning(p, dt, none, kVelocities, [](auto, auto, auto) { return false; });
   EXPECT_EQ(plain, none);
-  advance_turning(p, dt, more, kVelocities, [&](std::span<const double> x, std::span<const double> way, std::span<double> out) {
-    // The whole way back: what is left is the rigid motion.
-    EXPECT_TRUE(std::ranges::equal(x, kPlaces));
-    for (std::size_t i = 0; i < way.size(); ++i) out[i] = -way[i];
-    return true;
-  });
+  advance_turning(p, dt, more, kVelocities,
+                  [&](std::span<const double> x, std::span<const double> way, std::span<double> out) {
+                    // The whole way back: what is left is the rigid motion.
+                    EXPECT_TRUE(std::ranges::equal(x, kPlaces));
+                    for (std::size_t i = 0; i < way.size(); ++i) out[i] = -way[i];
+                    return true;
+                  });
   for (std::size_t i = 0; i < kMass.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
       const auto apart = [&](const std::vector<double>& x) {

@@ -15,8 +15,8 @@
 #include "brim/world/implicit_step.h"
 #include "brim/world/islands.h"
 #include "brim/world/row_memory.h"
-#include "brim/world/turning.h"
 #include "brim/world/step_report.h"
+#include "brim/world/turning.h"
 
 namespace brim {
 

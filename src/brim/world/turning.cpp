@@ -29,16 +29,19 @@ void Turning::begin(std::span<const WorldPart> parts, const ContactSet& points, 
       for (const std::int32_t part : {p.part_a, p.part_b}) asked_[static_cast<std::size_t>(parts[part].body_index)] = 1;
   std::vector<const Body*> body(bodies, nullptr);
   for (const WorldPart& p : parts) body[static_cast<std::size_t>(p.body_index)] = p.body;
-  parallel_for(bodies, [&](std::size_t b) {
-    turn_[b].more.setZero();
-    const auto* turns = asked_[b] != 0 && body[b] != nullptr ? interface_of<Turns>(*body[b]) : nullptr;
-    if (turns == nullptr) return;
-    const Turns::Turn t = turns->turn(v.subspan(first_v[b], first_v[b + 1] - first_v[b]));
-    if (t.spin == Vec3::Zero()) return;
-    Mat3 cross;
-    cross << 0.0, -t.spin.z(), t.spin.y(), t.spin.z(), 0.0, -t.spin.x(), -t.spin.y(), t.spin.x(), 0.0;
-    turn_[b] = {t.center, (rotation_from_vector(dt * t.spin).toRotationMatrix() - Mat3::Identity()) / dt - cross};
-  }, 64);
+  parallel_for(
+      bodies,
+      [&](std::size_t b) {
+        turn_[b].more.setZero();
+        const auto* turns = asked_[b] != 0 && body[b] != nullptr ? interface_of<Turns>(*body[b]) : nullptr;
+        if (turns == nullptr) return;
+        const Turns::Turn t = turns->turn(v.subspan(first_v[b], first_v[b + 1] - first_v[b]));
+        if (t.spin == Vec3::Zero()) return;
+        Mat3 cross;
+        cross << 0.0, -t.spin.z(), t.spin.y(), t.spin.z(), 0.0, -t.spin.x(), -t.spin.y(), t.spin.x(), 0.0;
+        turn_[b] = {t.center, (rotation_from_vector(dt * t.spin).toRotationMatrix() - Mat3::Identity()) / dt - cross};
+      },
+      64);
   any_ = std::ranges::any_of(turn_, [](const Turn& t) { return t.more != Mat3::Zero(); });
 }
 

@@ -27,7 +27,12 @@ struct ObstacleModel {
 
 /// Static or animated rigid solid of infinite mass. q and v are those of a rigid body (origin of the shape); all of v
 /// is prescribed, so the solver has no unknowns.
-class ObstacleBody final : public Body, public DistanceBound, public RigidFrame, public Turns, public PosedDisplay, public Movable {
+class ObstacleBody final : public Body,
+                           public DistanceBound,
+                           public RigidFrame,
+                           public Turns,
+                           public PosedDisplay,
+                           public Movable {
  public:
   /// @throws InputError when keys are missing or their times do not increase
   explicit ObstacleBody(ObstacleModel model);

@@ -32,7 +32,8 @@ struct RigidModel {
 /// Free rotation conserves angular momentum exactly: after each step ω follows from L at the new orientation.
 class RigidBody final : public Body,
                         public DistanceBound,
-                        public RigidFrame, public Turns,
+                        public RigidFrame,
+                        public Turns,
                         public PosedDisplay,
                         public OuterForces,
                         public Movable {
