@@ -176,26 +176,3 @@ def largest_energy(run):
 def loose_spins(case):
     """A net of springs, a ring, a rod bent by a hundredth and a string spin freely for 4 s: their largest energy over that of the first step."""
     return scene([{**LOOSE[case.body], "name": "loose"}], 4.0, dt=case.dt, frame=round(1 / (60 * case.dt)), gravity=[0, 0, 0])
-
-
-WHEELS = {
-    "finite_elements": {"kind": "finite_elements", "shape": {"kind": "box", "size": [0.4, 0.4, 0.2]}, "lattice_spacing": 0.1, "young_modulus": 1e6,
-                        "density": 500, "voxel_size": 0.05},
-    "cloth": {"kind": "cloth", "grid": {"size": [0.4, 0.4], "cells": [8, 8]}, "thickness": 0.04, "areal_density": 0.5},
-    "rod": {"kind": "rod", "points": [[-0.3, 0, 0], [0.3, 0, 0]], "segments": 12, "radius": 0.02},
-}
-
-
-def turned_by(run, name):
-    x = run.nodes(name)[0]
-    d = x - x.mean(axis=1, keepdims=True)
-    far = np.argmax(np.hypot(d[0, :, 0], d[0, :, 1]))
-    turn = np.unwrap(np.arctan2(d[:, far, 1], d[:, far, 0]))
-    return turn[-1] - turn[0]
-
-
-@experiment(law="φ = ω t", source="nothing acts on it; what it becomes wider by slows it by less than the promise", unit="rad", tolerance=0.01, fast=True,
-            cases=cases(kind=tuple(WHEELS), spin=(6, 20)), theory=lambda c: 3.0 * c.spin, measure=lambda c, r: turned_by(r, "wheel"))
-def spins_on(case):
-    """A soft box, a sheet or a rod spins freely about its shortest axis, at rad/s, in steps of 1/60 s: by how much it has turned after 3 s."""
-    return scene([{**WHEELS[case.kind], "name": "wheel", "angular_velocity": [0, 0, case.spin]}], 3.0, gravity=[0, 0, 0])

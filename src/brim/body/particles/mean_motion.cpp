@@ -181,10 +181,8 @@ void turn_velocities(const ParticleSet& p, double dt, std::span<const double> be
     for (std::size_t i = 0; i < p.mass.size(); ++i) triple(after, i) += dt * t;
 
   MeanMotion next = frame_of(p, after, v);
-  const Mat3 missed = rotation_from_vector(dt * (m.spin_of(L) - m.spin)).toRotationMatrix();
-  for_others(p, [&](std::size_t i) { triple(after, i) = next.center + missed * (triple(after, i) - next.center); });
   take_inertia(p, after, next);
-  const Mat3 R = missed * m.turn(dt);
+  const Mat3 R = m.turn(dt);
   const auto own = [&](std::size_t i) -> Vec3 {
     return R * (triple(v, i) - m.velocity - m.spin.cross(triple(before, i) - m.center));
   };

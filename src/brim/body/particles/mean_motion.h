@@ -62,7 +62,7 @@ void add_turning_forces(const ParticleSet& p, double dt, std::span<const double>
 /// Rotates the velocities with the particles and restores their momentum:
 ///   v ← v + (t + ω⁺ × d⁺ − ω × d + (R − 1) u),   Σ m d⁺ × v = Σ d × (m v + j),   Σ m v = Σ (m v + j)
 /// @param before  [m] x for which v was found
-/// @param after   [m] advanced; also moved by dt t, and turned by what j adds to ω
+/// @param after   [m] advanced; also moved by dt t
 /// @param j       [N s] to be given back, as a rigid motion
 void turn_velocities(const ParticleSet& p, double dt, std::span<const double> before, std::span<double> after,
                      std::span<double> v, std::span<const double> j);

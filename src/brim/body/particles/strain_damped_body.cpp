@@ -19,6 +19,8 @@ constexpr double kAccuracy = 1e-2;
 constexpr int kIterations = 200;
 /// Share of the energy that a correction may leave at most to be kept.
 constexpr double kWorth = 0.5;
+/// Size of all corrections relative to the motion, by mass, up to which they are of second order.
+constexpr double kSmall = 0.3;
 
 }  // namespace
 
@@ -86,8 +88,8 @@ void StrainDampedBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) 
 }
 
 Straighten StrainDampedBody::straightening(double dt) const {
-  // The system of another step would not do.
-  if (stiff_springs() == nullptr || dt != dt_) return {};
+  // The system of another step would not do. What hangs from prescribed particles converges to its rest without.
+  if (stiff_springs() == nullptr || dt != dt_ || !prescribed_.empty()) return {};
   return [this](std::span<const double> x, std::span<const double> way, std::span<double> more) {
     return straighten(x, way, more);
   };
@@ -95,9 +97,13 @@ Straighten StrainDampedBody::straightening(double dt) const {
 
 bool StrainDampedBody::straighten(std::span<const double> x, std::span<const double> way,
                                   std::span<double> more) const {
-  double motion = 0.0;
-  for (std::size_t i = 0; i < mass_.size(); ++i)
-    motion += 0.5 * mass_[i] * Eigen::Map<const Vec3>(way.data() + 3 * i).squaredNorm() / (dt_ * dt_);
+  const auto motion_of = [&](std::span<const double> moved) {
+    double energy = 0.0;
+    for (std::size_t i = 0; i < mass_.size(); ++i)
+      energy += 0.5 * mass_[i] * Eigen::Map<const Vec3>(moved.data() + 3 * i).squaredNorm() / (dt_ * dt_);
+    return energy;
+  };
+  const double motion = motion_of(way);
   std::vector<double> force(x.size(), 0.0), p(x.size());
   double energy = stiff_springs()->add_turned(x, way, more, force);
   if (!(energy > kLeft * motion)) return false;
@@ -125,11 +131,18 @@ bool StrainDampedBody::straighten(std::span<const double> x, std::span<const dou
     for (std::size_t i = 0; i < more.size(); ++i) more[i] += p[i];
     std::fill(force.begin(), force.end(), 0.0);
     const double before = std::exchange(energy, stiff_springs()->add_turned(x, way, more, force));
-    if (energy < kWorth * before) continue;
+    if (energy < kWorth * before && motion_of(more) < kSmall * kSmall * motion) continue;
     // Far from where the springs are linear, corrections may make things worse.
     for (std::size_t i = 0; i < more.size(); ++i) more[i] -= p[i];
-    return round > 0;
+    if (round == 0) return false;
+    break;
   }
+  if (!linked_.empty()) return true;
+  // The centre of mass stays, whatever the accuracy.
+  Vec3 mean = Vec3::Zero();
+  for (std::size_t i = 0; i < mass_.size(); ++i)
+    mean += mass_[i] / mass() * Eigen::Map<const Vec3>(more.data() + 3 * i);
+  for (std::size_t i = 0; i < mass_.size(); ++i) Eigen::Map<Vec3>(more.data() + 3 * i) -= mean;
   return true;
 }
 
