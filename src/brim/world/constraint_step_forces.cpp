@@ -73,9 +73,14 @@ void ConstraintStep::find_start(std::span<const double> v) {
   for (std::size_t c = 0; c < n; ++c) offset_[c] = frame_[c] * start_[c];
   turning_.begin(parts_, rows_.points(), v, first_v_, settings_.rows.dt);
   if (!turning_.any()) return;
-  for (const ContactPair& pair : rows_.points().pairs)
-    for (std::size_t c = pair.begin; c < pair.end; ++c)
-      offset_[c] += frame_[c] * turning_.slip(pair, rows_.grips()[c], rows_.normals()[c], start_[c]);
+  parallel_for(
+      rows_.points().pairs.size(),
+      [&](std::size_t p) {
+        const ContactPair& pair = rows_.points().pairs[p];
+        for (std::size_t c = pair.begin; c < pair.end; ++c)
+          offset_[c] += frame_[c] * turning_.slip(pair, rows_.grips()[c], rows_.normals()[c], start_[c]);
+      },
+      64);
 }
 
 void ConstraintStep::add_mapped_forces(std::span<const Vec3> force, std::span<double> Q) const {

@@ -1,11 +1,11 @@
 #include "brim/world/turning.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "brim/body/turns.h"
 #include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
-#include "brim/math/rotation.h"
 
 namespace brim {
 
@@ -15,12 +15,14 @@ namespace {
 /// slipping. What sticks moves along the chord of the last step, and so slips by one difference at the start of the
 /// next; a disc that spins on a floor slips by 2/(ω dt) of them.
 constexpr double kSticks = 2.2, kSlips = 3.0;
+/// [rad] turn in a step whose chord is its tangent: 1e-4 of it at most.
+constexpr double kStill = 2e-4;
 
 }  // namespace
 
 void Turning::begin(std::span<const WorldPart> parts, const ContactSet& points, std::span<const double> v,
                     std::span<const std::size_t> first_v, double dt) {
-  parts_ = parts;
+  parts_ = parts, dt_ = dt;
   any_ = false;
   const std::size_t bodies = first_v.size() - 1;
   asked_.assign(bodies, 0), turn_.resize(bodies);
@@ -32,23 +34,25 @@ void Turning::begin(std::span<const WorldPart> parts, const ContactSet& points, 
   parallel_for(
       bodies,
       [&](std::size_t b) {
-        turn_[b].more.setZero();
+        turn_[b] = {};
         const auto* turns = asked_[b] != 0 && body[b] != nullptr ? interface_of<Turns>(*body[b]) : nullptr;
-        if (turns == nullptr) return;
-        const Turns::Turn t = turns->turn(v.subspan(first_v[b], first_v[b + 1] - first_v[b]));
-        if (t.spin == Vec3::Zero()) return;
-        Mat3 cross;
-        cross << 0.0, -t.spin.z(), t.spin.y(), t.spin.z(), 0.0, -t.spin.x(), -t.spin.y(), t.spin.x(), 0.0;
-        turn_[b] = {t.center, (rotation_from_vector(dt * t.spin).toRotationMatrix() - Mat3::Identity()) / dt - cross};
+        if (turns != nullptr) turn_[b] = turns->turn(v.subspan(first_v[b], first_v[b + 1] - first_v[b]));
       },
       64);
-  any_ = std::ranges::any_of(turn_, [](const Turn& t) { return t.more != Mat3::Zero(); });
+  any_ = std::ranges::any_of(turn_, [](const Turns::Turn& t) { return t.spin != Vec3::Zero(); });
 }
 
 Vec3 Turning::slip(const ContactPair& pair, const Vec3& x, const Vec3& n, const Vec3& u) const {
   if (parts_[pair.part_a].info.conforming || parts_[pair.part_b].info.conforming) return Vec3::Zero();
-  const Turn &a = of(pair.part_a), &b = of(pair.part_b);
-  const Vec3 more = a.more * (x - a.center) - b.more * (x - b.center), across = more - n * n.dot(more);
+  // About the normal: what rolls turns about other axes, and its points leave the surface.
+  const auto more = [&](std::int32_t part) -> Vec3 {
+    const Turns::Turn& t = turn_[static_cast<std::size_t>(parts_[part].body_index)];
+    const double angle = dt_ * n.dot(t.spin);
+    if (std::abs(angle) < kStill) return Vec3::Zero();
+    const Vec3 d = x - t.center, side = n.cross(d);
+    return ((std::cos(angle) - 1.0) * (d - n * n.dot(d)) + (std::sin(angle) - angle) * side) / dt_;
+  };
+  const Vec3 across = more(pair.part_a) - more(pair.part_b);
   const double size = across.norm();
   if (!(size > 0.0)) return Vec3::Zero();
   const double slip = (u - n * n.dot(u)).norm() / size;

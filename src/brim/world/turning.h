@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "brim/body/turns.h"
 #include "brim/contact/contact_set.h"
 #include "brim/world/world_part.h"
 
@@ -28,15 +29,10 @@ class Turning {
                  std::span<const Vec3> velocity_b) const;
 
  private:
-  struct Turn {
-    Vec3 center = Vec3::Zero();
-    Mat3 more = Mat3::Zero();  ///< [1/s] (R − 1)/dt − ω×
-  };
-  const Turn& of(std::int32_t part) const { return turn_[static_cast<std::size_t>(parts_[part].body_index)]; }
-
   std::span<const WorldPart> parts_;
-  std::vector<Turn> turn_;  ///< per body
+  std::vector<Turns::Turn> turn_;  ///< per body
   std::vector<std::uint8_t> asked_;
+  double dt_ = 0.0;
   bool any_ = false;
 };
 
