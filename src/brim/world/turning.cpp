@@ -12,8 +12,8 @@ namespace brim {
 namespace {
 
 /// Slip, relative to the difference of chord and tangent, up to which a point counts as sticking, and from which on as
-/// slipping. What sticks moves along the chord of the last step, and so slips by one difference at the start of the
-/// next; a disc that spins on a floor slips by 2/(ω dt) of them.
+/// slipping. What sticks moved along the chord of the last step, or, let go a step ago, along its tangent, and so slips
+/// by one or two differences at the start of the next; a disc that spins on a floor slips by 2/(ω dt) of them.
 constexpr double kSticks = 2.2, kSlips = 3.0;
 /// [rad] turn in a step whose chord is its tangent: 1e-4 of it at most.
 constexpr double kStill = 2e-4;

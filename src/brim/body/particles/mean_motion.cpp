@@ -118,9 +118,7 @@ void advance_turning(const ParticleSet& p, double dt, std::span<double> x, std::
                      const Straighten& straighten) {
   const MeanMotion m = mean_motion(p, x, v);
   const Mat3 R = m.turn(dt), turned = R - Mat3::Identity();
-  const auto own = [&](std::size_t i) -> Vec3 {
-    return triple(v, i) - m.velocity - m.spin.cross(triple(x, i) - m.center);
-  };
+  const auto own = [&](std::size_t i) { return m.own(triple(x, i), triple(v, i)); };
   std::vector<double> more;
   if (straighten) {
     std::vector<double> way(x.size());
@@ -183,9 +181,7 @@ void turn_velocities(const ParticleSet& p, double dt, std::span<const double> be
   MeanMotion next = frame_of(p, after, v);
   take_inertia(p, after, next);
   const Mat3 R = m.turn(dt);
-  const auto own = [&](std::size_t i) -> Vec3 {
-    return R * (triple(v, i) - m.velocity - m.spin.cross(triple(before, i) - m.center));
-  };
+  const auto own = [&](std::size_t i) -> Vec3 { return R * m.own(triple(before, i), triple(v, i)); };
   for (std::size_t i = 0; i < p.mass.size(); ++i) L -= p.mass[i] * (triple(after, i) - next.center).cross(own(i));
   const Vec3 w = next.spin_of(L);
   for_others(p,
@@ -208,9 +204,7 @@ void slow_inner_motion(const ParticleSet& p, std::span<const double> x, double m
   const double excess = energy_about_center(p.mass, v) - most;
   if (!(excess > 0.0)) return;
   const MeanMotion m = mean_motion(p, x, v);
-  const auto own = [&](std::size_t i) -> Vec3 {
-    return triple(v, i) - m.velocity - m.spin.cross(triple(x, i) - m.center);
-  };
+  const auto own = [&](std::size_t i) { return m.own(triple(x, i), triple(v, i)); };
   double inner = 0.0;
   for (std::size_t i = 0; i < p.mass.size(); ++i) inner += 0.5 * p.mass[i] * own(i).squaredNorm();
   if (!(inner > 0.0)) return;

@@ -33,6 +33,8 @@ struct MeanMotion {
   /// ω of an angular momentum about c: L / I about axes with at least least_inertia of the largest moment I₃, and
   /// L I / (least_inertia I₃)² about others, zero without inertia.
   Vec3 spin_of(const Vec3& L) const;
+  /// u of a particle. @param x, v  [m], [m/s] its own
+  Vec3 own(const Vec3& x, const Vec3& v) const { return v - velocity - spin.cross(x - center); }
   /// R of a step at constant angular momentum (free_turn).
   Mat3 turn(double dt) const;
 };
