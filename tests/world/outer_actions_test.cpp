@@ -172,6 +172,20 @@ TEST(OuterActions, GravityMayChangeBetweenSteps) {
   EXPECT_NEAR(velocity(w, 0).z(), v, 1e-12);
 }
 
+TEST(OuterActions, ABodyThatIsAddedAfterAGravityScaleHasGravityOfOne) {
+  World w(options_at(0.125));
+  w.add(ball("light", {Vec3(0, 0, 5)}));
+  AppliedForce lift{"lift", {"light"}};
+  lift.gravity_scale = 0.25;
+  w.apply(lift);
+  for (int i = 0; i < 40; ++i) w.add(ball("ball" + std::to_string(i), {Vec3(2.0 * (i + 1), 0, 5)}));
+  w.step();
+  const double fall = velocity(w, 1).z();
+  EXPECT_NEAR(fall, -9.81 * w.options().time_step, 1e-12);
+  EXPECT_NEAR(velocity(w, 0).z(), 0.25 * fall, 1e-12);
+  EXPECT_NEAR(velocity(w, 40).z(), fall, 1e-12);
+}
+
 TEST(OuterActions, WhatCannotBeIsRefused) {
   World w(floating());
   w.add(testing::ground(0.5));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "brim/world/applied_force.h"
+#include "brim/world/attachment.h"
 #include "support/soft_worlds.h"
 
 /// Islands at rest are left out of the step, and come back when something touches them.
@@ -167,6 +168,20 @@ TEST(Sleep, SoftBodiesSleepAndAreWoken) {
   double speed = 0.0;
   for (const double v : w.v(1)) speed = std::max(speed, std::abs(v));
   EXPECT_GT(speed, 0.1);
+}
+
+TEST(Sleep, LinkedBodiesKeepTheirSlowMotion) {
+  WorldOptions o = sleeping();
+  o.environment.gravity.setZero();
+  World w(o);
+  const Vec3 slow(0.005, 0, 0);
+  const int a = w.add(box("a", {Vec3(0, 0, 0.5), Quat::Identity(), slow}, 0.2, 0.5));
+  w.add(box("b", {Vec3(1, 0, 0.5), Quat::Identity(), slow}, 0.2, 0.5));
+  Attachment rope;
+  rope.body = "a", rope.to = "b", rope.point = Vec3(0.1, 0, 0.5), rope.to_point = Vec3(0.9, 0, 0.5);
+  w.attach(rope);
+  for (int s = 0; s < 100; ++s) EXPECT_EQ(w.step().asleep, 0);
+  EXPECT_NEAR(w.v(a)[0], slow.x(), 1e-9);
 }
 
 TEST(Sleep, FluidsNeverSleep) {

@@ -28,8 +28,8 @@ struct Material {
   double friction = 0.5;  ///< Coulomb coefficient, [-], >= 0; a pair uses the geometric mean unless overridden
   /// Newton's coefficient e, [-], 0 to 1, for the constraint response; a pair uses the larger unless overridden.
   double restitution = 0.0;
-  Response response =
-      Response::Inherit;  ///< a pair is constrained when either material says so, else by the world's choice
+  /// Of pairs without one of their own: constraint when either material says so, else penalty, else as the world.
+  Response response = Response::Inherit;
   /// b, [m], >= 0: lever arm of the rolling resistance of rigid bodies; a pair uses the larger unless overridden.
   double rolling_resistance = 0.0;
 };
@@ -50,6 +50,11 @@ struct PartInfo {
 /// External actions on all bodies.
 struct Environment {
   Vec3 gravity = Vec3(0, 0, -9.81);  ///< [m/s²]
+
+  /// That of a body whose gravity has a factor of its own. @param factor  per body; those beyond its end have 1
+  Environment scaled(std::span<const double> factor, std::size_t body) const {
+    return body < factor.size() ? Environment{factor[body] * gravity} : *this;
+  }
 };
 
 /// Display geometry of a body for viewers and files: constant topology, positions that follow the state.

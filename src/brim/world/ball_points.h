@@ -14,7 +14,6 @@ namespace brim {
 /// in height, where friction would keep it from rolling. After the move pressure has no torque, and the forces on both
 /// parts still act at one point, so momentum is exact. Between two balls the point divides the line of centres in the
 /// ratio of their radii. Links are not moved.
-/// radii do. Links stay.
 /// @param normals  unit, one per contact
 void place_under_balls(std::span<const WorldPart> parts, std::span<const Vec3> normals, ContactSet& contacts);
 

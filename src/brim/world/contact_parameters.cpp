@@ -232,7 +232,7 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
     }
     const Vec3 velocity_a = a.body->mean_velocity(a.index, velocities_of(a, v, first_v)),
                velocity_b = b.body->mean_velocity(b.index, velocities_of(b, v, first_v));
-    const bool solid = hard && stiff;  // rods and grains do not yield to pressure, but they bend
+    const bool solid = hard && stiff;  // rods do not yield to pressure, but they bend
     bool stay = false;
     if (solid && stiffness > 0.0) {
       const double travel = (velocity_a - velocity_b).norm(),

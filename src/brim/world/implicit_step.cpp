@@ -38,7 +38,7 @@ bool ImplicitStep::solve(const StepContext& context, const Settings& settings, s
     alone_ = context.first_v[b + 1] - context.first_v[b] <= kSmall;
   contacts_ = alone_ ? 0 : context.contacts.size();
   contact_delta_.assign(context.contacts.size(), Vec3::Zero());
-  const ScopedSeconds timer(context.report.seconds[static_cast<std::size_t>(Phase::Solve)]);
+  const ScopedSeconds timer(context.report.seconds_of(Phase::Solve));
   if (alone_ && solve_frames(delta)) {
     // Each body by its own mass and inertia; the rows act afterwards.
     ++context.report.solves;
@@ -107,7 +107,7 @@ bool ImplicitStep::foresee(std::span<const double> delta) {
   bool changed = false;
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
     auto* body = interface_of<ForeseesContact>(*c.bodies[b]);
-    if (body == nullptr || asleep(b)) continue;
+    if (body == nullptr || unmoved(b)) continue;
     const auto v = c.slice(c.v, b), d = c.slice(delta, b);
     after_.assign(v.begin(), v.end());
     for (std::size_t i = 0; i < after_.size(); ++i) after_[i] += d[i];
@@ -206,7 +206,7 @@ void ImplicitStep::give_back(std::span<double> delta) {
   modes_.give_back(residual_, delta);
   c.coupling.give_back(residual_, delta);
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
-    if (lone_[b] == 0 || c.bodies[b]->immobile() || asleep(b)) continue;
+    if (lone_[b] == 0 || c.bodies[b]->immobile() || unmoved(b)) continue;
     const auto size = static_cast<Eigen::Index>(c.first_v[b + 1] - c.first_v[b]);
     Eigen::Map<Eigen::VectorXd>(delta.data() + c.first_v[b], size) +=
         bodies_diagonal_.block(first_block_[b])

@@ -32,14 +32,9 @@ class ImplicitStep {
         3;  ///< maximum number of solves; after each, pulling nodes are released and friction takes its new loads
     double load_tolerance = 0.01;  ///< passes end when the contact forces would change by less than this share
     /// Nonzero for bodies left unchanged, asleep or frozen: no contact moves them; shape (bodies) or empty.
-    std::span<const std::uint8_t> asleep{};
+    std::span<const std::uint8_t> unmoved{};
     /// Factor on gravity per body; shape (bodies) or empty: 1.
     std::span<const double> gravity_scale{};
-
-    /// Environment of body b. @param env  that of all bodies
-    Environment environment(std::size_t b, const Environment& env) const {
-      return gravity_scale.empty() ? env : Environment{gravity_scale[b] * env.gravity};
-    }
   };
 
   /// x = A⁻¹ b, once the system is set up. @param slack  factor on the tolerance
@@ -105,9 +100,9 @@ class ImplicitStep {
   /// Residual of a solve: b + added − A Δ, minus the part balanced by pressure.
   void find_residual(std::span<const double> delta, std::span<const double> added);
   bool correct_by(const Correct& correct, std::span<double> delta);
-  bool asleep(std::size_t b) const { return !settings_->asleep.empty() && settings_->asleep[b] != 0; }
+  bool unmoved(std::size_t b) const { return !settings_->unmoved.empty() && settings_->unmoved[b] != 0; }
   /// [s] of the report for contact in the solve.
-  double& contact_seconds() const { return context_->report.seconds[static_cast<std::size_t>(Phase::SolveContact)]; }
+  double& contact_seconds() const { return context_->report.seconds_of(Phase::SolveContact); }
 
   // Valid during a solve:
   const StepContext* context_ = nullptr;

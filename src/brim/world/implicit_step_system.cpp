@@ -40,10 +40,10 @@ bool ImplicitStep::solve_frames(std::span<double> delta) {
         using Six = Eigen::Matrix<double, 6, 1>;
         Eigen::Map<Six> change(delta.data() + first);
         change.setZero();
-        if (asleep(b)) return;
+        if (unmoved(b)) return;
         Six force = Six::Zero();
         c.bodies[b]->begin_solve(settings_->dt);
-        c.bodies[b]->add_forces(settings_->environment(b, c.environment), {force.data(), 6});
+        c.bodies[b]->add_forces(c.environment.scaled(settings_->gravity_scale, b), {force.data(), 6});
         force *= settings_->dt;
         if (!c.impulse.empty()) force += Eigen::Map<const Six>(c.impulse.data() + first);
         const RigidFrame::Frame f = interface_of<RigidFrame>(*c.bodies[b])->rigid_frame();
@@ -85,7 +85,7 @@ void ImplicitStep::guide() {
 
 void ImplicitStep::begin_bodies() {
   parallel_for(context_->bodies.size(), [&](std::size_t b) {
-    if (asleep(b)) return;
+    if (unmoved(b)) return;
     const ProfileScope scope("elements", *context_->bodies[b]);
     context_->bodies[b]->begin_solve(settings_->dt);
   });
@@ -99,10 +99,10 @@ void ImplicitStep::gather_bodies() {
   // Internal forces: dt (Q + dt ∂Q/∂q v), and the matrices of the bodies.
   internal_.assign(n, 0.0), scratch_.assign(n, 0.0);
   parallel_for(c.bodies.size(), [&](std::size_t b) {
-    if (asleep(b)) return;
+    if (unmoved(b)) return;
     Body& body = *c.bodies[b];
     const ProfileScope scope("elements", body);
-    body.add_forces(settings_->environment(b, c.environment), c.slice(internal_, b));
+    body.add_forces(c.environment.scaled(settings_->gravity_scale, b), c.slice(internal_, b));
     if (c.fill.handles(b))
       c.fill.add_start_stiffness(b, c.slice(scratch_, b));
     else if (const auto* guided = interface_of<GuidedParticles>(body))
@@ -123,7 +123,7 @@ void ImplicitStep::gather_bodies() {
   }
   bodies_diagonal_.reset(sizes);
   parallel_for(c.bodies.size(), [&](std::size_t b) {
-    if (asleep(b)) return;
+    if (unmoved(b)) return;
     c.bodies[b]->add_system_diagonal(first_block_[b], bodies_diagonal_);
     const auto air = resistance(b);
     for (std::size_t i = 0; i < air.size(); ++i) bodies_diagonal_.block(first_block_[b] + i) += dt * air[i];
@@ -134,13 +134,13 @@ void ImplicitStep::find_islands() {
   const StepContext& c = *context_;
   Islands islands(c.bodies.size());
   const auto moves = [&](const WorldPart& p) {
-    return !is_fixed(p) && !asleep(static_cast<std::size_t>(p.body_index));
+    return !is_fixed(p) && !unmoved(static_cast<std::size_t>(p.body_index));
   };
   for (const ContactPair& pair : c.contacts.pairs)
     if (moves(c.parts[pair.part_a]) && moves(c.parts[pair.part_b]))
       islands.join(c.parts[pair.part_a].body_index, c.parts[pair.part_b].body_index);
   c.coupling.for_pairs([&](int fluid, int solid) {
-    if (!c.bodies[solid]->immobile() && !asleep(static_cast<std::size_t>(solid))) islands.join(fluid, solid);
+    if (!c.bodies[solid]->immobile() && !unmoved(static_cast<std::size_t>(solid))) islands.join(fluid, solid);
   });
   island_ = islands.numbers();
   sharpness_.assign(island_.empty() ? 0 : 1 + static_cast<std::size_t>(*std::ranges::max_element(island_)), 1.0);
@@ -175,7 +175,7 @@ void ImplicitStep::filter_bodies(std::span<double> x, const F& left_out) const {
   parallel_for(context_->bodies.size(), [&](std::size_t b) {
     if (left_out(b)) return;
     const auto xb = context_->slice(x, b);
-    if (asleep(b))
+    if (unmoved(b))
       std::fill(xb.begin(), xb.end(), 0.0);
     else
       context_->bodies[b]->filter(xb);
@@ -196,7 +196,7 @@ void ImplicitStep::multiply(std::span<const double> x, std::span<double> y) {
     const ProfileScope scope("product", *c.bodies[b]);
     const auto yb = c.slice(y, b);
     std::fill(yb.begin(), yb.end(), 0.0);
-    if (asleep(b) || cg_.solved(b)) return;
+    if (unmoved(b) || cg_.solved(b)) return;
     if (c.fill.handles(b))
       c.fill.apply_system(b, c.slice(x, b), yb);
     else
@@ -239,7 +239,7 @@ void ImplicitStep::begin_preconditioner() {
     const ProfileScope scope("coarse modes, made");
     without_ = lone_;
     for (std::size_t b = 0; b < bodies; ++b)
-      if (asleep(b) || c.coupling.flows(b)) without_[b] = 1;
+      if (unmoved(b) || c.coupling.flows(b)) without_[b] = 1;
     modes_.begin(c.bodies, c.first_v, c.parts, without_);
   }
   if (contacts_ > room_) {
@@ -258,7 +258,7 @@ void ImplicitStep::begin_contact_preconditioner() {
   const ScopedSeconds contact_timer(contact_seconds());
   sparse_.resize(c.bodies.size());
   for (std::size_t b = 0; b < c.bodies.size(); ++b) sparse_[b] = c.maps.sparse_rows(b);
-  preconditioner_.begin(c.bodies, c.first_v, bodies_diagonal_, first_block_, sparse_, island_, settings_->asleep);
+  preconditioner_.begin(c.bodies, c.first_v, bodies_diagonal_, first_block_, sparse_, island_, settings_->unmoved);
 }
 
 void ImplicitStep::invert_coupled(std::span<const std::uint8_t> untouched) {
@@ -267,7 +267,7 @@ void ImplicitStep::invert_coupled(std::span<const std::uint8_t> untouched) {
   if (inverted_.empty()) return;
   c.coupling.for_pairs([&](int, int solid) {
     const Body& body = *c.bodies[solid];
-    const bool alone = untouched[solid] != 0 && !body.immobile() && !asleep(static_cast<std::size_t>(solid));
+    const bool alone = untouched[solid] != 0 && !body.immobile() && !unmoved(static_cast<std::size_t>(solid));
     if (alone && body.block_system()) inverted_[solid] = 3;
   });
   const ProfileScope scope("coupled bodies, factored");
@@ -283,7 +283,7 @@ void ImplicitStep::prepare() {
     acting_.add_block_diagonal([&](std::size_t i) { return c.response.block(i); }, first_block_, diagonal_);
   }
   parallel_for(c.bodies.size(), [&](std::size_t b) {
-    if (!asleep(b)) c.bodies[b]->prepare_preconditioner(first_block_[b], diagonal_);
+    if (!unmoved(b)) c.bodies[b]->prepare_preconditioner(first_block_[b], diagonal_);
   });
   diagonal_.factor();
   if (contacts_ == 0) return;
@@ -313,7 +313,7 @@ void ImplicitStep::precondition_bodies(std::span<const double> r, std::span<doub
     if (left_out(b)) return;
     const ProfileScope scope("precondition", *c.bodies[b]);
     const auto zb = c.slice(z, b);
-    if (asleep(b) || (coarse_ && modes_.complete(b)))
+    if (unmoved(b) || (coarse_ && modes_.complete(b)))
       std::fill(zb.begin(), zb.end(), 0.0);
     else if (!inverted_.empty() && inverted_[b] != 0 && inverses_.exact(b))
       inverses_.local(b, c.slice(r, b), zb);

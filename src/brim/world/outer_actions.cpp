@@ -179,9 +179,8 @@ void OuterActions::find_changing(double time, double dt, std::vector<int>& out) 
 std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Body>> bodies,
                                               std::span<const WorldPart> parts, std::span<const double> q,
                                               std::span<const std::size_t> first_q, std::span<const double> v,
-                                              std::span<const std::size_t> first_v, const Environment& env, double time,
-                                              double dt, std::span<const double> base) {
-  (void)env;
+                                              std::span<const std::size_t> first_v, double time, double dt,
+                                              std::span<const double> base) {
   gravity_scale_.resize(gravity_scale_.empty() ? 0 : bodies.size(), 1.0);
   impulse_.assign(base.begin(), base.end());
   impulse_.resize(first_v.back(), 0.0);

@@ -26,11 +26,9 @@ class OuterActions {
   int add(const AppliedForce& force, std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts,
           std::span<const double> q, std::span<const std::size_t> first_q, double ramp_voxels);
   bool empty() const { return entries_.empty(); }
-  /// Factor on gravity per body; shape (bodies at the last add), empty when none is scaled.
+  /// Factor on gravity per body; shape (bodies at the last add or impulse), empty when none is scaled. The next of
+  /// these invalidates it.
   std::span<const double> gravity_scale() const { return gravity_scale_; }
-  Environment environment(std::size_t body, const Environment& env) const {
-    return body < gravity_scale_.size() ? Environment{gravity_scale_[body] * env.gravity} : env;
-  }
   /// Sets the flags of bodies with wind or a position-dependent force. @param flags  shape (bodies)
   void flag_pulled(std::span<std::uint8_t> flags) const;
   /// Sets the flags of bodies with any force that is not the same acceleration everywhere. @param flags  shape (bodies)
@@ -42,8 +40,8 @@ class OuterActions {
   /// @param base  shape (nv) or empty
   std::span<const double> impulse(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts,
                                   std::span<const double> q, std::span<const std::size_t> first_q,
-                                  std::span<const double> v, std::span<const std::size_t> first_v,
-                                  const Environment& env, double time, double dt, std::span<const double> base);
+                                  std::span<const double> v, std::span<const std::size_t> first_v, double time,
+                                  double dt, std::span<const double> base);
   /// [kg/s] by how much the air of the last impulse resists changes of velocity (WindOnBody): of the nodes of each
   /// body, empty for most; shape (bodies), or empty.
   std::span<const std::vector<Mat3>> resistance() const { return resistance_; }

@@ -75,8 +75,8 @@ void Sleep::mark(std::span<WorldPart> parts, std::span<const double> v, std::spa
   }
 }
 
-void Sleep::settle(std::span<const WorldPart> parts, std::span<const PairReport> pairs, double dt, std::span<double> v,
-                   std::span<const std::size_t> first_v) {
+void Sleep::settle(std::span<const WorldPart> parts, std::span<const PairReport> pairs, double dt,
+                   std::span<const std::uint8_t> held, std::span<double> v, std::span<const std::size_t> first_v) {
   const std::size_t n = body_.size();
   std::vector<std::uint8_t> stirs(n, 0), parted(n, 0), fixed(n, 0);
   for (const WorldPart& p : parts) {
@@ -88,7 +88,10 @@ void Sleep::settle(std::span<const WorldPart> parts, std::span<const PairReport>
     fixed[b] = is_fixed(p);
   }
   for (std::size_t b = 0; b < n; ++b)
-    if (!asleep(b)) rest_[b] = parted[b] && !fixed[b] && !stirs[b] && may_rest(*body_[b]) ? rest_[b] + dt : 0.0;
+    if (!asleep(b)) {
+      const bool rests = parted[b] && !fixed[b] && !stirs[b] && !held[b] && may_rest(*body_[b]);
+      rest_[b] = rests ? rest_[b] + dt : 0.0;
+    }
 
   // Islands of awake bodies, named by their first body.
   Islands islands(n);

@@ -44,8 +44,9 @@ class Sleep {
   void mark(std::span<WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v) const;
   /// After a step of dt [s]: puts rested islands to sleep, with zero velocity.
   /// @param pairs  of parts that touch
-  void settle(std::span<const WorldPart> parts, std::span<const PairReport> pairs, double dt, std::span<double> v,
-              std::span<const std::size_t> first_v);
+  /// @param held   bodies that stay awake, with their islands, shape (bodies)
+  void settle(std::span<const WorldPart> parts, std::span<const PairReport> pairs, double dt,
+              std::span<const std::uint8_t> held, std::span<double> v, std::span<const std::size_t> first_v);
 
  private:
   std::vector<const Body*> body_;

@@ -58,7 +58,8 @@ struct StepReport {
   int substeps = 0;
   bool ok = true;  ///< false: the solve failed; the state is that before the failed sub-step
   std::array<double, static_cast<std::size_t>(Phase::Count)> seconds{};  ///< wall time per phase
-  double wall = 0.0;                                                     ///< [s] whole step
+  double& seconds_of(Phase p) { return seconds[static_cast<std::size_t>(p)]; }
+  double wall = 0.0;               ///< [s] whole step
   std::int64_t tiles_present = 0;  ///< coarse: tiles marked by some part; like all counts summed over sub-steps
   std::int64_t tiles = 0;  ///< tiles rasterized, and cubes of up to 6x6x6 nodes in which solids were sampled, per part
   std::int64_t voxels =

@@ -33,7 +33,9 @@
 namespace brim {
 
 /// Data of a world. Its functions are sorted by topic: world.cpp bodies and state, world_wiring.cpp how they are
-/// connected, world_editing.cpp changes between steps, world_step.cpp a step, world_substep.cpp a sub-step.
+/// connected, world_editing.cpp changes between steps, world_absences.cpp bodies that are out and what edits change,
+/// world_step.cpp a step, world_substep.cpp and world_advance.cpp a sub-step, world_touched.cpp what contact tells
+/// bodies.
 struct World::Impl {
   WorldOptions options;  ///< as edited
   WorldOptions given;    ///< as constructed
@@ -82,8 +84,11 @@ struct World::Impl {
   Penalty response;
   ImplicitStep implicit;
   ConstraintStep constraints;
-  std::vector<Vec3> velocity_a, velocity_b, normal_force, friction_force;
-  std::vector<double> delta, before_q, before_v, advance_v;
+  std::vector<Vec3> velocity_a, velocity_b;
+  std::vector<Vec3> normal_force, friction_force, contact_force;  ///< [N] at the contacts; contact_force: their sum
+  std::vector<double> delta, before_q, before_v;
+  std::vector<double> predicted_v;  ///< velocities that a solve found
+  std::vector<double> way_v;        ///< way of the sub-step over dt: with the correction of overlaps
   // State of the last update of the bodies, from which they have not been advanced since.
   std::vector<double> updated_q, updated_v;
   double updated_time = 0.0;
@@ -142,14 +147,34 @@ struct World::Impl {
   void wake_in_fluids();
   /// Tells bodies whose surface yields to contact where they are touched.
   void tell_touched();
+  /// Tells bodies of balls the loads that fixed contacts will put on them.
+  void tell_loads(double dt);
   /// Tells bodies with walls of their own the forces on them in a sub-step. @param mapped  [N] (n_v) contact forces on
   /// the coordinates of all bodies; empty: computed here if needed
   void tell_walled(double dt, std::span<const double> mapped);
   /// Number of sub-steps required by motion at these velocities in a time, [s]. @param change  [m/s] largest change of
   /// any
   double motion_pieces(std::span<const double> velocities, double time, double change);
+  /// One sub-step of at most `left` [s]. @return its length
   double substep(double left, StepReport& report);
+  double choose_length(double left, StepReport& report);
+  /// Solves a sub-step, in pieces if it moves parts too far. @return its length; report.ok is false if not finite
+  double solve_within_limits(double dt, StepReport& report);
   bool solve_substep(double dt, StepReport& report);
+  /// Prescribed velocities, the bodies' update, contacts and links.
+  void begin_substep(double dt, StepReport& report);
+  void begin_penalties(double dt, StepReport& report);
+  void begin_rows(double dt, StepReport& report);
+  bool solve_system(double dt, StepReport& report);
+  /// motion_pieces of the velocities that the solve found, with what it throws.
+  double pieces_after_solve(double dt, StepReport& report);
+  /// Back to the state before the sub-step.
+  void take_back();
+  /// Pairs, samples, links and momentum of a solved sub-step. @param last  of its step
+  void report_substep(double dt, bool last, StepReport& report);
+  void advance(double dt, StepReport& report);
+  /// Brings the coupling of grid fluids to the state after the sub-step.
+  void follow_solids(StepReport& report);
   void measure(StepReport& report);
 };
 

@@ -93,7 +93,7 @@ StepReport World::step() {
 void World::Impl::choose_levels(StepReport& report) {
   update_bodies();
   if (!levels.choose(state.step, bodies)) return;
-  const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Detect)]);
+  const ScopedSeconds timer(report.seconds_of(Phase::Detect));
   StepReport aside;
   const double dt = options.time_step;
   stage.find(parts, state.v, first_v, dt, {}, options, aside);
@@ -104,24 +104,24 @@ void World::Impl::choose_levels(StepReport& report) {
 }
 
 void World::Impl::measure(StepReport& report) {
-  const ScopedSeconds timer(report.seconds[static_cast<std::size_t>(Phase::Advance)]);
+  const ScopedSeconds timer(report.seconds_of(Phase::Advance));
   update_bodies();
   stage.rigid().keep(state.warm_start);
   if (sleep.on()) {
-    if (report.ok) sleep.settle(parts, report.pairs, report.dt, state.v, first_v);
     // Linked bodies do not sleep: their links would have to be followed.
+    std::vector<std::uint8_t> linked(bodies.size(), 0);
     for (std::size_t l = 0; l < links.size(); ++l)
-      if (const auto [a, b] = links.bodies(l); !links.broken(l)) {
-        sleep.wake(static_cast<std::size_t>(a));
-        if (b >= 0) sleep.wake(static_cast<std::size_t>(b));
-      }
+      if (const auto [a, b] = links.bodies(l); !links.broken(l))
+        for (const int body : {a, b})
+          if (body >= 0) linked[static_cast<std::size_t>(body)] = 1, sleep.wake(static_cast<std::size_t>(body));
+    if (report.ok) sleep.settle(parts, report.pairs, report.dt, linked, state.v, first_v);
     report.asleep = sleep.count();
   }
   keep_memory();
   if (!report.links.empty()) links.measure(parts, state.q, first_q, report);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     report.kinetic_energy += bodies[b]->kinetic_energy(v(b));
-    report.potential_energy += bodies[b]->potential_energy(actions.environment(b, options.environment));
+    report.potential_energy += bodies[b]->potential_energy(options.environment.scaled(actions.gravity_scale(), b));
   }
   for (const WorldPart& p : parts)
     if (!is_fixed(p))

@@ -1,7 +1,9 @@
 // What contact tells bodies: that they are touched, where, and by which impulses; and who is woken by it.
+#include "brim/body/spinning_balls.h"
 #include "brim/body/touched_surface.h"
 #include "brim/body/walled.h"
 #include "brim/core/interface_of.h"
+#include "brim/world/ball_points.h"
 #include "brim/world/world_impl.h"
 
 namespace brim {
@@ -49,6 +51,21 @@ void World::Impl::tell_touched() {
   }
 }
 
+void World::Impl::tell_loads(double dt) {
+  const ContactSet& contacts = stage.contacts();
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    auto* balls = interface_of<SpinningBalls>(*bodies[b]);
+    if (balls == nullptr) continue;
+    std::vector<double> load(v(b).size() / 6, 0.0);
+    const auto body = static_cast<std::int32_t>(b);
+    add_fixed_loads(
+        parts, contacts, body, [&](std::size_t c) { return response.expected_load(c); }, load);
+    add_fixed_loads(
+        parts, constraints.points(), body, [&](std::size_t c) { return constraints.first_impulse(c) / dt; }, load);
+    balls->set_loads(load);
+  }
+}
+
 void World::Impl::tell_walled(double dt, std::span<const double> mapped) {
   std::vector<double> found;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
@@ -56,7 +73,7 @@ void World::Impl::tell_walled(double dt, std::span<const double> mapped) {
     if (walled == nullptr || !walled->confined()) continue;
     if (mapped.empty()) {
       found.assign(state.v.size(), 0.0);
-      if (!normal_force.empty()) maps.add_forces(normal_force, found);
+      if (!contact_force.empty()) maps.add_forces(contact_force, found);
       mapped = found;
     }
     std::vector<double> impulse(first_v[b + 1] - first_v[b]);
