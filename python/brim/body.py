@@ -136,7 +136,7 @@ class Body:
         at: [m], shape (3,), where its matter is now; its centre unless given. Of what gives way the matter within two voxels
         is held. stiffness [N/m], damping [N s/m]: 0 for 3 Hz with the body's mass, half damped.
 
-        @raises InputError for what does not move, and fluids, which have no points to hold
+        @raises InputError for what does not move, and grid fluids, which have no points to hold
         """
         place = self.center if at is None else np.asarray(at, dtype=np.float64)
         self._core.grab(self._number, place, float(stiffness), float(damping))

@@ -14,9 +14,9 @@
 #include "brim/scene/links.h"
 #include "brim/scene/node.h"
 #include "brim/scene/parameters.h"
+#include "brim/scene/read_world.h"
 #include "brim/scene/sensors.h"
 #include "brim/scene/solid.h"
-#include "brim/scene/timeline.h"
 #include "brim/world/applied_force.h"
 #include "brim/world/attachment.h"
 #include "brim/world/report_fields.h"
@@ -94,6 +94,7 @@ Session::Session(const py::dict& scene, std::string folder) : folder_(std::move(
   steps_per_frame = empty.steps_per_frame;
   expect = empty.expect;
   world_ = std::make_unique<World>(empty.world);
+  levels();
 }
 
 std::unique_ptr<Session> Session::load(const std::string& path, const py::dict& set,
@@ -117,8 +118,7 @@ std::unique_ptr<Session> Session::load(const std::string& path, const py::dict& 
     const Unlocked unlocked;
     s->world_ = std::make_unique<World>(scene.world);
     build_bodies(scene, s->solids_, [&](std::unique_ptr<Body> body) { s->take(std::move(body)); });
-    wire_up(Node(*scene.document, scene.document->root, ""), *s->world_);
-    schedule_timeline(scene, *s->world_);
+    wire_world(scene, *s->world_);
   }
   for (const Json& entry : s->entries_) s->names_.insert(entry.at("name").get<std::string>());
   return s;
@@ -129,6 +129,7 @@ Scene Session::checked(const Json& entry, const std::string& kind) const {
   document.file = (std::filesystem::path(folder_) / kAdded).string();
   document.root = head_;
   for (const char* list : {"expect", "attachments", "joints", "forces", "sensors"}) document.root.erase(list);
+  document.root["world"].erase("levels");  // names bodies that are not in this document
   document.root["bodies"] = Json::array({entry});
   document.arrays = arrays;
   const bool alone = entry == floor_entry();
@@ -140,6 +141,27 @@ Scene Session::checked(const Json& entry, const std::string& kind) const {
   return in_words(made_up, what, [&] {
     Scene scene = check_scene(std::move(document));
     return scene;
+  });
+}
+
+std::optional<LevelOptions> Session::levels() const {
+  const auto world = head_.find("world");
+  if (world == head_.end() || !world->contains("levels")) return std::nullopt;
+  // Bodies to come may be named: one stands for each name.
+  const Json& given = world->at("levels");
+  Json named = Json::array();
+  if (given.is_object() && given.contains("bodies") && given["bodies"].is_object())
+    for (const auto& [name, level] : given["bodies"].items())
+      named.push_back(floor_entry()), named.back()["name"] = name;
+  if (named.empty()) named.push_back(floor_entry());
+  Document document;
+  document.file = (std::filesystem::path(folder_) / kAdded).string();
+  document.root = {{"brim", 1}, {"name", "world"}, {"duration", 1}, {"world", {{"levels", given}}}, {"bodies", named}};
+  const std::string made_up = document.file;
+  return in_words(made_up, "World", [&] {
+    const Scene scene = check_scene(std::move(document));
+    const Node root(*scene.document, scene.document->root, "");
+    return read_levels(root.at("world").at("levels"), steps_per_frame);
   });
 }
 
@@ -158,6 +180,7 @@ void Session::include(std::vector<std::unique_ptr<Body>> bodies, const Json& ent
   read_mirrors();
   unlocked([&] {
     for (std::unique_ptr<Body>& body : bodies) take(std::move(body));
+    if (const auto chosen = levels()) set_levels(*world_, *chosen);
   });
   names_.insert(entry.at("name").get<std::string>());
   entries_.push_back(entry);
@@ -243,6 +266,7 @@ int Session::wire(const std::string& list, const py::dict& given, const py::obje
   document.root = head_;
   for (const char* other : {"expect", "attachments", "joints", "forces", "filters", "sensors"})
     document.root.erase(other);
+  document.root["world"].erase("levels");
   document.root["bodies"] = Json::array({floor_entry()});
   document.root[list] = Json::array({entry});
   const std::string made_up = document.file;

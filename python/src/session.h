@@ -16,6 +16,7 @@
 #include "brim/scene/given_arrays.h"
 #include "brim/scene/scene.h"
 #include "brim/scene/solid_store.h"
+#include "brim/world/levels.h"
 #include "brim/world/world.h"
 #include "caller_thread.h"
 
@@ -106,6 +107,8 @@ class Session {
   Session() = default;
   std::map<std::string, Material> materials() const;
   Scene checked(const Json& entry, const std::string& kind = {}) const;
+  /// "levels" of the world; they may name bodies that are still to come. @throws InputError
+  std::optional<LevelOptions> levels() const;
   Mirror& mirror(int body);
   void read_mirrors();
   void fill_mirrors();

@@ -41,6 +41,39 @@ class Folder(unittest.TestCase):
         return brim.Run(out)
 
 
+class Levels(Folder):
+    SCENE = {**SCENE, "world": {**SCENE["world"], "levels": {"bodies": {"ball": 1, "sheet": 2}}}}
+
+    def test_a_loaded_world_has_the_levels_of_its_scene(self):
+        path = self.folder / "coarse.json"
+        path.write_text(json.dumps(self.SCENE))
+        theirs = self.run_program(path, self.folder / "program")
+        world = brim.load(path)
+        for frame in range(1, 13):
+            world.step(2)
+            self.assertEqual(world.save(), theirs.state(frame))
+        path.write_text(json.dumps(SCENE))
+        self.assertNotEqual(self.run_program(path, self.folder / "fine").state(12), theirs.state(12))
+
+    def test_levels_may_name_bodies_that_are_added_later(self):
+        path = self.folder / "coarse.json"
+        path.write_text(json.dumps(self.SCENE))
+        loaded = brim.load(path)
+        world = brim.World(**self.SCENE["world"], materials=SCENE["materials"], steps_per_frame=2)
+        for entry in SCENE["bodies"]:
+            keys = dict(entry)
+            world.add(keys.pop("kind"), **keys)
+        for _ in range(12):
+            loaded.step(), world.step()
+        self.assertEqual(loaded.save(), world.save())
+        loaded.add("rigid", name="late", shape={"kind": "sphere", "radius": 0.1}, transform={"position": [0, 0, 2]})
+        loaded.step()
+
+    def test_levels_out_of_range_are_refused(self):
+        with self.assertRaisesRegex(brim.InputError, "levels/bodies/ball: 9"):
+            brim.World(levels={"bodies": {"ball": 9}})
+
+
 class Scenes(Folder):
     def test_a_scene_file_has_the_bits_of_the_program(self):
         path = self.folder / "small.json"

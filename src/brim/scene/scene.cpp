@@ -236,17 +236,22 @@ std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene, SolidStore& 
   return bodies;
 }
 
-World build_world(const Scene& scene) {
+void wire_world(const Scene& scene, World& world) {
   const Node root(*scene.document, scene.document->root, ""), n = root.at("world");
-  World world = n.placed([&] { return World(scene.world); });
-  SolidStore solids;
-  build_bodies(scene, solids, [&](std::unique_ptr<Body> body) { world.add(std::move(body)); });
   root.placed([&] {
     wire_up(root, world);
     schedule_timeline(scene, world);
   });
   if (n.has("levels"))
     n.at("levels").placed([&] { set_levels(world, read_levels(n.at("levels"), scene.steps_per_frame)); });
+}
+
+World build_world(const Scene& scene) {
+  const Node root(*scene.document, scene.document->root, ""), n = root.at("world");
+  World world = n.placed([&] { return World(scene.world); });
+  SolidStore solids;
+  build_bodies(scene, solids, [&](std::unique_ptr<Body> body) { world.add(std::move(body)); });
+  wire_world(scene, world);
   return world;
 }
 

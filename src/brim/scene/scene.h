@@ -46,9 +46,13 @@ Scene parse_scene(std::string_view text, const std::string& file = "scene.json")
 /// The same with values of its parameters.
 Scene parse_scene(std::string_view text, const std::string& file, const SceneSettings& settings);
 
-/// Builds the bodies and adds them to a world.
+/// Builds the bodies, adds them to a world, and wires it up.
 /// @throws InputError  likewise: unreadable files, unsuitable meshes, resolutions that exceed the memory limit
 World build_world(const Scene& scene);
+
+/// Gives a world that has the scene's bodies the rest: attachments, joints, forces, sensors, the timeline and levels.
+/// @throws InputError  likewise
+void wire_world(const Scene& scene, World& world);
 
 /// The bodies alone, named, in the order of the scene. @throws InputError  likewise
 std::vector<std::unique_ptr<Body>> build_bodies(const Scene& scene);
