@@ -10,8 +10,8 @@
 #include <tuple>
 #include <unordered_set>
 
-#include "brim/body/distance_bound.h"
 #include "brim/body/movable.h"
+#include "brim/body/solid_of.h"
 #include "brim/body/spinning_balls.h"
 #include "brim/core/interface_of.h"
 #include "brim/world/fill_stage.h"
@@ -77,10 +77,7 @@ std::span<const double> velocities_of(const WorldPart& p, std::span<const double
 
 bool is_rigid(const WorldPart& p) { return p.body->v_size() <= 6 * static_cast<std::size_t>(p.body->part_count()); }
 
-bool has_distance(const WorldPart& p) {
-  const auto* body = interface_of<DistanceBound>(*p.body);
-  return body != nullptr && body->solid(p.index) != nullptr;
-}
+bool has_distance(const WorldPart& p) { return solid_of(*p.body, p.index) != nullptr; }
 
 Response default_response(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
   if (options.response != Response::Inherit) return options.response;

@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "brim/body/posed_shape.h"
+#include "brim/body/solid_of.h"
 #include "brim/contact/face_edges.h"
 #include "brim/contact/patch_center.h"
 #include "brim/core/error.h"
@@ -105,7 +106,7 @@ void ContactStage::access(std::span<const WorldPart> parts) {
       [&](std::size_t p) {
         PartAccess& a = access_[p];
         a.bounded = {interface_of<DistanceBound>(*parts[p].body), parts[p].index};
-        const PosedShape* solid = a.bounded.body != nullptr ? a.bounded.body->solid(parts[p].index) : nullptr;
+        const PosedShape* solid = solid_of(*parts[p].body, parts[p].index);
         a.solid.solid = solid != nullptr ? solid->known_distance() : nullptr;
         a.posed = solid;
         if (a.is_solid()) a.solid.pose = solid->pose();

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "brim/body/distance_bound.h"
 #include "brim/body/posed_shape.h"
+#include "brim/body/solid_of.h"
 #include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
@@ -68,8 +68,7 @@ void FillStage::find(std::span<const std::unique_ptr<Body>> bodies, std::span<co
         continue;
       const double h = std::min(parts[f].h, parts[o].h);
       found_.clear();
-      const auto* bound = dynamic_cast<const DistanceBound*>(parts[o].body);
-      const PosedShape* solid = bound != nullptr ? bound->solid(parts[o].index) : nullptr;
+      const PosedShape* solid = solid_of(*parts[o].body, parts[o].index);
       if (solid != nullptr && solid->known_distance() != nullptr)
         find_in_solid(*solid, parts[o].body->bounds(parts[o].index).inflated(reach), *filler.body);
       else

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "brim/body/distance_bound.h"
 #include "brim/body/posed_shape.h"
-#include "brim/core/interface_of.h"
+#include "brim/body/solid_of.h"
 #include "brim/core/parallel.h"
 #include "brim/math/ramp.h"
 
@@ -14,8 +13,7 @@ namespace brim {
 const std::vector<Eighth>& SolidShares::of(std::pair<std::int32_t, std::int32_t> two, const MacGrid& g,
                                            const WorldPart& part) {
   Found& found = found_[two];
-  const auto* bound = interface_of<DistanceBound>(*part.body);
-  const PosedShape* solid = bound != nullptr ? bound->solid(part.index) : nullptr;
+  const PosedShape* solid = solid_of(*part.body, part.index);
   const bool same = solid != nullptr && found.body == part.body && found.origin == g.origin &&
                     found.pose.rotation == solid->pose().rotation &&
                     found.pose.translation == solid->pose().translation;

@@ -7,9 +7,9 @@
 #include <limits>
 #include <tuple>
 
-#include "brim/body/distance_bound.h"
 #include "brim/body/motion_clusters.h"
 #include "brim/body/posed_shape.h"
+#include "brim/body/solid_of.h"
 #include "brim/body/spinning_balls.h"
 #include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
@@ -83,8 +83,7 @@ constexpr std::size_t kPartsOfWork = 64;
 
 /// World normal of a part that is a half-space and does not turn; zero for all other parts.
 Vec3 normal_of_half_space(const WorldPart& part, std::span<const double> v) {
-  const auto* bounded = part.body->immobile() ? interface_of<DistanceBound>(*part.body) : nullptr;
-  const PosedShape* solid = bounded != nullptr ? bounded->solid(part.index) : nullptr;
+  const PosedShape* solid = part.body->immobile() ? solid_of(*part.body, part.index) : nullptr;
   if (solid == nullptr || v.size() != 6 || !solid->shape().half_space()) return Vec3::Zero();
   if (v[3] != 0.0 || v[4] != 0.0 || v[5] != 0.0) return Vec3::Zero();
   return solid->pose().rotation.col(2);
