@@ -68,11 +68,6 @@ double inverse_mass_of(const WorldPart& p) {
   return held ? 0.0 : 1.0 / p.body->mass();
 }
 
-std::span<const double> velocities_of(const WorldPart& p, std::span<const double> v,
-                                      std::span<const std::size_t> first_v) {
-  return v.subspan(first_v[p.body_index], first_v[p.body_index + 1] - first_v[p.body_index]);
-}
-
 }  // namespace
 
 bool is_rigid(const WorldPart& p) { return p.body->v_size() <= 6 * static_cast<std::size_t>(p.body->part_count()); }
@@ -103,11 +98,7 @@ bool meet_by_rigid_rows(const WorldPart& a, const WorldPart& b, const WorldOptio
 void ContactParameters::start(std::span<const WorldPart> parts, std::span<const double> v,
                               std::span<const std::size_t> first_v, const WorldOptions& options, double h0) {
   std::vector<double> speed(parts.size());
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const auto vb = velocities_of(parts[p], v, first_v);
-    speed[p] = parts[p].body->mean_velocity(parts[p].index, vb).norm() +
-               parts[p].body->relative_speed_bound(parts[p].index, vb);
-  }
+  for (std::size_t p = 0; p < parts.size(); ++p) speed[p] = speed_bound(parts[p], velocities_of(parts[p], v, first_v));
   const std::vector<Loads> loads = estimate_loads(parts, speed, options.environment);
   heaviest_ = {};
   for (const Loads& l : loads) heaviest_.raise_to(l);

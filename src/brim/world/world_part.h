@@ -27,6 +27,19 @@ struct WorldPart {
 /// True when nothing can move the part: no contact changes its velocity.
 inline bool is_fixed(const WorldPart& p) { return p.frozen || p.body->immobile(); }
 
+/// The velocities of the part's body.
+/// @param v        of all bodies
+/// @param first_v  of each body, and the end
+inline std::span<const double> velocities_of(const WorldPart& p, std::span<const double> v,
+                                             std::span<const std::size_t> first_v) {
+  return v.subspan(first_v[p.body_index], first_v[p.body_index + 1] - first_v[p.body_index]);
+}
+
+/// [m/s] Upper bound of the speed of the part's material. @param vb  of its body
+inline double speed_bound(const WorldPart& p, std::span<const double> vb) {
+  return p.body->mean_velocity(p.index, vb).norm() + p.body->relative_speed_bound(p.index, vb);
+}
+
 /// False for pairs that rules or a link keep from touching.
 inline bool rules_allow(const WorldPart& a, const WorldPart& b) {
   return a.rules == nullptr || a.rules->touch(a.sides, a.body_index, b.sides, b.body_index);
