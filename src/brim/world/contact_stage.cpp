@@ -49,11 +49,6 @@ Octants octants_on(const std::vector<OctantTile>& sorted, const TileKey& tile) {
   return at != sorted.end() && at->tile == tile ? at->octants : Octants{0};
 }
 
-void sort_unique(std::vector<TileKey>& tiles) {
-  std::sort(tiles.begin(), tiles.end());
-  tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
-}
-
 /// Own nodes of an octant.
 constexpr std::int64_t kOctantNodes = std::int64_t{kTileSize} * kTileSize * kTileSize / 8;
 
@@ -275,7 +270,7 @@ std::span<const std::pair<TileKey, double>> ContactStage::active_tiles() const {
   for (std::size_t i = 0; i < work_count_; ++i)
     for (const NodeBox& box : work_[i].finds.boxes) boxes.emplace_back(box, candidates_[work_[i].candidate].pair.h);
   rigid_.append_boxes(boxes);
-  const auto tile_of = [](int node) { return node >= 0 ? node / kTileSize : -((kTileSize - 1 - node) / kTileSize); };
+  const auto tile_of = [](int node) { return tile_of_node(node); };
   for (const auto& [box, h] : boxes) {
     const Vec3i first = box.lo.unaryExpr(tile_of), last = box.hi.unaryExpr(tile_of);
     for (int k = first.z(); k <= last.z(); ++k)

@@ -35,7 +35,7 @@ TileKey tile_of(const Vec3& x, double h, Vec3i& node) {
   std::int32_t* key[3] = {&t.x, &t.y, &t.z};
   for (int a = 0; a < 3; ++a) {
     const auto i = static_cast<std::int64_t>(std::floor(x[a] / h));
-    const std::int64_t tile = i >= 0 ? i / kTileSize : -((kTileSize - 1 - i) / kTileSize);
+    const std::int64_t tile = tile_of_node(i);
     *key[a] = static_cast<std::int32_t>(tile);
     node[a] = static_cast<int>(i - tile * kTileSize);
   }
@@ -154,8 +154,7 @@ void FillStage::find_on_grid(const WorldPart& part, double h, const Aabb& region
   const Aabb bounds = part.body->bounds(part.index).inflated(0.5 * w).intersection(region);
   present_.clear(), binned_.clear();
   part.body->presence(part.index, h, w, bounds, present_);
-  std::sort(present_.begin(), present_.end());
-  present_.erase(std::unique(present_.begin(), present_.end()), present_.end());
+  sort_unique(present_);
   Vec3i node;
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (!inside(bounds, places[i])) continue;

@@ -30,7 +30,6 @@ constexpr double kBeside = 2.0;
 /// The sources of the nodes nearest to points, −1 without material nearby.
 std::vector<std::int32_t> nearest_sources(const WorldPart& part, double w, std::span<const Vec3> x) {
   const double h = part.h;
-  const auto tile_of = [](int node) { return node >= 0 ? node / kTileSize : -((kTileSize - 1 - node) / kTileSize); };
   std::map<TileKey, std::size_t> place;
   const auto for_nodes = [&](const Vec3& p, const auto& f) {
     const Vec3i lo = (p / h).array().floor().cast<int>() - 1;
@@ -38,7 +37,7 @@ std::vector<std::int32_t> nearest_sources(const WorldPart& part, double w, std::
       for (int j = 0; j < 4; ++j)
         for (int i = 0; i < 4; ++i) {
           const Vec3i node = lo + Vec3i(i, j, k);
-          f(node, TileKey{tile_of(node[0]), tile_of(node[1]), tile_of(node[2])});
+          f(node, TileKey{tile_of_node(node[0]), tile_of_node(node[1]), tile_of_node(node[2])});
         }
   };
   for (const Vec3& p : x) for_nodes(p, [&](const Vec3i&, const TileKey& t) { place.emplace(t, 0); });

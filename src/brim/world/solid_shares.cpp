@@ -33,8 +33,7 @@ void SolidShares::sample(const MacGrid& g, const WorldPart& part, const PosedSha
   const Aabb region = part.body->bounds(p).inflated(g.dx).intersection(g.box().inflated(g.dx));
   tiles_.clear(), out.clear();
   if (!region.empty()) part.body->presence(p, h, w, region, tiles_);
-  std::sort(tiles_.begin(), tiles_.end());
-  tiles_.erase(std::unique(tiles_.begin(), tiles_.end()), tiles_.end());
+  sort_unique(tiles_);
   if (tiles_.empty()) return;
   if (blocks_.size() < tiles_.size()) blocks_.resize(tiles_.size());
   const auto blocks = std::span(blocks_).first(tiles_.size());
