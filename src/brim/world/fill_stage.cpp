@@ -9,6 +9,7 @@
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/math/ramp.h"
+#include "brim/raster/trilinear.h"
 #include "brim/world/part_filter.h"
 
 namespace brim {
@@ -184,18 +185,14 @@ void FillStage::find_on_grid(const WorldPart& part, double h, const Aabb& region
       tile_of(places[i], h, lo);
       const Vec3 f = places[i] / h - (places[i] / h).array().floor().matrix();
       // Trilinear in the distances; the source of the fullest corner.
-      double d = 0.0, best = 0.0;
-      Vec3 n = Vec3::Zero();
+      double best = 0.0;
       std::int32_t source = -1;
-      for (int corner = 0; corner < 8; ++corner) {
-        const int a = corner & 1, b = corner >> 1 & 1, c = corner >> 2;
+      const auto [d, n] = trilinear(f, h, [&](int a, int b, int c) {
         const int at = block_index(lo[0] + a + kHalo, lo[1] + b + kHalo, lo[2] + c + kHalo);
-        const double rho = block.rho[at], dist = ramp_inverse(rho, w);
-        const double wx = a ? f[0] : 1.0 - f[0], wy = b ? f[1] : 1.0 - f[1], wz = c ? f[2] : 1.0 - f[2];
-        d += wx * wy * wz * dist;
-        n += dist / h * Vec3((a ? 1.0 : -1.0) * wy * wz, wx * (b ? 1.0 : -1.0) * wz, wx * wy * (c ? 1.0 : -1.0));
+        const double rho = block.rho[at];
         if (rho > best && block.source[at] >= 0) best = rho, source = block.source[at];
-      }
+        return ramp_inverse(rho, w);
+      });
       const double length = n.norm();
       if (!(d < reach) || !(best > 0.0) || !(length > 1e-6)) continue;
       out.push_back({i, d, 0.0, n / length, source});

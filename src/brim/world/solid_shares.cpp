@@ -7,6 +7,7 @@
 #include "brim/body/solid_of.h"
 #include "brim/core/parallel.h"
 #include "brim/math/ramp.h"
+#include "brim/raster/trilinear.h"
 
 namespace brim {
 
@@ -53,19 +54,13 @@ void SolidShares::sample(const MacGrid& g, const WorldPart& part, const PosedSha
         for (int a = 0; a < kTileSize; ++a) {
           const Vec3i at = tile + Vec3i(a, b, c) - first;
           if ((at.array() < 0).any() || (at.array() >= n.array()).any()) continue;
-          double d = 0.0, fullest = 0.0;
-          Vec3 slope = Vec3::Zero();
+          double fullest = 0.0;
           std::int32_t source = 0;
-          for (int corner = 0; corner < 8; ++corner) {
-            const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
+          const auto [d, slope] = trilinear(t, h, [&](int x, int y, int z) {
             const int node = block_index(a + x + kHalo, b + y + kHalo, c + z + kHalo);
-            const double dist = distance[node];
-            const double wx = x ? t[0] : 1.0 - t[0], wy = y ? t[1] : 1.0 - t[1], wz = z ? t[2] : 1.0 - t[2];
-            d += wx * wy * wz * dist;
-            slope +=
-                dist / h * Vec3((x ? 1.0 : -1.0) * wy * wz, wx * (y ? 1.0 : -1.0) * wz, wx * wy * (z ? 1.0 : -1.0));
             if (block.rho[node] > fullest) fullest = block.rho[node], source = block.source[node];
-          }
+            return distance[node];
+          });
           const double length = slope.norm();
           const double width = h * (length > 1e-6 ? slope.lpNorm<1>() / length : 1.0);
           double share = std::clamp(0.5 - d / width, 0.0, 1.0);
