@@ -169,10 +169,7 @@ void FillStage::find_on_grid(const WorldPart& part, double h, const Aabb& region
     if (i == 0 || binned_[i].first != binned_[i - 1].first)
       tiles_.push_back(binned_[i].first), first_in_tile_.push_back(i);
   first_in_tile_.push_back(binned_.size());
-  if (blocks_.size() < tiles_.size()) blocks_.resize(tiles_.size());
-  const auto blocks = std::span(blocks_).subspan(0, tiles_.size());
-  for (DensityBlock& b : blocks) b.octants = kAllOctants;
-  part.body->rasterize(part.index, h, w, tiles_, blocks);
+  const auto blocks = rasterize_whole(part, h, w, tiles_, blocks_);
 
   piece_.resize(tiles_.size());
   parallel_for(tiles_.size(), [&](std::size_t t) {

@@ -36,10 +36,7 @@ void SolidShares::sample(const MacGrid& g, const WorldPart& part, const PosedSha
   if (!region.empty()) part.body->presence(p, h, w, region, tiles_);
   sort_unique(tiles_);
   if (tiles_.empty()) return;
-  if (blocks_.size() < tiles_.size()) blocks_.resize(tiles_.size());
-  const auto blocks = std::span(blocks_).first(tiles_.size());
-  for (DensityBlock& b : blocks) b.octants = kAllOctants;
-  part.body->rasterize(p, h, w, tiles_, blocks);
+  const auto blocks = rasterize_whole(part, h, w, tiles_, blocks_);
   std::vector<std::vector<Eighth>> piece(tiles_.size());
   parallel_for(tiles_.size(), [&](std::size_t k) {
     const DensityBlock& block = blocks[k];
