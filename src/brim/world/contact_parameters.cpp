@@ -204,9 +204,9 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
     const bool conforming = a.info.conforming || b.info.conforming;
     const bool itself = pairs[i].part_a == pairs[i].part_b;
     const bool constrained = !conforming && !itself && m.response == Response::Constraint;
-    const bool stiff = is_rigid(a) && is_rigid(b);
-    constraints_[i] = {constrained, m.friction, m.restitution, stiff,
-                       stiff         ? FixedPart::None
+    const bool rigid = is_rigid(a) && is_rigid(b);
+    constraints_[i] = {constrained, m.friction, m.restitution, rigid,
+                       rigid         ? FixedPart::None
                        : is_fixed(a) ? FixedPart::A
                        : is_fixed(b) ? FixedPart::B
                                      : FixedPart::None};
@@ -220,7 +220,7 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
     }
     const Vec3 velocity_a = a.body->mean_velocity(a.index, velocities_of(a, v, first_v)),
                velocity_b = b.body->mean_velocity(b.index, velocities_of(b, v, first_v));
-    const bool solid = hard && stiff;  // rods and grains do not yield to pressure, but they bend
+    const bool solid = hard && rigid;  // rods and grains do not yield to pressure, but they bend
     bool stay = false;
     if (solid && stiffness > 0.0) {
       const double travel = (velocity_a - velocity_b).norm(),
