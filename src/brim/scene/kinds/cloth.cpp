@@ -8,6 +8,7 @@
 #include "brim/scene/given_arrays.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/limits.h"
+#include "brim/scene/particle_options.h"
 
 namespace brim {
 
@@ -66,12 +67,7 @@ class ClothMaker final : public BodyMaker {
     options.membrane.shear = node_.number("shear_stiffness");
     options.membrane.warp = place.rotation * Vec3::UnitX();
     options.bending = node_.number("bend_stiffness");
-    options.stiffness_damping = node_.number("stiffness_damping");
-    options.mass_damping = node_.number("mass_damping");
-    options.initial_velocity = place.velocity;
-    options.initial_spin = place.angular_velocity;
-    options.voxel_size = node_.number("voxel_size");
-    options.material = material_;
+    read_particle_options(node_, place, material_, options);
     options.self_contact = node_.boolean("self_contact");
     read_constraints(node_.at("constraints"), mesh.vertices, corners_, options);
     return std::make_unique<ClothBody>(std::move(mesh), std::move(options));

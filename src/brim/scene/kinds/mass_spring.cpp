@@ -10,6 +10,7 @@
 #include "brim/scene/given_arrays.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/limits.h"
+#include "brim/scene/particle_options.h"
 #include "brim/scene/solid.h"
 #include "brim/scene/solid_fill.h"
 
@@ -90,12 +91,7 @@ class MassSpringMaker final : public BodyMaker {
     options.stiffness = node_.number("stiffness");
     options.slack = node_.boolean("slack");
     options.thickness = thickness_;
-    options.stiffness_damping = node_.number("stiffness_damping");
-    options.mass_damping = node_.number("mass_damping");
-    options.initial_velocity = place.velocity;
-    options.initial_spin = place.angular_velocity;
-    options.voxel_size = node_.number("voxel_size");
-    options.material = material_;
+    read_particle_options(node_, place, material_, options);
     options.self_contact = node_.boolean("self_contact");
     options.display = display_;
     for (Vec3& x : options.display.vertices) x = place.position + place.rotation * x;
