@@ -76,20 +76,6 @@ TEST(BlockSystem, IsTheMatrixOfApplySystemForEveryElasticKind) {
   }
 }
 
-TEST(BlockSystem, HasANewRevisionWhenTheStateChanges) {
-  for (const auto& body : elastic_bodies()) {
-    std::vector<double> q(body->q_size()), v(body->v_size());
-    body->initial_state(q, v);
-    body->update(0.0, q, v);
-    body->begin_solve(0.01);
-    const std::uint64_t before = body->block_system()->stiffness->revision();
-    for (std::size_t i = 0; i < q.size(); ++i) q[i] *= 1.1;
-    body->update(0.0, q, v);
-    body->begin_solve(0.01);
-    EXPECT_NE(body->block_system()->stiffness->revision(), before) << body->kind();
-  }
-}
-
 TEST(BlockSystem, GrainsHaveNone) {
   PointsBody grains({Vec3(0, 0, 0), Vec3(0.02, 0, 0)}, {});
   EXPECT_FALSE(grains.block_system());

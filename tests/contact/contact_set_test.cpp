@@ -8,11 +8,14 @@
 
 #include "brim/core/parallel.h"
 #include "brim/math/ramp.h"
+#include "support/detect.h"
 #include "support/touching.h"
 
 namespace brim::contact_set_test {
 namespace {
 
+using testing::detect;
+using testing::PairTile;
 using testing::plane_pose;
 using testing::Touching;
 

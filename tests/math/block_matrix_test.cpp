@@ -140,9 +140,7 @@ TEST(BlockMatrix, AnyNumberOfThreadsGivesTheSameBits) {
 TEST(BlockMatrix, ASumOfMatricesIsTheirSum) {
   const Sample a;
   BlockMatrix sum = a.matrix;
-  const std::uint64_t before = sum.revision();
   sum.combine(2.0, a.matrix, -0.5, a.matrix);
-  EXPECT_NE(sum.revision(), before);
   for (std::size_t s = 0; s < sum.block_count(); ++s) {
     const auto slot = static_cast<std::int32_t>(s);
     EXPECT_TRUE(sum.block(slot).isApprox(1.5 * a.matrix.block(slot), 1e-6));

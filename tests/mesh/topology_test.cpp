@@ -119,17 +119,6 @@ TEST(Topology, WeldingASoupGivesTheMeshBack) {
   EXPECT_THROW(weld(soup, -1.0), InputError);
 }
 
-TEST(Topology, OrientingRepairsTurnedTriangles) {
-  TriMesh m = shapes::torus(1.0, 0.3, 20, 12);
-  test::Random random(5);
-  for (Triangle& t : m.triangles)
-    if (random(0, 1) < 0.6) std::swap(t[1], t[2]);
-  EXPECT_FALSE(inspect(m).oriented());
-  const MeshReport r = inspect(oriented_outwards(m));
-  EXPECT_TRUE(r.oriented());
-  EXPECT_NEAR(r.volume, inspect(shapes::torus(1.0, 0.3, 20, 12)).volume, 1e-12);
-}
-
 TEST(Topology, SurfaceOfTetrahedraIsClosedOutwardAndOwned) {
   // A box of 2 x 1 x 1 cells of six tetrahedra each around the cell's diagonal.
   TetMesh m;

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "brim/contact/contact_set.h"
 #include "brim/raster/shape.h"
+#include "support/detect.h"
 
 namespace brim::testing {
 

@@ -11,6 +11,7 @@
 #include "brim/mesh/distance_grid.h"
 #include "brim/mesh/primitives.h"
 #include "brim/raster/grid_shape.h"
+#include "support/detect.h"
 
 namespace brim::tile_culling_test {
 namespace {
@@ -37,8 +38,8 @@ ContactSet contacts_of(const Bounded& a, const Bounded& b, const ContactPair& pa
   b.solid.rasterize(pair.h, pair.w, {&tile, 1}, {&of_b, 1});
   ContactSet set;
   set.pairs = {pair};
-  const PairTile both{0, tile, &of_a, &of_b, octants};
-  detect({&both, 1}, set);
+  const testing::PairTile both{0, tile, &of_a, &of_b, octants};
+  testing::detect({&both, 1}, set);
   return set;
 }
 

@@ -3,22 +3,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
-#include "brim/grid/tile.h"
 #include "brim/math/types.h"
 
 namespace brim {
-
-/// A tile on which two parts are both present.
-struct PairTile {
-  std::int32_t pair = 0;  ///< index into the pairs given to detect
-  TileKey tile;
-  const DensityBlock* a = nullptr;
-  const DensityBlock* b = nullptr;
-  Octants octants = kAllOctants;  ///< octants to search
-};
 
 /// Two parts that may touch, and the range of their contacts in a ContactSet.
 struct ContactPair {
@@ -98,9 +87,5 @@ struct ContactSet {
   /// Removes contact c; those behind it move up.
   void erase(std::size_t c);
 };
-
-/// Finds the contacts on the given tiles, which must be ordered by pair. `set.pairs` holds the pairs on entry; their
-/// ranges and all arrays are filled. Same bits for any number of threads.
-void detect(std::span<const PairTile> tiles, ContactSet& set);
 
 }  // namespace brim

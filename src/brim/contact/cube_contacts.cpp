@@ -287,17 +287,4 @@ void gather(std::span<const PairFinds> pieces, ContactSet& set) {
       16);
 }
 
-void detect(std::span<const PairTile> tiles, ContactSet& set) {
-  std::vector<CubeFinds> finds(tiles.size());
-  std::vector<PairFinds> pieces(tiles.size());
-  parallel_for(tiles.size(), [&](std::size_t t) {
-    const PairTile& tile = tiles[t];
-    CubeSide a, b;
-    a.block = tile.a, b.block = tile.b, a.tile = b.tile = tile.tile;
-    find_in_tile(a, b, set.pairs[tile.pair], tile.tile, tile.octants, finds[t]);
-    pieces[t] = {static_cast<std::size_t>(tile.pair), &finds[t]};
-  });
-  gather(pieces, set);
-}
-
 }  // namespace brim

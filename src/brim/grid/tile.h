@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <compare>
 #include <cstdint>
 #include <vector>
@@ -20,6 +21,18 @@ struct TileKey {
   std::int32_t x = 0, y = 0, z = 0;
   auto operator<=>(const TileKey&) const = default;
 };
+
+/// Along one axis, the tile that owns a node: node / kTileSize, rounded down.
+template <class Int>
+constexpr Int tile_of_node(Int node) {
+  return node >= 0 ? node / kTileSize : -((kTileSize - 1 - node) / kTileSize);
+}
+
+/// Sorts tiles and removes repeated ones.
+inline void sort_unique(std::vector<TileKey>& tiles) {
+  std::sort(tiles.begin(), tiles.end());
+  tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
+}
 
 /// World position of the first node of a tile's block, halo included, [m].
 inline Vec3 block_origin(const TileKey& t, double h) {

@@ -16,35 +16,13 @@ void ComposedMap::assign(WeightRows rows, std::unique_ptr<Map> inner) {
 
 void ComposedMap::apply(std::span<const double> v, std::span<Vec3> u) const {
   inner_->apply(v, particle_);
-  parallel_for(
-      points(),
-      [&](std::size_t p) {
-        Vec3 sum = Vec3::Zero();
-        double along = 0.0;
-        for (std::int32_t e = rows_.first[p]; e < rows_.first[p + 1]; ++e) {
-          const Vec3& vi = particle_[rows_.source[e]];
-          sum += rows_.weight[e] * vi;
-          if (!rows_.lever.empty()) along += rows_.lever[e].dot(vi);
-        }
-        u[p] = rows_.lever.empty() ? sum : Vec3(sum + along * rows_.normal[p]);
-      },
-      256);
+  apply_rows(rows_, {particle_.data()->data(), 3 * particle_.size()}, u);
 }
 
 void ComposedMap::spread(std::span<const Vec3> f) const {
   BRIM_CHECK(f.size(), ==, points());
   std::fill(particle_.begin(), particle_.end(), Vec3::Zero());
-  parallel_for(
-      transpose_.columns.size(),
-      [&](std::size_t c) {
-        Vec3 sum = Vec3::Zero();
-        for (const auto& e : transpose_.of(c)) {
-          sum += rows_.weight[e.index] * f[e.row];
-          if (!rows_.lever.empty()) sum += rows_.lever[e.index] * rows_.normal[e.row].dot(f[e.row]);
-        }
-        particle_[transpose_.columns[c]] = sum;
-      },
-      256);
+  add_transpose(rows_, transpose_, f, {particle_.data()->data(), 3 * particle_.size()});
 }
 
 void ComposedMap::apply_transpose(std::span<const Vec3> f, std::span<double> Q) const {

@@ -20,8 +20,6 @@ class ComposedMap final : public Map {
   /// @param rows   weights over the points of `inner`
   /// @param inner  map of the particles, one point per particle
   void assign(WeightRows rows, std::unique_ptr<Map> inner);
-  /// Returns the inner map, to be refilled.
-  std::unique_ptr<Map> release_inner() { return std::move(inner_); }
 
   std::size_t points() const override { return rows_.rows(); }
   void apply(std::span<const double> v, std::span<Vec3> u) const override;

@@ -14,34 +14,12 @@ void RowsMap::assign(std::size_t particles, WeightRows rows) {
 
 void RowsMap::apply(std::span<const double> v, std::span<Vec3> u) const {
   BRIM_CHECK(u.size(), ==, points());
-  parallel_for(
-      points(),
-      [&](std::size_t p) {
-        Vec3 sum = Vec3::Zero();
-        double along = 0.0;
-        for (std::int32_t e = rows_.first[p]; e < rows_.first[p + 1]; ++e) {
-          const Eigen::Map<const Vec3> vi(v.data() + 3 * static_cast<std::size_t>(rows_.source[e]));
-          sum += rows_.weight[e] * vi;
-          if (!rows_.lever.empty()) along += rows_.lever[e].dot(vi);
-        }
-        u[p] = rows_.lever.empty() ? sum : Vec3(sum + along * rows_.normal[p]);
-      },
-      256);
+  apply_rows(rows_, v, u);
 }
 
 void RowsMap::apply_transpose(std::span<const Vec3> f, std::span<double> Q) const {
   BRIM_CHECK(f.size(), ==, points());
-  parallel_for(
-      transpose_.columns.size(),
-      [&](std::size_t c) {
-        Vec3 sum = Vec3::Zero();
-        for (const auto& e : transpose_.of(c)) {
-          sum += rows_.weight[e.index] * f[e.row];
-          if (!rows_.lever.empty()) sum += rows_.lever[e.index] * rows_.normal[e.row].dot(f[e.row]);
-        }
-        Eigen::Map<Vec3>(Q.data() + 3 * static_cast<std::size_t>(transpose_.columns[c])) += sum;
-      },
-      256);
+  add_transpose(rows_, transpose_, f, Q);
 }
 
 bool RowsMap::append_rows(MapRows& out) const {

@@ -6,6 +6,37 @@
 
 namespace brim {
 
+void apply_rows(const WeightRows& rows, std::span<const double> v, std::span<Vec3> u) {
+  parallel_for(
+      rows.rows(),
+      [&](std::size_t p) {
+        Vec3 sum = Vec3::Zero();
+        double along = 0.0;
+        for (std::int32_t e = rows.first[p]; e < rows.first[p + 1]; ++e) {
+          const Eigen::Map<const Vec3> vi(v.data() + 3 * static_cast<std::size_t>(rows.source[e]));
+          sum += rows.weight[e] * vi;
+          if (!rows.lever.empty()) along += rows.lever[e].dot(vi);
+        }
+        u[p] = rows.lever.empty() ? sum : Vec3(sum + along * rows.normal[p]);
+      },
+      256);
+}
+
+void add_transpose(const WeightRows& rows, const RowTranspose& transpose, std::span<const Vec3> f,
+                   std::span<double> Q) {
+  parallel_for(
+      transpose.columns.size(),
+      [&](std::size_t c) {
+        Vec3 sum = Vec3::Zero();
+        for (const auto& e : transpose.of(c)) {
+          sum += rows.weight[e.index] * f[e.row];
+          if (!rows.lever.empty()) sum += rows.lever[e.index] * rows.normal[e.row].dot(f[e.row]);
+        }
+        Eigen::Map<Vec3>(Q.data() + 3 * static_cast<std::size_t>(transpose.columns[c])) += sum;
+      },
+      256);
+}
+
 WeightRows compose(const WeightRows& outer, const WeightRows& inner) {
   struct Term {
     std::int32_t node;

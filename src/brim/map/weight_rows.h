@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "brim/map/row_transpose.h"
 #include "brim/math/types.h"
 
 namespace brim {
@@ -25,6 +26,15 @@ struct WeightRows {
     source.clear(), weight.clear(), lever.clear(), normal.clear();
   }
 };
+
+/// Applies the rows to velocities of the sources.
+/// @param v  three numbers per source
+/// @param u  of each row
+void apply_rows(const WeightRows& rows, std::span<const double> v, std::span<Vec3> u);
+/// Adds the transpose of the rows times a force at each: Q += Wᵀ f.
+/// @param transpose  of the rows
+/// @param Q          three numbers per source
+void add_transpose(const WeightRows& rows, const RowTranspose& transpose, std::span<const Vec3> f, std::span<double> Q);
 
 /// Product of two sparse maps: points that follow particles that follow nodes; entries of one node are merged and
 /// sorted. The weights of `inner` must have no levers. If outer and inner reproduce constants and linear fields (Σ w =

@@ -63,7 +63,6 @@ std::int32_t BlockMatrix::slot(std::int32_t row, std::int32_t column) const {
 }
 
 void BlockMatrix::set_zero() {
-  ++revision_;
   parallel_blocks(value_.size(), 65536, [&](std::size_t begin, std::size_t end) {
     std::fill(value_.begin() + static_cast<std::ptrdiff_t>(begin), value_.begin() + static_cast<std::ptrdiff_t>(end),
               0.0f);
@@ -99,7 +98,6 @@ void BlockMatrix::close_row(std::size_t row) {
 }
 
 void BlockMatrix::close() {
-  ++revision_;
   parallel_blocks(rows(), kRowsAtOnce, [&](std::size_t begin, std::size_t end) {
     for (std::size_t r = begin; r < end; ++r) close_row(r);
   });

@@ -35,8 +35,6 @@ class BlockMatrix {
   std::int32_t diagonal_slot(std::size_t row) const { return diagonal_[row]; }
 
   // ---- values --------------------------------------------------------------------------------------------------
-  /// Changes whenever the values do: results derived from them (factors) are valid while it stays the same.
-  std::uint64_t revision() const { return revision_; }
   void set_zero();
   /// Where the block of a pair of different nodes is added: slot(i, j) when i < j, else ~slot(j, i).
   std::int32_t pair(std::int32_t i, std::int32_t j) const { return i < j ? slot(i, j) : ~slot(j, i); }
@@ -71,7 +69,6 @@ class BlockMatrix {
   std::vector<std::size_t> mirror_first_;  // per row, shape (rows + 1)
   std::vector<float> value_;               // per slot, column by column; one extra entry at the end, for loads of four
   std::vector<Mat3> diagonal_value_;
-  std::uint64_t revision_ = 0;
 };
 
 /// A body's part of the system of the step: A = stiffness_share K + mass_share M, K sparse in 3x3 blocks and M

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "brim/core/error.h"
+#include "brim/math/splitmix.h"
 #include "brim/mesh/shape_builders.h"
 #include "brim/mesh/topology.h"
 
@@ -42,15 +43,9 @@ void arc(std::vector<RZ>& profile, double r0, double z0, double radius, double f
   }
 }
 
-// splitmix64: the same numbers on every machine, unlike the standard distributions.
 struct Random {
   std::uint64_t state;
-  double operator()() {
-    std::uint64_t z = (state += 0x9e3779b97f4a7c15ull);
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-  }
+  double operator()() { return static_cast<double>(next_scattered(state) >> 11) * 0x1p-53; }
 };
 
 }  // namespace

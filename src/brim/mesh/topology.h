@@ -68,10 +68,6 @@ Pieces connected_pieces(std::size_t vertex_count, std::span<const Triangle> tria
 /// Tolerance 0 merges only equal positions. The order is kept.
 TriMesh weld(const TriMesh& mesh, double tolerance);
 
-/// Flips triangles so that neighbours agree, and each closed piece encloses a positive volume; open pieces keep the
-/// majority's orientation. Does nothing at edges with more than two triangles.
-TriMesh oriented_outwards(const TriMesh& mesh);
-
 /// Boundary triangles of a tetrahedral mesh, oriented outwards, indices into the tet mesh's vertices.
 struct TetSurface {
   std::vector<Triangle> triangles;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "brim/core/parallel.h"
+#include "brim/math/splitmix.h"
 
 namespace brim {
 
@@ -12,14 +13,6 @@ namespace {
 constexpr std::size_t kTriangleGrain = 1024;
 /// Added to angles and reaches for what single precision rounds.
 constexpr float kCosineSlack = 1e-5f, kReachSlack = 1e-3f;
-
-/// Numbers of vertices, scattered so that no other sums of differences than those of rings vanish (splitmix64).
-std::uint64_t scattered(std::uint64_t i) {
-  i += 0x9e3779b97f4a7c15u;
-  i = (i ^ (i >> 30)) * 0xbf58476d1ce4e5b9u;
-  i = (i ^ (i >> 27)) * 0x94d049bb133111ebu;
-  return i ^ (i >> 31);
-}
 
 /// sin θ of a vertex whose normals have at least the cosine `along`, and whose corners at least the cosine `corner`.
 float sine_aside(float along, float corner) {
@@ -59,7 +52,8 @@ void SplatReach::build(std::span<const Vec3> x, std::span<const Triangle> triang
       const Triangle& c = triangles[t];
       Fan& fan = fan_[c[i]];
       fan.normal += normal_[t];
-      // A triangle without area opens the ring.
+      // A triangle without area opens the ring. Numbers of vertices are scattered so that no other sums of differences
+      // than those of rings vanish.
       fan.ring += normal_[t].isZero(0.0f) ? 1 : scattered(c[(i + 1) % 3]) - scattered(c[(i + 2) % 3]);
     }
   parallel_blocks(x.size(), kTriangleGrain, [&](std::size_t begin, std::size_t end) {

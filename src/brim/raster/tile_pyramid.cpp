@@ -23,8 +23,7 @@ std::vector<TileKey> tiles_below(std::span<const TileKey> tiles) {
     for (int z = -1; z < kBelow - 1; ++z)
       for (int y = -1; y < kBelow - 1; ++y)
         for (int x = -1; x < kBelow - 1; ++x) below.push_back({2 * t.x + x, 2 * t.y + y, 2 * t.z + z});
-  std::sort(below.begin(), below.end());
-  below.erase(std::unique(below.begin(), below.end()), below.end());
+  sort_unique(below);
   return below;
 }
 

@@ -204,8 +204,7 @@ WeightRows VolumeLayer::weights(std::span<const Vec3> points, std::span<const st
   };
   std::vector<TileKey> tiles;
   for (const Vec3& r : points) tiles.push_back(tile_of(r));
-  std::sort(tiles.begin(), tiles.end());
-  tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
+  sort_unique(tiles);
   auto workspace = workspace_.borrow();
   workspace->index.build(tiles);
   workspace->bins.build(workspace->index, tiles.size(), step,

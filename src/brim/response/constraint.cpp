@@ -108,7 +108,7 @@ void Constraint::gather_pair(const ContactSet& contacts, std::span<const Vec3> n
     for (const std::size_t c : order_)
       add_point(contacts, c, contacts.point[c], normals[c], -contacts.depth[c], law, {});
   else if (law.rigid)
-    gather_stiff(contacts, normals, pair, law, options);
+    gather_rigid(contacts, normals, pair, law, options);
   else
     gather_soft(contacts, normals, pair, law);
   for (const EdgePoint& e : edges) {
@@ -185,7 +185,7 @@ void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> n
   for (const auto& [cell, c] : rims) add_point(contacts, c, contacts.point[c], normals[c], -contacts.depth[c], law, {});
 }
 
-void Constraint::gather_stiff(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
+void Constraint::gather_rigid(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                               const ConstraintPair& law, const ConstraintOptions& options) {
   // Node lookup, so that patches grow from neighbour to neighbour.
   place_.reset(pair.h);

@@ -98,10 +98,10 @@ class Constraint {
   void gather_pair(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                    const ConstraintPair& law, const ConstraintOptions& options);
   void take_rows(const PairRows& pair, std::span<const RowPoint> rows);
-  /// Small patches for deformable parts (gather_soft); patches over all connected nodes for rigid parts (gather_stiff).
+  /// Small patches for deformable parts (gather_soft); patches over all connected nodes for rigid parts (gather_rigid).
   void gather_soft(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                    const ConstraintPair& law);
-  void gather_stiff(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
+  void gather_rigid(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                     const ConstraintPair& law, const ConstraintOptions& options);
   /// @param nodes  deepest first
   void add_patch(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,

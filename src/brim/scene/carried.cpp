@@ -1,5 +1,7 @@
 #include "brim/scene/carried.h"
 
+#include "brim/scene/particle_options.h"
+
 namespace brim {
 
 ElasticOptions read_elastic(const Node& n, const Placement& place, const Material& material) {
@@ -12,11 +14,7 @@ ElasticOptions read_elastic(const Node& n, const Placement& place, const Materia
   options.young = number("young_modulus", options.young);
   options.poisson = n.number("poisson_ratio");
   options.neo_hookean = n.string("law") == "neo_hookean";
-  options.stiffness_damping = n.number("stiffness_damping");
-  options.mass_damping = n.number("mass_damping");
-  options.initial_velocity = place.velocity;
-  options.initial_spin = place.angular_velocity;
-  options.material = material;
+  read_particle_options(n, place, material, options);
   return options;
 }
 

@@ -6,7 +6,8 @@
 
 namespace brim {
 
-/// The elastic keys shared by deformable volumes and meshless bodies; without constraints and voxel size.
+/// The elastic keys shared by deformable volumes and meshless bodies; without constraints, and with the
+/// voxel size as given.
 ElasticOptions read_elastic(const Node& body, const Placement& place, const Material& material);
 
 }  // namespace brim

@@ -123,8 +123,7 @@ void check_image_source(const Node& n) {
         throw n.at(key).error(fmt::format("only a \"file\" has \"{}\"; the image here is made of a shape", key));
     if (!n.has("image_spacing"))
       throw n.error("the key \"image_spacing\" is missing; a shape becomes an image of voxels of this size, in metres");
-    if (n.at("shape").string("kind") == "plane")
-      throw n.at("shape").at("kind").error("\"plane\" has no finite volume; only an obstacle can be one");
+    refuse_plane(n.at("shape"), "volume");
     for (const char* key : kTables)
       if (is_table(n, key))
         throw n.at(key).error("only a \"file\" has intensities for a table; the image here is made of a shape");

@@ -2,6 +2,7 @@
 
 #include <numbers>
 
+#include "brim/math/splitmix.h"
 #include "brim/scene/motion.h"
 
 namespace brim {
@@ -24,12 +25,7 @@ Vec3 motion_of(const Node& body, const char* key, const char* unit) {
 
 }  // namespace
 
-std::uint64_t SceneRandom::next() {
-  std::uint64_t z = (state_ += 0x9e3779b97f4a7c15u);
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-  return z ^ (z >> 31);
-}
+std::uint64_t SceneRandom::next() { return next_scattered(state_); }
 
 Quat random_rotation(SceneRandom& random) {
   const double u = random.unit();

@@ -82,6 +82,11 @@ std::string scene_path(const Node& n) {
   return full.string();
 }
 
+void refuse_plane(const Node& n, const char* lacks) {
+  if (n.string("kind") == "plane")
+    throw n.at("kind").error(fmt::format("\"plane\" has no finite {}; only an obstacle can be one", lacks));
+}
+
 void check_shape(const Node& n) {
   const std::string kind = n.string("kind");
   const auto below = [&](const char* small, const char* large) {

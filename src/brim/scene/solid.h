@@ -30,6 +30,9 @@ struct Solid {
   double voxel_size = 0.0;  ///< [m] suitable grid step
 };
 
+/// Refuses a plane. @param lacks  what a plane has no finite amount of: volume, mass  @throws InputError
+void refuse_plane(const Node& shape, const char* lacks);
+
 /// Checks of a shape that the schema cannot express; reads no files. @throws InputError
 void check_shape(const Node& shape);
 

@@ -47,8 +47,7 @@ void check_fill(const Node& n) {
   if (n.has("shape") && n.has("tet_mesh"))
     throw n.at("tet_mesh").error("both \"shape\" and \"tet_mesh\" are given; give one");
   if (n.has("shape")) {
-    if (n.at("shape").string("kind") == "plane")
-      throw n.at("shape").at("kind").error("\"plane\" has no finite volume; only an obstacle can be one");
+    refuse_plane(n.at("shape"), "volume");
     check_shape(n.at("shape"));
     if (!n.has("lattice_spacing"))
       throw n.error(

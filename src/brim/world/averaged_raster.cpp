@@ -15,8 +15,7 @@ void rasterize_averaged(const Body& body, int part, const CoarseStep& step, std:
   Aabb region;
   for (const TileKey& t : wanted) region.extend(tile_box(t, fine.h));
   body.presence(part, fine.h, fine.ramp * fine.h, region.inflated(fine.h), present);
-  std::sort(present.begin(), present.end());
-  present.erase(std::unique(present.begin(), present.end()), present.end());
+  sort_unique(present);
   std::set_intersection(wanted.begin(), wanted.end(), present.begin(), present.end(), std::back_inserter(below));
   std::vector<DensityBlock> blocks(below.size());
   if (!below.empty()) rasterize_averaged(body, part, fine, below, blocks);

@@ -79,7 +79,7 @@ void ContactStage::outline(std::span<const WorldPart> parts, std::span<const dou
       parts.size(),
       [&](std::size_t p) {
         const WorldPart& part = parts[p];
-        const auto vb = v.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
+        const auto vb = velocities_of(part, v, first_v);
         Outline& o = outline_[p];
         o.box = part.body->bounds(part.index).inflated(wide * part.h);
         o.swept = o.box;

@@ -10,8 +10,8 @@
 #include <tuple>
 #include <unordered_set>
 
-#include "brim/body/distance_bound.h"
 #include "brim/body/movable.h"
+#include "brim/body/solid_of.h"
 #include "brim/body/spinning_balls.h"
 #include "brim/core/interface_of.h"
 #include "brim/world/fill_stage.h"
@@ -68,19 +68,11 @@ double inverse_mass_of(const WorldPart& p) {
   return held ? 0.0 : 1.0 / p.body->mass();
 }
 
-std::span<const double> velocities_of(const WorldPart& p, std::span<const double> v,
-                                      std::span<const std::size_t> first_v) {
-  return v.subspan(first_v[p.body_index], first_v[p.body_index + 1] - first_v[p.body_index]);
-}
-
 }  // namespace
 
 bool is_rigid(const WorldPart& p) { return p.body->v_size() <= 6 * static_cast<std::size_t>(p.body->part_count()); }
 
-bool has_distance(const WorldPart& p) {
-  const auto* body = interface_of<DistanceBound>(*p.body);
-  return body != nullptr && body->solid(p.index) != nullptr;
-}
+bool has_distance(const WorldPart& p) { return solid_of(*p.body, p.index) != nullptr; }
 
 Response default_response(const WorldPart& a, const WorldPart& b, const WorldOptions& options) {
   if (options.response != Response::Inherit) return options.response;
@@ -106,11 +98,7 @@ bool meet_by_rigid_rows(const WorldPart& a, const WorldPart& b, const WorldOptio
 void ContactParameters::start(std::span<const WorldPart> parts, std::span<const double> v,
                               std::span<const std::size_t> first_v, const WorldOptions& options, double h0) {
   std::vector<double> speed(parts.size());
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    const auto vb = velocities_of(parts[p], v, first_v);
-    speed[p] = parts[p].body->mean_velocity(parts[p].index, vb).norm() +
-               parts[p].body->relative_speed_bound(parts[p].index, vb);
-  }
+  for (std::size_t p = 0; p < parts.size(); ++p) speed[p] = speed_bound(parts[p], velocities_of(parts[p], v, first_v));
   const std::vector<Loads> loads = estimate_loads(parts, speed, options.environment);
   heaviest_ = {};
   for (const Loads& l : loads) heaviest_.raise_to(l);
@@ -216,9 +204,9 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
     const bool conforming = a.info.conforming || b.info.conforming;
     const bool itself = pairs[i].part_a == pairs[i].part_b;
     const bool constrained = !conforming && !itself && m.response == Response::Constraint;
-    const bool stiff = is_rigid(a) && is_rigid(b);
-    constraints_[i] = {constrained, m.friction, m.restitution, stiff,
-                       stiff         ? FixedPart::None
+    const bool rigid = is_rigid(a) && is_rigid(b);
+    constraints_[i] = {constrained, m.friction, m.restitution, rigid,
+                       rigid         ? FixedPart::None
                        : is_fixed(a) ? FixedPart::A
                        : is_fixed(b) ? FixedPart::B
                                      : FixedPart::None};
@@ -232,7 +220,7 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
     }
     const Vec3 velocity_a = a.body->mean_velocity(a.index, velocities_of(a, v, first_v)),
                velocity_b = b.body->mean_velocity(b.index, velocities_of(b, v, first_v));
-    const bool solid = hard && stiff;  // rods do not yield to pressure, but they bend
+    const bool solid = hard && rigid;  // rods do not yield to pressure, but they bend
     bool stay = false;
     if (solid && stiffness > 0.0) {
       const double travel = (velocity_a - velocity_b).norm(),

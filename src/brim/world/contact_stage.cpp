@@ -5,6 +5,7 @@
 #include <bit>
 
 #include "brim/body/posed_shape.h"
+#include "brim/body/solid_of.h"
 #include "brim/contact/face_edges.h"
 #include "brim/contact/patch_center.h"
 #include "brim/core/error.h"
@@ -46,11 +47,6 @@ Octants octants_on(const std::vector<OctantTile>& sorted, const TileKey& tile) {
   const auto at = std::lower_bound(sorted.begin(), sorted.end(), tile,
                                    [](const OctantTile& s, const TileKey& t) { return s.tile < t; });
   return at != sorted.end() && at->tile == tile ? at->octants : Octants{0};
-}
-
-void sort_unique(std::vector<TileKey>& tiles) {
-  std::sort(tiles.begin(), tiles.end());
-  tiles.erase(std::unique(tiles.begin(), tiles.end()), tiles.end());
 }
 
 /// Own nodes of an octant.
@@ -105,7 +101,7 @@ void ContactStage::access(std::span<const WorldPart> parts) {
       [&](std::size_t p) {
         PartAccess& a = access_[p];
         a.bounded = {interface_of<DistanceBound>(*parts[p].body), parts[p].index};
-        const PosedShape* solid = a.bounded.body != nullptr ? a.bounded.body->solid(parts[p].index) : nullptr;
+        const PosedShape* solid = solid_of(*parts[p].body, parts[p].index);
         a.solid.solid = solid != nullptr ? solid->known_distance() : nullptr;
         a.posed = solid;
         if (a.is_solid()) a.solid.pose = solid->pose();
@@ -274,7 +270,7 @@ std::span<const std::pair<TileKey, double>> ContactStage::active_tiles() const {
   for (std::size_t i = 0; i < work_count_; ++i)
     for (const NodeBox& box : work_[i].finds.boxes) boxes.emplace_back(box, candidates_[work_[i].candidate].pair.h);
   rigid_.append_boxes(boxes);
-  const auto tile_of = [](int node) { return node >= 0 ? node / kTileSize : -((kTileSize - 1 - node) / kTileSize); };
+  const auto tile_of = [](int node) { return tile_of_node(node); };
   for (const auto& [box, h] : boxes) {
     const Vec3i first = box.lo.unaryExpr(tile_of), last = box.hi.unaryExpr(tile_of);
     for (int k = first.z(); k <= last.z(); ++k)

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "brim/body/distance_bound.h"
 #include "brim/body/posed_shape.h"
+#include "brim/body/solid_of.h"
 #include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/math/ramp.h"
+#include "brim/raster/trilinear.h"
 #include "brim/world/part_filter.h"
 
 namespace brim {
@@ -35,7 +36,7 @@ TileKey tile_of(const Vec3& x, double h, Vec3i& node) {
   std::int32_t* key[3] = {&t.x, &t.y, &t.z};
   for (int a = 0; a < 3; ++a) {
     const auto i = static_cast<std::int64_t>(std::floor(x[a] / h));
-    const std::int64_t tile = i >= 0 ? i / kTileSize : -((kTileSize - 1 - i) / kTileSize);
+    const std::int64_t tile = tile_of_node(i);
     *key[a] = static_cast<std::int32_t>(tile);
     node[a] = static_cast<int>(i - tile * kTileSize);
   }
@@ -68,8 +69,7 @@ void FillStage::find(std::span<const std::unique_ptr<Body>> bodies, std::span<co
         continue;
       const double h = std::min(parts[f].h, parts[o].h);
       found_.clear();
-      const auto* bound = dynamic_cast<const DistanceBound*>(parts[o].body);
-      const PosedShape* solid = bound != nullptr ? bound->solid(parts[o].index) : nullptr;
+      const PosedShape* solid = solid_of(*parts[o].body, parts[o].index);
       if (solid != nullptr && solid->known_distance() != nullptr)
         find_in_solid(*solid, parts[o].body->bounds(parts[o].index).inflated(reach), *filler.body);
       else
@@ -155,8 +155,7 @@ void FillStage::find_on_grid(const WorldPart& part, double h, const Aabb& region
   const Aabb bounds = part.body->bounds(part.index).inflated(0.5 * w).intersection(region);
   present_.clear(), binned_.clear();
   part.body->presence(part.index, h, w, bounds, present_);
-  std::sort(present_.begin(), present_.end());
-  present_.erase(std::unique(present_.begin(), present_.end()), present_.end());
+  sort_unique(present_);
   Vec3i node;
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (!inside(bounds, places[i])) continue;
@@ -170,10 +169,7 @@ void FillStage::find_on_grid(const WorldPart& part, double h, const Aabb& region
     if (i == 0 || binned_[i].first != binned_[i - 1].first)
       tiles_.push_back(binned_[i].first), first_in_tile_.push_back(i);
   first_in_tile_.push_back(binned_.size());
-  if (blocks_.size() < tiles_.size()) blocks_.resize(tiles_.size());
-  const auto blocks = std::span(blocks_).subspan(0, tiles_.size());
-  for (DensityBlock& b : blocks) b.octants = kAllOctants;
-  part.body->rasterize(part.index, h, w, tiles_, blocks);
+  const auto blocks = rasterize_whole(part, h, w, tiles_, blocks_);
 
   piece_.resize(tiles_.size());
   parallel_for(tiles_.size(), [&](std::size_t t) {
@@ -186,18 +182,14 @@ void FillStage::find_on_grid(const WorldPart& part, double h, const Aabb& region
       tile_of(places[i], h, lo);
       const Vec3 f = places[i] / h - (places[i] / h).array().floor().matrix();
       // Trilinear in the distances; the source of the fullest corner.
-      double d = 0.0, best = 0.0;
-      Vec3 n = Vec3::Zero();
+      double best = 0.0;
       std::int32_t source = -1;
-      for (int corner = 0; corner < 8; ++corner) {
-        const int a = corner & 1, b = corner >> 1 & 1, c = corner >> 2;
+      const auto [d, n] = trilinear(f, h, [&](int a, int b, int c) {
         const int at = block_index(lo[0] + a + kHalo, lo[1] + b + kHalo, lo[2] + c + kHalo);
-        const double rho = block.rho[at], dist = ramp_inverse(rho, w);
-        const double wx = a ? f[0] : 1.0 - f[0], wy = b ? f[1] : 1.0 - f[1], wz = c ? f[2] : 1.0 - f[2];
-        d += wx * wy * wz * dist;
-        n += dist / h * Vec3((a ? 1.0 : -1.0) * wy * wz, wx * (b ? 1.0 : -1.0) * wz, wx * wy * (c ? 1.0 : -1.0));
+        const double rho = block.rho[at];
         if (rho > best && block.source[at] >= 0) best = rho, source = block.source[at];
-      }
+        return ramp_inverse(rho, w);
+      });
       const double length = n.norm();
       if (!(d < reach) || !(best > 0.0) || !(length > 1e-6)) continue;
       out.push_back({i, d, 0.0, n / length, source});

@@ -263,7 +263,7 @@ void Links::finish(const ContactSet& set, std::span<const Vec3> force, double ti
     const double load = report.links[l].force.norm();
     if (links_[l].broken || !(load > links_[l].given.break_force)) continue;
     links_[l].broken = report.links[l].broken = true;
-    if (report.warnings.size() < 16)
+    if (report.warnings.size() < kMostWarnings)
       report.warnings.push_back({time, "link_broken",
                                  fmt::format("'{}' broke: it carried {:.4g} N, above {:.4g} N", links_[l].given.name,
                                              load, links_[l].given.break_force)});

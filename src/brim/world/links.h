@@ -56,7 +56,7 @@ class Links {
   /// Fills in the ends of a link (Attachment::ends). Bodies must be up to date.
   void find_ends(std::size_t i, std::span<const WorldPart> parts, std::span<const double> q,
                  std::span<const std::size_t> first_q, double time);
-  /// True when some active link has an end in space.
+  /// True when some link, broken or not, has an end in space.
   bool needs_space() const;
   bool broken(std::size_t i) const { return links_[i].broken; }
   void set_broken(std::size_t i, bool broken) { links_[i].broken = broken; }

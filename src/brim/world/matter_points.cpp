@@ -6,10 +6,10 @@
 #include <map>
 #include <numeric>
 
-#include "brim/body/distance_bound.h"
 #include "brim/body/loose_nodes.h"
 #include "brim/body/material_points.h"
 #include "brim/body/posed_shape.h"
+#include "brim/body/solid_of.h"
 #include "brim/body/spinning_balls.h"
 #include "brim/core/error.h"
 
@@ -27,15 +27,9 @@ constexpr double kOnMiddle = 1e-10;
 /// [voxels] distance within which a point of a region replaces the requested one.
 constexpr double kBeside = 2.0;
 
-const PosedShape* solid_of(const WorldPart& part) {
-  const auto* bound = dynamic_cast<const DistanceBound*>(part.body);
-  return bound != nullptr ? bound->solid(part.index) : nullptr;
-}
-
 /// The sources of the nodes nearest to points, −1 without material nearby.
 std::vector<std::int32_t> nearest_sources(const WorldPart& part, double w, std::span<const Vec3> x) {
   const double h = part.h;
-  const auto tile_of = [](int node) { return node >= 0 ? node / kTileSize : -((kTileSize - 1 - node) / kTileSize); };
   std::map<TileKey, std::size_t> place;
   const auto for_nodes = [&](const Vec3& p, const auto& f) {
     const Vec3i lo = (p / h).array().floor().cast<int>() - 1;
@@ -43,7 +37,7 @@ std::vector<std::int32_t> nearest_sources(const WorldPart& part, double w, std::
       for (int j = 0; j < 4; ++j)
         for (int i = 0; i < 4; ++i) {
           const Vec3i node = lo + Vec3i(i, j, k);
-          f(node, TileKey{tile_of(node[0]), tile_of(node[1]), tile_of(node[2])});
+          f(node, TileKey{tile_of_node(node[0]), tile_of_node(node[1]), tile_of_node(node[2])});
         }
   };
   for (const Vec3& p : x) for_nodes(p, [&](const Vec3i&, const TileKey& t) { place.emplace(t, 0); });
@@ -109,7 +103,7 @@ std::vector<std::size_t> stand_ins(std::span<const Vec3> wanted, std::span<const
 }  // namespace
 
 bool MatterPoints::takes_any(const WorldPart& part) {
-  return solid_of(part) != nullptr || dynamic_cast<const MaterialPoints*>(part.body) != nullptr;
+  return solid_of(*part.body, part.index) != nullptr || dynamic_cast<const MaterialPoints*>(part.body) != nullptr;
 }
 
 std::size_t MatterPoints::nearest_part(std::span<const WorldPart> parts, const Vec3& x) {
@@ -118,7 +112,7 @@ std::size_t MatterPoints::nearest_part(std::span<const WorldPart> parts, const V
   std::pair<double, double> least = {kFar, kFar};
   for (std::size_t p = 0; p < parts.size(); ++p) {
     const Aabb box = parts[p].body->bounds(parts[p].index);
-    const PosedShape* solid = solid_of(parts[p]);
+    const PosedShape* solid = solid_of(*parts[p].body, parts[p].index);
     const std::pair<double, double> d = {(x - x.cwiseMax(box.lo).cwiseMin(box.hi)).norm(),
                                          solid != nullptr ? solid->distance_bound(x) : 0.0};
     if (d < least) least = d, best = p;
@@ -137,7 +131,7 @@ MatterPoints MatterPoints::of_part(const WorldPart& part, double w, std::span<co
   MatterPoints m;
   m.x_ = std::move(x);
   m.source_.assign(m.x_.size(), 0);
-  if (const PosedShape* solid = solid_of(part)) {
+  if (const PosedShape* solid = solid_of(*part.body, part.index)) {
     m.means_ = Means::Solid;
     for (const Vec3& p : m.x_) m.local_.push_back(solid->pose().to_local(p));
     return m;
@@ -212,7 +206,7 @@ MatterPoints MatterPoints::of_part(const WorldPart& part, double w, std::span<co
 
 void MatterPoints::follow(const WorldPart& part, std::span<const double> q) {
   if (means_ == Means::Solid) {
-    const Pose& pose = solid_of(part)->pose();
+    const Pose& pose = solid_of(*part.body, part.index)->pose();
     for (std::size_t i = 0; i < x_.size(); ++i) x_[i] = pose.translation + pose.rotation * local_[i];
   } else if (means_ == Means::Material) {
     const auto* matter = dynamic_cast<const MaterialPoints*>(part.body);

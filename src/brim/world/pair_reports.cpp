@@ -9,7 +9,7 @@
 namespace brim {
 
 void warn_of_saturation(std::span<const WorldPart> parts, const PairReport& r, double time, StepReport& report) {
-  if (r.worst_pressure > 0.6 && report.warnings.size() < 16)
+  if (r.worst_pressure > 0.6 && report.warnings.size() < kMostWarnings)
     report.warnings.push_back(
         {time, "saturation",
          fmt::format("'{}' and '{}' overlap by {:.2f} of full density: contact pressure is near its limit of k/2; "
@@ -23,7 +23,7 @@ void warn_of_start(std::span<const WorldPart> parts, double time, StepReport& re
     // A conforming part starts where the other leaves room.
     const bool conforming = parts[r.part_a].info.conforming || parts[r.part_b].info.conforming;
     if (conforming || !(r.worst_overlap > kDeep)) continue;
-    if (report.warnings.size() >= 16) return;
+    if (report.warnings.size() >= kMostWarnings) return;
     report.warnings.push_back(
         {time, "start_overlap",
          fmt::format(
@@ -46,7 +46,7 @@ void warn_of_mass_ratio(std::span<const WorldPart> parts, const ContactParameter
     const double load = r.force_on_a.norm();
     if (!(heavy >= kRatio * light) || !(load > kCarried * light * options.environment.gravity.norm())) continue;
     if (!laws.constraint_between(a, b, options).constrained) continue;
-    if (report.warnings.size() >= 16) return;
+    if (report.warnings.size() >= kMostWarnings) return;
     report.warnings.push_back(
         {time, "mass_ratio",
          fmt::format("'{}' and '{}', whose masses differ by {:.2g} times, press on each other, and constraint rows do "
@@ -94,7 +94,7 @@ void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, 
     warn_of_saturation(parts, r, time, report);
     report.pairs.push_back(r);
   }
-  if (contacts.engulfed > 0 && report.warnings.size() < 16)
+  if (contacts.engulfed > 0 && report.warnings.size() < kMostWarnings)
     report.warnings.push_back(
         {time, "engulfed", fmt::format("{} nodes lie deep inside two parts and push neither way", contacts.engulfed)});
 }

@@ -6,10 +6,9 @@
 #include <atomic>
 #include <map>
 
-#include "brim/body/distance_bound.h"
 #include "brim/body/posed_shape.h"
+#include "brim/body/solid_of.h"
 #include "brim/core/error.h"
-#include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/core/workspace_pool.h"
@@ -26,8 +25,7 @@ constexpr double kRowBytes = 1800.0;
 
 /// The part as a solid that moves as a whole, a rigid body or a link, or null.
 const PosedShape* rigid_solid(const WorldPart& part) {
-  const auto* bound = interface_of<DistanceBound>(*part.body);
-  const PosedShape* solid = bound != nullptr ? bound->solid(part.index) : nullptr;
+  const PosedShape* solid = solid_of(*part.body, part.index);
   return solid != nullptr && solid->known_distance() != nullptr ? solid : nullptr;
 }
 

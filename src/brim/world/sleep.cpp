@@ -81,9 +81,7 @@ void Sleep::settle(std::span<const WorldPart> parts, std::span<const PairReport>
   std::vector<std::uint8_t> stirs(n, 0), parted(n, 0), fixed(n, 0);
   for (const WorldPart& p : parts) {
     const auto b = static_cast<std::size_t>(p.body_index);
-    const auto vb = std::span<const double>(v).subspan(first_v[b], first_v[b + 1] - first_v[b]);
-    const double speed = p.body->mean_velocity(p.index, vb).norm() + p.body->relative_speed_bound(p.index, vb);
-    if (!(speed * kRest <= kStir * p.h)) stirs[b] = 1;
+    if (!(speed_bound(p, velocities_of(p, v, first_v)) * kRest <= kStir * p.h)) stirs[b] = 1;
     parted[b] = 1;
     fixed[b] = is_fixed(p);
   }

@@ -3,19 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "brim/body/distance_bound.h"
 #include "brim/body/posed_shape.h"
-#include "brim/core/interface_of.h"
+#include "brim/body/solid_of.h"
 #include "brim/core/parallel.h"
 #include "brim/math/ramp.h"
+#include "brim/raster/trilinear.h"
 
 namespace brim {
 
 const std::vector<Eighth>& SolidShares::of(std::pair<std::int32_t, std::int32_t> two, const MacGrid& g,
                                            const WorldPart& part) {
   Found& found = found_[two];
-  const auto* bound = interface_of<DistanceBound>(*part.body);
-  const PosedShape* solid = bound != nullptr ? bound->solid(part.index) : nullptr;
+  const PosedShape* solid = solid_of(*part.body, part.index);
   const bool same = solid != nullptr && found.body == part.body && found.origin == g.origin &&
                     found.pose.rotation == solid->pose().rotation &&
                     found.pose.translation == solid->pose().translation;
@@ -35,13 +34,9 @@ void SolidShares::sample(const MacGrid& g, const WorldPart& part, const PosedSha
   const Aabb region = part.body->bounds(p).inflated(g.dx).intersection(g.box().inflated(g.dx));
   tiles_.clear(), out.clear();
   if (!region.empty()) part.body->presence(p, h, w, region, tiles_);
-  std::sort(tiles_.begin(), tiles_.end());
-  tiles_.erase(std::unique(tiles_.begin(), tiles_.end()), tiles_.end());
+  sort_unique(tiles_);
   if (tiles_.empty()) return;
-  if (blocks_.size() < tiles_.size()) blocks_.resize(tiles_.size());
-  const auto blocks = std::span(blocks_).first(tiles_.size());
-  for (DensityBlock& b : blocks) b.octants = kAllOctants;
-  part.body->rasterize(p, h, w, tiles_, blocks);
+  const auto blocks = rasterize_whole(part, h, w, tiles_, blocks_);
   std::vector<std::vector<Eighth>> piece(tiles_.size());
   parallel_for(tiles_.size(), [&](std::size_t k) {
     const DensityBlock& block = blocks[k];
@@ -56,19 +51,13 @@ void SolidShares::sample(const MacGrid& g, const WorldPart& part, const PosedSha
         for (int a = 0; a < kTileSize; ++a) {
           const Vec3i at = tile + Vec3i(a, b, c) - first;
           if ((at.array() < 0).any() || (at.array() >= n.array()).any()) continue;
-          double d = 0.0, fullest = 0.0;
-          Vec3 slope = Vec3::Zero();
+          double fullest = 0.0;
           std::int32_t source = 0;
-          for (int corner = 0; corner < 8; ++corner) {
-            const int x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
+          const auto [d, slope] = trilinear(t, h, [&](int x, int y, int z) {
             const int node = block_index(a + x + kHalo, b + y + kHalo, c + z + kHalo);
-            const double dist = distance[node];
-            const double wx = x ? t[0] : 1.0 - t[0], wy = y ? t[1] : 1.0 - t[1], wz = z ? t[2] : 1.0 - t[2];
-            d += wx * wy * wz * dist;
-            slope +=
-                dist / h * Vec3((x ? 1.0 : -1.0) * wy * wz, wx * (y ? 1.0 : -1.0) * wz, wx * wy * (z ? 1.0 : -1.0));
             if (block.rho[node] > fullest) fullest = block.rho[node], source = block.source[node];
-          }
+            return distance[node];
+          });
           const double length = slope.norm();
           const double width = h * (length > 1e-6 ? slope.lpNorm<1>() / length : 1.0);
           double share = std::clamp(0.5 - d / width, 0.0, 1.0);

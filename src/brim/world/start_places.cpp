@@ -7,18 +7,13 @@
 #include <limits>
 
 #include "brim/body/changing_surface.h"
-#include "brim/body/distance_bound.h"
 #include "brim/body/posed_shape.h"
+#include "brim/body/solid_of.h"
 #include "brim/core/error.h"
 
 namespace brim {
 
 namespace {
-
-const PosedShape* solid_part(const Body& body, int part) {
-  const auto* bound = dynamic_cast<const DistanceBound*>(&body);
-  return bound != nullptr ? bound->solid(part) : nullptr;
-}
 
 /// Cell (x, y, z) as one number; cells 2^21 apart share one, which only costs time.
 std::uint64_t cell_key(const Vec3i& c) {
@@ -32,7 +27,7 @@ Vec3i cell_of(const Vec3& x, double side) { return (x / side).array().floor().ca
 
 StartPlaces::StartPlaces(const Body& body) : body_(body) {
   for (int p = 0; p < body.part_count(); ++p)
-    if (const PosedShape* solid = solid_part(body, p)) pose_.push_back(solid->pose());
+    if (const PosedShape* solid = solid_of(body, p)) pose_.push_back(solid->pose());
   if (static_cast<int>(pose_.size()) == body.part_count()) return;
   pose_.clear();
   if (changing_surface(body) != nullptr || body.display().vertices == 0)
@@ -55,7 +50,7 @@ void StartPlaces::sort_vertices() {
 Vec3 StartPlaces::of(int part, const Vec3& x) {
   if (!pose_.empty()) {
     const Pose& start = pose_[static_cast<std::size_t>(part)];
-    return start.translation + start.rotation * solid_part(body_, part)->pose().to_local(x);
+    return start.translation + start.rotation * solid_of(body_, part)->pose().to_local(x);
   }
   if (!known_) sort_vertices();
   const Vec3i middle = cell_of(x, cell_);

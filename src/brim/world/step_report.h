@@ -35,6 +35,9 @@ struct LinkReport {
   bool broken = false;
 };
 
+/// Number of warnings in a report from which on pairs and links add no more: in a crowd thousands would say the same.
+inline constexpr std::size_t kMostWarnings = 16;
+
 /// A problem or near-problem, in words, with the pair or body it concerns.
 struct Warning {
   double time = 0.0;  ///< [s]

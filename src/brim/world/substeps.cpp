@@ -7,9 +7,9 @@
 #include <limits>
 #include <tuple>
 
-#include "brim/body/distance_bound.h"
 #include "brim/body/motion_clusters.h"
 #include "brim/body/posed_shape.h"
+#include "brim/body/solid_of.h"
 #include "brim/body/spinning_balls.h"
 #include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
@@ -56,9 +56,7 @@ double most_pieces_of_whole(std::span<const WorldPart> parts, std::span<const do
   FastestTwo speeds;
   for (const WorldPart& part : parts) {
     if (interface_of<MotionClusters>(*part.body) != nullptr) return std::numeric_limits<double>::infinity();
-    const auto vb = v.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
-    speeds.add(part.body->mean_velocity(part.index, vb).norm() + part.body->relative_speed_bound(part.index, vb) +
-               (is_fixed(part) ? 0.0 : change));
+    speeds.add(speed_bound(part, velocities_of(part, v, first_v)) + (is_fixed(part) ? 0.0 : change));
   }
   return most_pieces(speeds, parts, options, time);
 }
@@ -83,8 +81,7 @@ constexpr std::size_t kPartsOfWork = 64;
 
 /// World normal of a part that is a half-space and does not turn; zero for all other parts.
 Vec3 normal_of_half_space(const WorldPart& part, std::span<const double> v) {
-  const auto* bounded = part.body->immobile() ? interface_of<DistanceBound>(*part.body) : nullptr;
-  const PosedShape* solid = bounded != nullptr ? bounded->solid(part.index) : nullptr;
+  const PosedShape* solid = part.body->immobile() ? solid_of(*part.body, part.index) : nullptr;
   if (solid == nullptr || v.size() != 6 || !solid->shape().half_space()) return Vec3::Zero();
   if (v[3] != 0.0 || v[4] != 0.0 || v[5] != 0.0) return Vec3::Zero();
   return solid->pose().rotation.col(2);
@@ -114,9 +111,7 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
                      AlongPlanes along) {
   if (most_pieces_of_whole(parts, v, first_v, options, time, change) <= 1.0) return 1.0;
   const double wide = std::ldexp(0.5 * options.ramp_voxels, coarsest_level(parts));
-  const auto velocities = [&](const WorldPart& part) {
-    return v.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
-  };
+  const auto velocities = [&](const WorldPart& part) { return velocities_of(part, v, first_v); };
   // Clusters of the parts that have several; every other part is one.
   std::vector<std::vector<MotionCluster>> several;
   std::vector<std::int32_t> number(parts.size(), -1), cut;
@@ -245,15 +240,11 @@ double motion_pieces(std::span<const WorldPart> parts, std::span<const double> v
 double thrown_pieces(std::span<const WorldPart> parts, std::span<const double> change,
                      std::span<const std::size_t> first_v, const WorldOptions& options, double time,
                      const HeldPairs& held, BoxSweep& sweep) {
-  const auto own = [&](const WorldPart& part) {
-    return change.subspan(first_v[part.body_index], first_v[part.body_index + 1] - first_v[part.body_index]);
-  };
+  const auto own = [&](const WorldPart& part) { return velocities_of(part, change, first_v); };
   if (std::ranges::all_of(parts, [&](const WorldPart& p) { return normal_of_half_space(p, own(p)).isZero(0.0); }))
     return 1.0;
   FastestTwo speeds;
-  for (const WorldPart& part : parts)
-    speeds.add(part.body->mean_velocity(part.index, own(part)).norm() +
-               part.body->relative_speed_bound(part.index, own(part)));
+  for (const WorldPart& part : parts) speeds.add(speed_bound(part, own(part)));
   if (most_pieces(speeds, parts, options, time) <= 1.0) return 1.0;
   return motion_pieces(parts, change, first_v, options, time, 0.0, held, sweep, AlongPlanes::Counted);
 }

@@ -2,6 +2,7 @@
 
 #include "brim/body/distance_bound.h"
 #include "brim/contact/contact_set.h"
+#include "brim/grid/tile.h"
 
 namespace brim {
 

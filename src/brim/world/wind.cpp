@@ -5,9 +5,9 @@
 #include <numbers>
 
 #include "brim/body/changing_surface.h"
-#include "brim/body/distance_bound.h"
 #include "brim/body/material_points.h"
 #include "brim/body/posed_display.h"
+#include "brim/body/solid_of.h"
 #include "brim/body/spinning_balls.h"
 #include "brim/core/error.h"
 
@@ -100,8 +100,7 @@ std::vector<std::size_t> parts_of_vertices(const Body& body) {
 }  // namespace
 
 bool has_nodes(const Body& body) {
-  const auto* bound = dynamic_cast<const DistanceBound*>(&body);
-  const bool solid = bound != nullptr && body.part_count() > 0 && bound->solid(0) != nullptr;
+  const bool solid = body.part_count() > 0 && solid_of(body, 0) != nullptr;
   const std::size_t nodes = body.q_size() / 3;
   return !solid && dynamic_cast<const MaterialPoints*>(&body) == nullptr && body.q_size() == 3 * nodes &&
          body.v_size() == velocities_per_node(body) * nodes;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <vector>
 
 #include "brim/body/body.h"
 #include "brim/world/touch_rules.h"
@@ -26,6 +27,29 @@ struct WorldPart {
 
 /// True when nothing can move the part: no contact changes its velocity.
 inline bool is_fixed(const WorldPart& p) { return p.frozen || p.body->immobile(); }
+
+/// The velocities of the part's body.
+/// @param v        of all bodies
+/// @param first_v  of each body, and the end
+inline std::span<const double> velocities_of(const WorldPart& p, std::span<const double> v,
+                                             std::span<const std::size_t> first_v) {
+  return v.subspan(first_v[p.body_index], first_v[p.body_index + 1] - first_v[p.body_index]);
+}
+
+/// [m/s] Upper bound of the speed of the part's material. @param vb  of its body
+inline double speed_bound(const WorldPart& p, std::span<const double> vb) {
+  return p.body->mean_velocity(p.index, vb).norm() + p.body->relative_speed_bound(p.index, vb);
+}
+
+/// The part's density on whole tiles. @param kept  storage; grows
+inline std::span<const DensityBlock> rasterize_whole(const WorldPart& p, double h, double w,
+                                                     std::span<const TileKey> tiles, std::vector<DensityBlock>& kept) {
+  if (kept.size() < tiles.size()) kept.resize(tiles.size());
+  const auto blocks = std::span(kept).first(tiles.size());
+  for (DensityBlock& b : blocks) b.octants = kAllOctants;
+  p.body->rasterize(p.index, h, w, tiles, blocks);
+  return blocks;
+}
 
 /// False for pairs that rules or a link keep from touching.
 inline bool rules_allow(const WorldPart& a, const WorldPart& b) {

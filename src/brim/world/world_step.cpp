@@ -124,9 +124,7 @@ void World::Impl::measure(StepReport& report) {
     report.potential_energy += bodies[b]->potential_energy(options.environment.scaled(actions.gravity_scale(), b));
   }
   for (const WorldPart& p : parts)
-    if (!is_fixed(p))
-      report.max_speed = std::max(report.max_speed, p.body->mean_velocity(p.index, v(p.body_index)).norm() +
-                                                        p.body->relative_speed_bound(p.index, v(p.body_index)));
+    if (!is_fixed(p)) report.max_speed = std::max(report.max_speed, speed_bound(p, v(p.body_index)));
 }
 
 }  // namespace brim

@@ -195,7 +195,8 @@ BRIM_INLINE void principal(ElasticLaw law, const Lame& lame, bool project, const
   }
 }
 
-/// K = Q B Qᵀ with B the block of a and b in the principal frame (principal_block), stored column by column.
+/// K = Q B Qᵀ with B the block of a and b in the principal frame, stored column by column; B written
+/// plainly: tests/support/principal_block.h.
 BRIM_INLINE void store_block(const PrincipalLanes& r, const Mat3W& Q, const WideFloats (&a)[3],
                              const WideFloats (&b)[3], float (&out)[9][kCount]) {
   Mat3W B, T;

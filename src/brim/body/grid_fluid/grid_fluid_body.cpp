@@ -240,7 +240,6 @@ void GridFluidBody::prepare_preconditioner(std::size_t first, const BlockDiagona
   }
   solver_.prepare(model_.grid, wet_, scratch_);
   impulse_.assign(model_.grid.cells(), 0.0);
-  pressure_iterations_ = 0;
 }
 
 void GridFluidBody::precondition(std::size_t, const BlockDiagonal&, std::span<const double> r,
@@ -250,7 +249,7 @@ void GridFluidBody::precondition(std::size_t, const BlockDiagonal&, std::span<co
     return;
   }
   // Starting from the last pressure, which hardly changes within a solve, only the correction is computed.
-  pressure_iterations_ += solver_.project(r, kPressureTolerance, z, impulse_);
+  solver_.project(r, kPressureTolerance, z, impulse_);
 }
 
 void GridFluidBody::note_impulse(std::span<const double> impulse) {

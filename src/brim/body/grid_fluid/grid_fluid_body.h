@@ -130,8 +130,6 @@ class GridFluidBody final : public Body,
   double pressure(int cell) const { return dt_ > 0.0 ? impulse_[cell] / dt_ : 0.0; }
   /// Largest flow out of a wet cell divided by its size, [1/s].
   double divergence(std::span<const double> v) const;
-  /// Conjugate gradient iterations on the pressure since the last prepare.
-  int pressure_iterations() const { return pressure_iterations_; }
 
  private:
   void take_level_set(std::span<const double> q);
@@ -173,7 +171,6 @@ class GridFluidBody final : public Body,
   mutable PressureProjection solver_;
   PressureProjection* acting_ = &projection_;  ///< the one for the present wet cells: of the solve, or before and after
   mutable std::vector<double> impulse_;        ///< [Pa s] pressure, initial guess of the next solve
-  mutable int pressure_iterations_ = 0;
   std::vector<double> mass_;
   Vec3 wall_impulse_ = Vec3::Zero();  ///< [N s] from the walls, in the last sub-step
   Vec3 held_ = Vec3::Zero();          ///< [N s] impulses on faces held by walls, in this sub-step

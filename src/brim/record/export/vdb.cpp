@@ -76,8 +76,7 @@ class VdbWriter : public Writer {
       tiles_.clear();
       b.presence(part.index, h, ramp, b.bounds(part.index).inflated(ramp).intersection(box.inflated(kTileSize * h)),
                  tiles_);
-      std::sort(tiles_.begin(), tiles_.end());
-      tiles_.erase(std::unique(tiles_.begin(), tiles_.end()), tiles_.end());
+      sort_unique(tiles_);
       for (std::size_t first = 0; first < tiles_.size(); first += kBatch) {
         const auto batch = std::span(tiles_).subspan(first, std::min(kBatch, tiles_.size() - first));
         if (blocks_.size() < batch.size()) blocks_.resize(batch.size());

@@ -103,8 +103,7 @@ void check_links(const Node& body) {
         if (n.has(key)) throw n.at(key).error("a link without a shape has no mass");
       continue;
     }
-    if (n.at("shape").string("kind") == "plane")
-      throw n.at("shape").at("kind").error("\"plane\" has no finite mass; only an obstacle can be one");
+    refuse_plane(n.at("shape"), "mass");
     check_shape(n.at("shape"));
   }
 }

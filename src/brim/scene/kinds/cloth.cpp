@@ -8,6 +8,8 @@
 #include "brim/scene/given_arrays.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/limits.h"
+#include "brim/scene/particle_options.h"
+#include "brim/scene/sheet_grid.h"
 
 namespace brim {
 
@@ -37,13 +39,9 @@ class ClothMaker final : public BodyMaker {
   ClothMaker(const Node& n, const BuildContext& context) : node_(n), material_(context.material) {
     const double scale = n.at("transform").number("scale"), limit = context.world.memory_limit;
     if (n.has("grid")) {
-      const Node grid = n.at("grid");
-      const Json& size = grid.json().at("size");
-      const std::vector<int> cells = grid.at("cells").integers();
-      check_count(grid.at("cells"), 1.0 * cells[0] * cells[1], kBytesPerClothCell, limit, "cells");
-      mesh_ = shapes::grid(cells[0], cells[1], scale * size[0].get<double>(), scale * size[1].get<double>());
-      const int row = cells[0] + 1;
-      corners_ = {0, cells[0], cells[1] * row, cells[1] * row + cells[0]};
+      SheetGrid grid = read_sheet_grid(n.at("grid"), scale, kBytesPerClothCell, limit);
+      mesh_ = shapes::grid(grid.nx, grid.ny, grid.lx, grid.ly);
+      corners_ = std::move(grid.corners);
     } else {
       mesh_ = named_surface(n.at("mesh"));
       for (Vec3& x : mesh_.vertices) x *= scale;
@@ -66,12 +64,7 @@ class ClothMaker final : public BodyMaker {
     options.membrane.shear = node_.number("shear_stiffness");
     options.membrane.warp = place.rotation * Vec3::UnitX();
     options.bending = node_.number("bend_stiffness");
-    options.stiffness_damping = node_.number("stiffness_damping");
-    options.mass_damping = node_.number("mass_damping");
-    options.initial_velocity = place.velocity;
-    options.initial_spin = place.angular_velocity;
-    options.voxel_size = node_.number("voxel_size");
-    options.material = material_;
+    read_particle_options(node_, place, material_, options);
     options.self_contact = node_.boolean("self_contact");
     read_constraints(node_.at("constraints"), mesh.vertices, corners_, options);
     return std::make_unique<ClothBody>(std::move(mesh), std::move(options));

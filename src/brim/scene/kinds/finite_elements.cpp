@@ -3,6 +3,7 @@
 #include "brim/scene/constraints.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/limits.h"
+#include "brim/scene/particle_options.h"
 #include "brim/scene/solid_fill.h"
 
 namespace brim {
@@ -43,12 +44,7 @@ class FiniteElementsMaker final : public BodyMaker {
     options.poisson = node_.number("poisson_ratio");
     options.law = node_.string("law") == "neo_hookean" ? ElasticLaw::StableNeoHookean : ElasticLaw::CorotationalLinear;
     options.averaging = averaging_;
-    options.stiffness_damping = node_.number("stiffness_damping");
-    options.mass_damping = node_.number("mass_damping");
-    options.initial_velocity = place.velocity;
-    options.initial_spin = place.angular_velocity;
-    options.voxel_size = node_.number("voxel_size");
-    options.material = material_;
+    read_particle_options(node_, place, material_, options);
     options.display = solid_.display;
     for (Vec3& x : options.display.vertices) x = place.position + place.rotation * x;
     read_constraints(node_.at("constraints"), mesh.vertices, {}, options);

@@ -10,6 +10,8 @@
 #include "brim/scene/given_arrays.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/limits.h"
+#include "brim/scene/particle_options.h"
+#include "brim/scene/sheet_grid.h"
 #include "brim/scene/solid.h"
 #include "brim/scene/solid_fill.h"
 
@@ -90,12 +92,7 @@ class MassSpringMaker final : public BodyMaker {
     options.stiffness = node_.number("stiffness");
     options.slack = node_.boolean("slack");
     options.thickness = thickness_;
-    options.stiffness_damping = node_.number("stiffness_damping");
-    options.mass_damping = node_.number("mass_damping");
-    options.initial_velocity = place.velocity;
-    options.initial_spin = place.angular_velocity;
-    options.voxel_size = node_.number("voxel_size");
-    options.material = material_;
+    read_particle_options(node_, place, material_, options);
     options.self_contact = node_.boolean("self_contact");
     options.display = display_;
     for (Vec3& x : options.display.vertices) x = place.position + place.rotation * x;
@@ -110,17 +107,12 @@ class MassSpringMaker final : public BodyMaker {
   void read_flat(const Node& n, double scale, double limit) {
     const bool net = n.has("form") && n.string("form") == "net";
     if (n.has("grid")) {
-      const Node grid = n.at("grid");
-      const Json& size = grid.json().at("size");
-      const std::vector<int> cells = grid.at("cells").integers();
-      check_count(grid.at("cells"), 1.0 * cells[0] * cells[1], kBytesPerSpringCell, limit, "cells");
-      const double lx = scale * size[0].get<double>(), ly = scale * size[1].get<double>();
+      SheetGrid grid = read_sheet_grid(n.at("grid"), scale, kBytesPerSpringCell, limit);
       if (net)
-        mesh_ = square_net(cells[0], cells[1], lx, ly);
+        mesh_ = square_net(grid.nx, grid.ny, grid.lx, grid.ly);
       else
-        mesh_ = shapes::grid(cells[0], cells[1], lx, ly);
-      const int row = cells[0] + 1;
-      corners_ = {0, cells[0], cells[1] * row, cells[1] * row + cells[0]};
+        mesh_ = shapes::grid(grid.nx, grid.ny, grid.lx, grid.ly);
+      corners_ = std::move(grid.corners);
       return;
     }
     TriMesh surface = named_surface(n.at("mesh"));

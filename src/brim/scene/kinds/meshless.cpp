@@ -14,8 +14,7 @@ namespace {
 constexpr double kBytesPerFrame = 60e3, kBytesPerSample = 1200.0;
 
 void check_meshless(const Node& n) {
-  if (n.at("shape").string("kind") == "plane")
-    throw n.at("shape").at("kind").error("\"plane\" has no finite volume; only an obstacle can be one");
+  refuse_plane(n.at("shape"), "volume");
   check_shape(n.at("shape"));
   check_constraints(n.at("constraints"), false);
 }

@@ -16,8 +16,7 @@ namespace {
 constexpr double kBytesPerFluidParticle = 2000.0;
 
 void check_particle_fluid(const Node& n) {
-  if (n.at("shape").string("kind") == "plane")
-    throw n.at("shape").at("kind").error("\"plane\" has no finite volume; only an obstacle can be one");
+  refuse_plane(n.at("shape"), "volume");
   check_shape(n.at("shape"));
   check_regions(n.at("carve"));
   const double spacing = n.at("transform").number("scale") * n.number("spacing");

@@ -10,8 +10,7 @@ namespace {
 
 void check_rigid(const Node& n) {
   if (n.has("density") && n.has("mass")) throw n.at("mass").error("both \"mass\" and \"density\" are given; give one");
-  if (n.at("shape").string("kind") == "plane")
-    throw n.at("shape").at("kind").error("\"plane\" has no finite mass; only an obstacle can be one");
+  refuse_plane(n.at("shape"), "mass");
   check_shape(n.at("shape"));
 }
 

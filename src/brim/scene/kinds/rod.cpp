@@ -4,6 +4,7 @@
 #include "brim/scene/constraints.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/limits.h"
+#include "brim/scene/particle_options.h"
 
 namespace brim {
 
@@ -96,12 +97,7 @@ class RodMaker final : public BodyMaker {
     options.bending = node_.number("bend_stiffness");
     options.closed = node_.boolean("closed");
     options.rests_straight = node_.boolean("rests_straight");
-    options.stiffness_damping = node_.number("stiffness_damping");
-    options.mass_damping = node_.number("mass_damping");
-    options.initial_velocity = place.velocity;
-    options.initial_spin = place.angular_velocity;
-    options.voxel_size = node_.number("voxel_size");
-    options.material = material_;
+    read_particle_options(node_, place, material_, options);
     options.self_contact = node_.boolean("self_contact");
     read_constraints(node_.at("constraints"), nodes, {}, options);
     return node_.placed([&] { return std::make_unique<RodBody>(std::move(nodes), std::move(options)); });

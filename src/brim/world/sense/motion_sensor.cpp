@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "brim/body/changing_surface.h"
-#include "brim/body/distance_bound.h"
+#include "brim/body/solid_of.h"
 #include "brim/core/error.h"
 #include "brim/world/world.h"
 
@@ -28,8 +28,7 @@ Vec3 mean_shown(const Body& body, std::vector<Vec3f>& shown) {
 MotionSensor::MotionSensor(const SensorModel& model, const World& world) : Sensor(model) {
   number_ = only_body(world, model.bodies);
   body_ = &world.body(number_);
-  const auto* bound = dynamic_cast<const DistanceBound*>(body_);
-  solid_ = bound != nullptr && body_->part_count() > 0 && bound->solid(0) != nullptr;
+  solid_ = body_->part_count() > 0 && solid_of(*body_, 0) != nullptr;
   if (model.point || solid_) {
     const Vec3 x = model.point ? *model.point : mean_shown(*body_, shown_);
     std::vector<Vec3> points = {x};

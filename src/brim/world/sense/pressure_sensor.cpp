@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "brim/body/distance_bound.h"
 #include "brim/body/posed_shape.h"
+#include "brim/body/solid_of.h"
 #include "brim/core/error.h"
 #include "brim/world/touch_rules.h"
 #include "brim/world/world.h"
@@ -17,10 +17,7 @@ namespace {
 /// Maximum number of cells of a map.
 constexpr int kMostCells = 1 << 18;
 
-const PosedShape* only_solid(const Body& body) {
-  const auto* bound = dynamic_cast<const DistanceBound*>(&body);
-  return bound != nullptr && body.part_count() == 1 ? bound->solid(0) : nullptr;
-}
+const PosedShape* only_solid(const Body& body) { return body.part_count() == 1 ? solid_of(body, 0) : nullptr; }
 
 void check_grid(const SensorModel::Grid& g) {
   for (const auto& [what, side] : {std::pair{"x", g.x}, std::pair{"y", g.y}})
