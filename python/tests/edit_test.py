@@ -115,7 +115,7 @@ class Editing(unittest.TestCase):
         world.set_pair("ice", "rubber", friction=0.7)
         world.set_stiffness(1e6)
         self.assertEqual(world.step().stiffness, 1e6)
-        with self.assertRaisesRegex(brim.InputError, 'material "wood" is not one of the world\'s; those are "default", "ice"'):
+        with self.assertRaisesRegex(brim.InputError, 'material "wood" is not one of the world\'s; those are "default", "fluid", "ice"'):
             box.material = "wood"
         with self.assertRaisesRegex(brim.InputError, 'material of "box_0": roughness is not known'):
             box.set_material(roughness=1)

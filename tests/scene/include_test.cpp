@@ -68,6 +68,16 @@ TEST_F(Include, BodiesAreNamedAndMovedAndMaterialsAreKeptApart) {
   EXPECT_EQ(s.world.pair_materials.size(), 2u);
 }
 
+TEST_F(Include, MaterialsOfAFileAreThoseOfItsBodiesThatNameNone) {
+  write("parts/wet.json", R"({"materials": {"fluid": {"friction": 0.2}, "default": {"friction": 0.4}}, "bodies": [
+    {"kind": "particle_fluid", "name": "water", "spacing": 0.1, "shape": {"kind": "box", "size": [1, 1, 1]}},
+    {"kind": "rigid", "name": "ball", "shape": {"kind": "sphere", "radius": 0.5}}]})");
+  const Scene s = scene_of(R"([{"file": "parts/wet.json", "prefix": "l_"}])");
+  const Json& bodies = s.document->root["bodies"];
+  EXPECT_EQ(bodies.at(bodies.size() - 2)["material"], "l_fluid");
+  EXPECT_EQ(bodies.back()["material"], "l_default");
+}
+
 TEST_F(Include, TheKeptTextStandsByItself) {
   const Scene s = scene_of(R"([{"file": "parts/table.json", "prefix": "l_"}])");
   const Scene again = parse_scene(s.text, (folder_ / "room.json").string());

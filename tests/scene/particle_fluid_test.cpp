@@ -34,6 +34,14 @@ TEST(ParticleFluidScene, FillsAShapeWithOneParticleForEachCube) {
   EXPECT_NEAR(ball.body(0).mass(), 800 * 4.18879 * 0.125, 0.03 * 419);
 }
 
+TEST(ParticleFluidScene, HasNoFrictionUnlessItsMaterialSaysSo) {
+  const auto friction = [](const std::string& more) {
+    return build_world(parse_scene(scene_with(std::string(kBox) + more))).body(0).part(0).material.friction;
+  };
+  EXPECT_EQ(friction(""), 0.0);
+  EXPECT_EQ(friction(R"(, "material": "default")"), 0.5);
+}
+
 TEST(ParticleFluidScene, JitterStartsParticlesBesideTheLattice) {
   const auto places = [](const std::string& more) {
     const World w = build_world(parse_scene(scene_with(std::string(kBox) + more)));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "brim/scene/errors.h"
+#include "brim/scene/materials.h"
 #include "brim/scene/motion.h"
 #include "brim/scene/moved_entry.h"
 #include "brim/scene/node.h"
@@ -179,6 +180,12 @@ class Merger {
     return own ? prefix_ + name : name;
   }
 
+  /// Names the material of a body without one, where the file has its own of that name.
+  void name_material(Json& body) const {
+    const std::string usual = material_of_kind(body["kind"].get<std::string>()), own = material(usual);
+    if (own != usual) body["material"] = own;
+  }
+
   void materials() {
     Json& all = into_.root["materials"];
     if (all.is_null()) all = Json::object();
@@ -217,7 +224,6 @@ class Merger {
     Json& all = into_.root["bodies"];
     if (all.is_null()) all = Json::array();
     const auto folder = std::filesystem::path(entry_.string("file")).parent_path();
-    const std::string default_material = material("default");
     for (std::size_t i = 0; i < given.size(); ++i) {
       const std::string at = fmt::format("/bodies/{}", i);
       Json body = given[i];
@@ -225,8 +231,8 @@ class Merger {
         if (body.contains("name") && body["name"].is_string()) body["name"] = prefix_ + body["name"].get<std::string>();
         if (body.contains("material") && body["material"].is_string())
           body["material"] = material(body["material"].get<std::string>());
-        else if (!body.contains("material") && default_material != "default")
-          body["material"] = default_material;
+        else if (!body.contains("material") && body.contains("kind") && body["kind"].is_string())
+          name_material(body);
         take_paths(body, folder);
         if (entry_.has("transform")) move_entry(body, entry_.at("transform"), Node(*from_, given[i], at));
       }

@@ -13,12 +13,17 @@ Response read_response(const Node& n) {
 std::map<std::string, Material> read_materials(const Node& n) {
   std::map<std::string, Material> materials;
   materials["default"] = Material{};
+  materials["fluid"] = Material{"fluid", 0.0};
   for (const auto& [name, value] : n.json().items()) {
     const Node m = n.at(name.c_str());
     materials[name] = Material{name, m.number("friction"), m.number("restitution"), Response::Inherit,
                                m.number("rolling_resistance")};
   }
   return materials;
+}
+
+std::string material_of_kind(const std::string& kind) {
+  return kind == "particle_fluid" || kind == "grid_fluid" ? "fluid" : "default";
 }
 
 void need_material(const Node& n, const std::string& name, const std::map<std::string, Material>& materials) {

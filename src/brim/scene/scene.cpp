@@ -78,7 +78,7 @@ class BodyCheck {
   std::size_t total_ = 0;
 };
 
-/// The text that makes the same scene by itself: with parameters in their places and all that was included.
+/// Words that begin with "=" get a second one, which keeps them from being read as names of parameters.
 void keep_equal_signs(Json& value) {
   if (value.is_string() && value.get_ref<const std::string&>().starts_with("="))
     value = "=" + value.get<std::string>();
@@ -86,6 +86,7 @@ void keep_equal_signs(Json& value) {
     for (Json& member : value) keep_equal_signs(member);
 }
 
+/// The text that makes the same scene by itself: with parameters in their places and all that was included.
 std::string whole_text(Json root) {
   keep_equal_signs(root);
   return root.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
