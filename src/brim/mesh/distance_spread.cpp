@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
@@ -88,6 +89,152 @@ double squared_distance(const TriMesh& mesh, std::int32_t t, const Vec3& p) {
       .squaredNorm();
 }
 
+// Values and nearest triangles of a grid as they spread. Used once.
+class DistanceSpread {
+ public:
+  DistanceSpread(const GridLayout& layout, const SurfaceTree& tree, double band)
+      : layout_(layout),
+        tree_(tree),
+        mesh_(tree.mesh()),
+        band_(band),
+        nx_(static_cast<std::size_t>(layout.nodes.x())),
+        strides_(layout.nodes),
+        values_(layout.count()),
+        nearest_(layout.count(), -1),
+        done_(near_nodes(layout, mesh_, band)) {}
+
+  std::vector<float> values(const NodeValue& value) {
+    fill_band(value);
+    for (std::vector<std::size_t> layer = first_layer(); !layer.empty(); layer = next_layer(layer)) fill(layer);
+    correct_far_nodes();
+    return std::move(values_);
+  }
+
+ private:
+  // The band, by exact search.
+  void fill_band(const NodeValue& value) {
+    parallel_for(layout_.row_count(), [&](std::size_t row) {
+      std::int32_t near = 0;  // of the node before: most often not far
+      for (std::size_t n = row * nx_; n < (row + 1) * nx_; ++n) {
+        if (!done_[n]) continue;
+        const Vec3 p = position(n);
+        const ClosestPoint c = tree_.closest_from(p, near);
+        near = c.triangle;
+        values_[n] = value(p, c);
+        nearest_[n] = c.triangle;
+      }
+    });
+  }
+
+  // The first layer: unfinished nodes beside finished ones. Rows are gathered in order.
+  std::vector<std::size_t> first_layer() const {
+    std::vector<std::vector<std::size_t>> found(layout_.row_count());
+    parallel_for(layout_.row_count(), [&](std::size_t row) {
+      for (std::size_t n = row * nx_; n < (row + 1) * nx_; ++n) {
+        if (done_[n]) continue;
+        bool beside = false;
+        strides_.for_each_neighbour(n, [&](std::size_t m) { beside = beside || done_[m]; });
+        if (beside) found[row].push_back(n);
+      }
+    });
+    std::vector<std::size_t> layer;
+    for (const auto& row : found) layer.insert(layer.end(), row.begin(), row.end());
+    return layer;
+  }
+
+  // Gives a layer its values. Finished neighbours only are read, nodes of this layer only are written.
+  void fill(const std::vector<std::size_t>& layer) {
+    parallel_for(
+        layer.size(),
+        [&](std::size_t index) {
+          const std::size_t n = layer[index];
+          const Vec3 p = position(n);
+          std::array<std::int32_t, 26> tried;
+          int count = 0;
+          double best2 = std::numeric_limits<double>::infinity();
+          bool inside = false;
+          strides_.for_each_neighbour(n, [&](std::size_t m) {
+            if (!done_[m]) return;
+            const std::int32_t t = nearest_[m];
+            if (std::find(tried.begin(), tried.begin() + count, t) != tried.begin() + count) return;
+            tried[count++] = t;
+            const double d2 = squared_distance(mesh_, t, p);
+            if (d2 >= best2) return;
+            best2 = d2;
+            nearest_[n] = t;
+            inside = values_[m] < 0.0f;
+          });
+          values_[n] = static_cast<float>(inside ? -std::sqrt(best2) : std::sqrt(best2));
+        },
+        64);
+  }
+
+  // Finishes a layer. Returns the unfinished nodes beside it.
+  std::vector<std::size_t> next_layer(const std::vector<std::size_t>& layer) {
+    for (const std::size_t n : layer) done_[n] = 1;
+    std::vector<std::size_t> next;
+    for (const std::size_t n : layer)
+      strides_.for_each_neighbour(n, [&](std::size_t m) {
+        if (done_[m]) return;
+        done_[m] = 2;  // already on the list
+        next.push_back(m);
+      });
+    for (const std::size_t n : next) done_[n] = 0;
+    return next;
+  }
+
+  // Fronts that met too early: far nodes try their neighbours' triangles again, from a copy; those that have changed
+  // since they were tried last.
+  void correct_far_nodes() {
+    const std::vector<std::uint8_t> exact = near_nodes(layout_, mesh_, band_);
+    std::vector<std::uint8_t> changed(layout_.count(), 1);
+    for (int pass = 0; pass < kPasses; ++pass) {
+      const std::vector<std::int32_t> before = nearest_;
+      std::vector<std::uint8_t> changes(layout_.count(), 0);
+      parallel_for(layout_.row_count(), [&](std::size_t row) {
+        for (std::size_t n = row * nx_; n < (row + 1) * nx_; ++n)
+          if (!exact[n]) changes[n] = correct(n, before, changed);
+      });
+      changed = std::move(changes);
+    }
+  }
+
+  // Tries the triangles of the changed neighbours of a node. Returns 1 when one of them is nearer.
+  std::uint8_t correct(std::size_t n, const std::vector<std::int32_t>& before,
+                       const std::vector<std::uint8_t>& changed) {
+    const Vec3 p = position(n);
+    std::array<std::int32_t, 27> tried;
+    int count = 0;
+    tried[count++] = before[n];
+    double best2 = -1.0;  // not known yet
+    strides_.for_each_neighbour(n, [&](std::size_t m) {
+      const std::int32_t t = before[m];
+      if (!changed[m] || std::find(tried.begin(), tried.begin() + count, t) != tried.begin() + count) return;
+      if (best2 < 0.0) best2 = squared_distance(mesh_, before[n], p);
+      tried[count++] = t;
+      const double d2 = squared_distance(mesh_, t, p);
+      if (d2 >= best2) return;
+      best2 = d2;
+      nearest_[n] = t;
+    });
+    if (nearest_[n] == before[n]) return 0;
+    values_[n] = static_cast<float>(std::copysign(std::sqrt(best2), static_cast<double>(values_[n])));
+    return 1;
+  }
+
+  Vec3 position(std::size_t n) const { return layout_.position(n / nx_, static_cast<int>(n % nx_)); }
+
+  const GridLayout& layout_;
+  const SurfaceTree& tree_;
+  const TriMesh& mesh_;
+  double band_;
+  std::size_t nx_;
+  Strides strides_;
+  std::vector<float> values_;
+  std::vector<std::int32_t> nearest_;  // triangle of each node, -1: not known
+  std::vector<std::uint8_t> done_;
+};
+
 }  // namespace
 
 GridLayout grid_layout(const Aabb& box, double spacing, std::size_t max_nodes) {
@@ -113,109 +260,7 @@ GridLayout grid_layout(const Aabb& box, double spacing, std::size_t max_nodes) {
 
 std::vector<float> spread_distance(const GridLayout& l, const SurfaceTree& tree, double band, const NodeValue& value) {
   BRIM_CHECK(band, >=, 3.0 * l.spacing);
-  const TriMesh& mesh = tree.mesh();
-  const auto nx = static_cast<std::size_t>(l.nodes.x());
-  const Strides strides(l.nodes);
-  std::vector<float> values(l.count());
-  std::vector<std::int32_t> nearest(l.count(), -1);
-  std::vector<std::uint8_t> done = near_nodes(l, mesh, band);
-
-  // The band, by exact search.
-  parallel_for(l.row_count(), [&](std::size_t row) {
-    std::int32_t near = 0;  // of the node before: most often not far
-    for (std::size_t n = row * nx; n < (row + 1) * nx; ++n) {
-      if (!done[n]) continue;
-      const Vec3 p = l.position(row, static_cast<int>(n - row * nx));
-      const ClosestPoint c = tree.closest_from(p, near);
-      near = c.triangle;
-      values[n] = value(p, c);
-      nearest[n] = c.triangle;
-    }
-  });
-
-  // The first layer: unfinished nodes beside finished ones. Rows are gathered in order.
-  std::vector<std::vector<std::size_t>> found(l.row_count());
-  parallel_for(l.row_count(), [&](std::size_t row) {
-    for (std::size_t n = row * nx; n < (row + 1) * nx; ++n) {
-      if (done[n]) continue;
-      bool beside = false;
-      strides.for_each_neighbour(n, [&](std::size_t m) { beside = beside || done[m]; });
-      if (beside) found[row].push_back(n);
-    }
-  });
-  std::vector<std::size_t> layer;
-  for (const auto& row : found) layer.insert(layer.end(), row.begin(), row.end());
-
-  while (!layer.empty()) {
-    // Finished neighbours only are read, nodes of this layer only are written.
-    parallel_for(
-        layer.size(),
-        [&](std::size_t index) {
-          const std::size_t n = layer[index];
-          const Vec3 p = l.position(n / nx, static_cast<int>(n % nx));
-          std::array<std::int32_t, 26> tried;
-          int count = 0;
-          double best2 = std::numeric_limits<double>::infinity();
-          bool inside = false;
-          strides.for_each_neighbour(n, [&](std::size_t m) {
-            if (!done[m]) return;
-            const std::int32_t t = nearest[m];
-            if (std::find(tried.begin(), tried.begin() + count, t) != tried.begin() + count) return;
-            tried[count++] = t;
-            const double d2 = squared_distance(mesh, t, p);
-            if (d2 >= best2) return;
-            best2 = d2;
-            nearest[n] = t;
-            inside = values[m] < 0.0f;
-          });
-          values[n] = static_cast<float>(inside ? -std::sqrt(best2) : std::sqrt(best2));
-        },
-        64);
-    for (const std::size_t n : layer) done[n] = 1;
-    std::vector<std::size_t> next;
-    for (const std::size_t n : layer)
-      strides.for_each_neighbour(n, [&](std::size_t m) {
-        if (done[m]) return;
-        done[m] = 2;  // already on the list
-        next.push_back(m);
-      });
-    for (const std::size_t n : next) done[n] = 0;
-    layer = std::move(next);
-  }
-
-  // Fronts that met too early: far nodes try their neighbours' triangles again, from a copy; those that have changed
-  // since they were tried last.
-  const std::vector<std::uint8_t> exact = near_nodes(l, mesh, band);
-  std::vector<std::uint8_t> changed(l.count(), 1);
-  for (int pass = 0; pass < kPasses; ++pass) {
-    const std::vector<std::int32_t> before = nearest;
-    std::vector<std::uint8_t> changes(l.count(), 0);
-    parallel_for(l.row_count(), [&](std::size_t row) {
-      for (std::size_t n = row * nx; n < (row + 1) * nx; ++n) {
-        if (exact[n]) continue;
-        const Vec3 p = l.position(row, static_cast<int>(n - row * nx));
-        std::array<std::int32_t, 27> tried;
-        int count = 0;
-        tried[count++] = before[n];
-        double best2 = -1.0;  // not known yet
-        strides.for_each_neighbour(n, [&](std::size_t m) {
-          const std::int32_t t = before[m];
-          if (!changed[m] || std::find(tried.begin(), tried.begin() + count, t) != tried.begin() + count) return;
-          if (best2 < 0.0) best2 = squared_distance(mesh, before[n], p);
-          tried[count++] = t;
-          const double d2 = squared_distance(mesh, t, p);
-          if (d2 >= best2) return;
-          best2 = d2;
-          nearest[n] = t;
-        });
-        if (nearest[n] == before[n]) continue;
-        changes[n] = 1;
-        values[n] = static_cast<float>(std::copysign(std::sqrt(best2), static_cast<double>(values[n])));
-      }
-    });
-    changed = std::move(changes);
-  }
-  return values;
+  return DistanceSpread(l, tree, band).values(value);
 }
 
 }  // namespace brim

@@ -130,6 +130,203 @@ StepReport step_frame(World& world, int steps, int& taken, const std::function<v
   return frame;
 }
 
+/// A run in progress. Each step of record_run is a method; they are called in the order of their declaration.
+class Recording {
+ public:
+  using Progress = std::function<bool(const RunProgress&)>;
+
+  Recording(World& world, const RunPlan& plan, const Progress& progress)
+      : world_(world),
+        plan_(plan),
+        progress_(progress),
+        measures_(world, plan.expect, static_cast<double>(plan.scene_frames) * plan.info.frame_time),
+        start_(Clock::now()) {}
+
+  /// Locks the folder, goes through the frames of a run that is resumed, and opens the file.
+  void open() {
+    if (plan_.resume && std::filesystem::is_directory(plan_.folder)) {
+      lock_ = FolderLock(plan_.folder);
+      result_.started_over = never_began(plan_.folder);
+    }
+    resumes_ = plan_.resume && !result_.started_over;
+    if (resumes_)
+      replay();
+    else if (!plan_.folder.empty() && !plan_.resume)
+      make_folder();
+    if (plan_.folder.empty()) return;
+    if (resumes_) {
+      if (plan_.edit) replace_scene(plan_.folder, plan_.info.scene_text, frame_);
+      writer_.emplace(plan_.folder, world_, frame_);
+    } else {
+      writer_.emplace(plan_.folder, world_, plan_.info);
+    }
+  }
+
+  /// Records the world as built, unless a run is resumed.
+  void first_frame() {
+    if (!resumes_) {
+      const StepReport nothing;
+      measures_.add(world_, nothing, 0);
+      result_.totals.add(nothing, 0);
+      if (writer_) writer_->add(world_, nothing, 0, measures_.samples());
+    }
+    if (writer_ && plan_.started) {
+      writer_->flush();
+      plan_.started();
+    }
+  }
+
+  /// Ends what counts as building.
+  void begin_steps() {
+    if (!plan_.levels.empty()) leader_.emplace(plan_.levels);
+    build_and_start_ = since(start_);
+    stepping_ = Clock::now();
+    began_at_ = frame_;
+  }
+
+  /// True until all frames are recorded.
+  bool has_more() const { return frame_ < plan_.frames; }
+
+  /// Computes and records the next frame. @return false when the run ends here
+  bool run_frame() {
+    if (leader_) take_levels(*leader_, frame_ + 1, world_);
+    int taken = 0;
+    StepReport report;
+    if (!step(report, taken)) return false;
+    // Recording a frame ends after its report is written: its time counts with the next.
+    report.seconds[static_cast<std::size_t>(Phase::Record)] += record_seconds_;
+    const Clock::time_point recording = Clock::now();
+    ++frame_;
+    if (fresh_) fresh_->keep();
+    measures_.add(world_, report, taken);
+    result_.totals.add(report, taken);
+    if (writer_) writer_->add(world_, report, taken, measures_.samples());
+    record_seconds_ = since(recording);
+    const bool go_on = tell(report, taken);
+    if (!report.ok) {
+      result_.end = RunEnd::Failed;
+      return false;
+    }
+    if (!go_on && has_more()) {
+      result_.end = RunEnd::Interrupted;
+      return false;
+    }
+    return true;
+  }
+
+  /// Closes the file, and writes what is made of all frames.
+  RunResult close() {
+    result_.totals.seconds[static_cast<std::size_t>(Phase::Record)] += record_seconds_;
+    result_.findings = measures_.findings();
+    if (Sensors* sensors = find_sensors(world_)) sensors->end_frames();
+    if (writer_) {
+      writer_->flush();
+      writer_.reset();  // the tables are made of what the file holds
+      write_sensor_csv(RunReader(plan_.folder), plan_.folder);
+      write_summary();
+    }
+    return std::move(result_);
+  }
+
+ private:
+  void make_folder() {
+    check_run_folder(plan_.folder, plan_.force);
+    std::error_code error;
+    const bool made = !std::filesystem::exists(plan_.folder, error);
+    std::filesystem::create_directories(plan_.folder, error);
+    if (error) throw InputError(fmt::format("{}: the folder cannot be made: {}", plan_.folder, error.message()));
+    lock_ = FolderLock(plan_.folder);
+    fresh_.emplace(plan_.folder, made);
+  }
+
+  /// Checks that the run in the folder can be continued. @return true when an older version wrote it
+  bool check_found() const {
+    const RunReader found(plan_.folder);
+    check_same_world(found, world_);
+    if (!plan_.edit) need_same_scene(plan_.folder, plan_.info.scene_text);
+    return found.format_version() != run_layout::kVersion && found.frames() > 0;
+  }
+
+  /// Takes over the recorded frames: their measures, totals and readings, and the state of the last.
+  void replay() {
+    if (check_found()) upgrade_run(plan_.folder, world_);
+    const RunReader old(plan_.folder);
+    frame_ = old.frames() - 1;
+    RecordedReadings readings(old, world_);
+    // A failed frame is a report, not a state to go on from twice; its state is that before the failure.
+    for (std::int64_t f = 0; f <= frame_; ++f) {
+      const StepReport report = old.report(f);
+      if (measures_.needs_state()) world_.set_state(old.state(f));
+      readings.restore(f);
+      measures_.restore(world_, report, old.steps(f), report.warnings.size(), old.samples(f));
+      result_.totals.add(report, old.steps(f));
+    }
+    world_.set_state(old.state(frame_));
+    readings.restore(frame_);
+  }
+
+  /// The steps of the next frame. @return false when they were stopped, or refused after the first frame
+  bool step(StepReport& report, int& taken) {
+    const State before = plan_.stop ? world_.state() : State{};
+    try {
+      const StopScope scope(plan_.stop);
+      check_stop();
+      report = step_frame(world_, plan_.info.steps_per_frame, taken, plan_.before_step);
+      return true;
+    } catch (const Stopped&) {
+      world_.set_state(before);
+      if (fresh_) fresh_->keep();
+      result_.end = RunEnd::Interrupted;
+    } catch (const InputError& e) {
+      const std::string why = (plan_.scene_file.empty() ? "" : plan_.scene_file + ": ") + e.what();
+      if (frame_ == began_at_) throw InputError(why);
+      result_.end = RunEnd::Failed;
+      result_.refused = why;
+      result_.totals.warn({world_.state().time, "refused", result_.refused});
+    }
+    return false;
+  }
+
+  /// Tells of the progress. @return false when the run is to end
+  bool tell(const StepReport& report, int taken) {
+    const double steps_per_second = rate_.add(since(stepping_), taken);
+    const double left = static_cast<double>(plan_.frames - frame_) * plan_.info.steps_per_frame;
+    return !progress_ || progress_({frame_, plan_.frames, world_.state().time, steps_per_second,
+                                    steps_per_second > 0.0 ? left / steps_per_second : 0.0, &report});
+  }
+
+  void write_summary() const {
+    RunFacts facts;
+    facts.scene_name = plan_.info.scene_name;
+    facts.scene_file = plan_.scene_file;
+    facts.threads = thread_count();
+    facts.frames_wanted = plan_.frames;
+    facts.frame_time = plan_.info.frame_time;
+    facts.wall = since(stepping_);
+    facts.build_wall = plan_.build_wall + build_and_start_;
+    facts.end = result_.end;
+    write_whole((std::filesystem::path(plan_.folder) / "summary.json").string(),
+                summary_text(world_, result_.totals, facts, result_.findings));
+  }
+
+  World& world_;
+  const RunPlan& plan_;
+  const Progress& progress_;
+  RunResult result_;
+  Measures measures_;
+  FolderLock lock_;              // held until all files are closed, or taken away again
+  std::optional<NewRun> fresh_;  // outlives the writer
+  std::optional<RunWriter> writer_;
+  std::optional<RunReader> leader_;
+  bool resumes_ = false;
+  std::int64_t frame_ = 0;     ///< last recorded
+  std::int64_t began_at_ = 0;  ///< frame before the first step
+  Clock::time_point start_, stepping_;
+  double build_and_start_ = 0.0;  ///< [s]
+  double record_seconds_ = 0.0;   ///< [s] of the last frame, not yet in a report
+  Rate rate_;
+};
+
 }  // namespace
 
 bool RunResult::ok() const {
@@ -138,139 +335,13 @@ bool RunResult::ok() const {
 }
 
 RunResult record_run(World& world, const RunPlan& plan, const std::function<bool(const RunProgress&)>& progress) {
-  RunResult result;
-  Measures measures(world, plan.expect, static_cast<double>(plan.scene_frames) * plan.info.frame_time);
-  FolderLock lock;              // held until all files are closed, or taken away again
-  std::optional<NewRun> fresh;  // outlives the writer
-  std::optional<RunWriter> writer;
-  std::int64_t frame = 0;
-  const Clock::time_point start = Clock::now();
-
-  if (plan.resume && std::filesystem::is_directory(plan.folder)) {
-    lock = FolderLock(plan.folder);
-    result.started_over = never_began(plan.folder);
+  Recording recording(world, plan, progress);
+  recording.open();
+  recording.first_frame();
+  recording.begin_steps();
+  while (recording.has_more() && recording.run_frame()) {
   }
-  const bool resume = plan.resume && !result.started_over;
-  if (resume) {
-    bool older = false;
-    {
-      const RunReader found(plan.folder);
-      check_same_world(found, world);
-      if (!plan.edit) need_same_scene(plan.folder, plan.info.scene_text);
-      older = found.format_version() != run_layout::kVersion && found.frames() > 0;
-    }
-    if (older) upgrade_run(plan.folder, world);
-    const RunReader old(plan.folder);
-    frame = old.frames() - 1;
-    RecordedReadings readings(old, world);
-    // A failed frame is a report, not a state to go on from twice; its state is that before the failure.
-    for (std::int64_t f = 0; f <= frame; ++f) {
-      const StepReport report = old.report(f);
-      if (measures.needs_state()) world.set_state(old.state(f));
-      readings.restore(f);
-      measures.restore(world, report, old.steps(f), report.warnings.size(), old.samples(f));
-      result.totals.add(report, old.steps(f));
-    }
-    world.set_state(old.state(frame));
-    readings.restore(frame);
-  } else if (!plan.folder.empty() && !plan.resume) {
-    check_run_folder(plan.folder, plan.force);
-    std::error_code error;
-    const bool made = !std::filesystem::exists(plan.folder, error);
-    std::filesystem::create_directories(plan.folder, error);
-    if (error) throw InputError(fmt::format("{}: the folder cannot be made: {}", plan.folder, error.message()));
-    lock = FolderLock(plan.folder);
-    fresh.emplace(plan.folder, made);
-  }
-  if (!plan.folder.empty()) {
-    if (resume) {
-      if (plan.edit) replace_scene(plan.folder, plan.info.scene_text, frame);
-      writer.emplace(plan.folder, world, frame);
-    } else
-      writer.emplace(plan.folder, world, plan.info);
-  }
-  if (!resume) {
-    const StepReport nothing;
-    measures.add(world, nothing, 0);
-    result.totals.add(nothing, 0);
-    if (writer) writer->add(world, nothing, 0, measures.samples());
-  }
-
-  if (writer && plan.started) {
-    writer->flush();
-    plan.started();
-  }
-  std::optional<RunReader> leader;
-  if (!plan.levels.empty()) leader.emplace(plan.levels);
-  Rate rate;
-  double record_seconds = 0.0;
-  const double build_and_start = since(start);
-  const Clock::time_point stepping = Clock::now();
-  const std::int64_t first_frame = frame;
-  while (frame < plan.frames) {
-    int taken = 0;
-    if (leader) take_levels(*leader, frame + 1, world);
-    StepReport report;
-    const State before = plan.stop ? world.state() : State{};
-    try {
-      const StopScope scope(plan.stop);
-      check_stop();
-      report = step_frame(world, plan.info.steps_per_frame, taken, plan.before_step);
-    } catch (const Stopped&) {
-      world.set_state(before);
-      if (fresh) fresh->keep();
-      result.end = RunEnd::Interrupted;
-      break;
-    } catch (const InputError& e) {
-      const std::string why = (plan.scene_file.empty() ? "" : plan.scene_file + ": ") + e.what();
-      if (frame == first_frame) throw InputError(why);
-      result.end = RunEnd::Failed;
-      result.refused = why;
-      result.totals.warn({world.state().time, "refused", result.refused});
-      break;
-    }
-    // Recording a frame ends after its report is written: its time counts with the next.
-    report.seconds[static_cast<std::size_t>(Phase::Record)] += record_seconds;
-    const Clock::time_point recording = Clock::now();
-    ++frame;
-    if (fresh) fresh->keep();
-    measures.add(world, report, taken);
-    result.totals.add(report, taken);
-    if (writer) writer->add(world, report, taken, measures.samples());
-    record_seconds = since(recording);
-    const double steps_per_second = rate.add(since(stepping), taken);
-    const double left = static_cast<double>(plan.frames - frame) * plan.info.steps_per_frame;
-    const bool go_on = !progress || progress({frame, plan.frames, world.state().time, steps_per_second,
-                                              steps_per_second > 0.0 ? left / steps_per_second : 0.0, &report});
-    if (!report.ok) {
-      result.end = RunEnd::Failed;
-      break;
-    }
-    if (!go_on && frame < plan.frames) {
-      result.end = RunEnd::Interrupted;
-      break;
-    }
-  }
-  result.totals.seconds[static_cast<std::size_t>(Phase::Record)] += record_seconds;
-  result.findings = measures.findings();
-  if (Sensors* sensors = find_sensors(world)) sensors->end_frames();
-  if (writer) {
-    writer->flush();
-    writer.reset();  // the tables are made of what the file holds
-    write_sensor_csv(RunReader(plan.folder), plan.folder);
-    RunFacts facts;
-    facts.scene_name = plan.info.scene_name;
-    facts.scene_file = plan.scene_file;
-    facts.threads = thread_count();
-    facts.frames_wanted = plan.frames;
-    facts.frame_time = plan.info.frame_time;
-    facts.wall = since(stepping);
-    facts.build_wall = plan.build_wall + build_and_start;
-    facts.end = result.end;
-    write_whole((std::filesystem::path(plan.folder) / "summary.json").string(),
-                summary_text(world, result.totals, facts, result.findings));
-  }
-  return result;
+  return recording.close();
 }
 
 }  // namespace brim

@@ -80,6 +80,18 @@ class BlockCholesky {
   };
   void find_order(std::span<const std::int32_t> first, std::span<const std::int32_t> column);
   void find_structure(std::span<const std::int32_t> first, std::span<const std::int32_t> column, std::size_t in_turn);
+  /// Sets place_ by order_.
+  void number_places();
+  /// Renumbers the blocks in a postorder of the elimination tree. @return the parent of each, −1 for roots
+  std::vector<std::int32_t> find_tree(std::span<const std::int32_t> first, std::span<const std::int32_t> column);
+  /// Sorts the blocks of the pattern by columns.
+  void find_entries(std::span<const std::int32_t> first, std::span<const std::int32_t> column);
+  /// Finds the supernodes: a column joins the one before it where that costs few zeros.
+  /// @param count  blocks in each column @return number of their block rows
+  std::size_t find_supernodes(std::span<const std::int32_t> parent, std::span<const std::int32_t> count);
+  /// Places the panels of the supernodes. @return number of their floats
+  std::size_t lay_out_panels();
+  void lay_out_stream();
   /// Finds the rows of the supernodes, `room` in all.
   void find_rows(std::size_t room);
   void find_tasks();

@@ -32,6 +32,25 @@ void grow(std::vector<T>& v, std::size_t n) {
   v.resize(n);
 }
 
+/// The lower triangle of the pattern in the new order, by rows, without the diagonal. @param place  of each old block
+LowerRows lower_rows(std::span<const std::int32_t> first, std::span<const std::int32_t> column,
+                     std::span<const std::int32_t> place) {
+  const auto n = static_cast<std::int32_t>(place.size());
+  const auto for_lower = [&](const auto& f) {
+    for (std::int32_t r = 0; r < n; ++r)
+      for (std::int32_t e = first[r]; e < first[r + 1]; ++e)
+        if (column[e] != r) f(std::max(place[r], place[column[e]]), std::min(place[r], place[column[e]]));
+  };
+  LowerRows lower;
+  lower.first.assign(n + 1, 0);
+  for_lower([&](std::int32_t i, std::int32_t) { ++lower.first[i + 1]; });
+  for (std::int32_t i = 0; i < n; ++i) lower.first[i + 1] += lower.first[i];
+  lower.column.resize(static_cast<std::size_t>(lower.first[n]));
+  std::vector<std::int32_t> next(lower.first.begin(), lower.first.end() - 1);
+  for_lower([&](std::int32_t i, std::int32_t j) { lower.column[next[i]++] = j; });
+  return lower;
+}
+
 }  // namespace
 
 void BlockCholesky::analyze(std::span<const std::int32_t> first, std::span<const std::int32_t> column,
@@ -53,52 +72,63 @@ void BlockCholesky::find_order(std::span<const std::int32_t> first, std::span<co
 
 void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::span<const std::int32_t> column,
                                    std::size_t in_turn) {
+  const std::vector<std::int32_t> parent = find_tree(first, column);
+  find_entries(first, column);
+  const std::vector<std::int32_t> count = column_counts(parent, [&](std::int32_t j, const auto& f) {
+    for (std::int32_t e = entry_first_[j]; e < entry_first_[j + 1]; ++e)
+      if (entry_[e].row != j) f(entry_[e].row);
+  });
+  find_rows(find_supernodes(parent, count));
+  compressed_ = in_turn * lay_out_panels() > kWorthCompressing;
+  lay_out_stream();
+  const std::size_t n = 3 * order_.size();
+  square_columns_.resize(panel::kSquare * n + panel::kPad);
+  square_rows_.resize(square_columns_.size());
+  step_.resize(n);
+  scale_.resize(n);
+  x_.resize(n);
+  find_tasks();
+  find_runs();
+}
+
+void BlockCholesky::number_places() {
   const auto n = static_cast<std::int32_t>(order_.size());
   place_.resize(n);
-  const auto number = [&] {
-    for (std::int32_t i = 0; i < n; ++i) place_[order_[i]] = i;
-  };
-  number();
-  const auto for_lower = [&](const auto& f) {
-    for (std::int32_t r = 0; r < n; ++r)
-      for (std::int32_t e = first[r]; e < first[r + 1]; ++e)
-        if (column[e] != r) f(std::max(place_[r], place_[column[e]]), std::min(place_[r], place_[column[e]]));
-  };
-  LowerRows lower;
-  lower.first.assign(n + 1, 0);
-  for_lower([&](std::int32_t i, std::int32_t) { ++lower.first[i + 1]; });
-  for (std::int32_t i = 0; i < n; ++i) lower.first[i + 1] += lower.first[i];
-  lower.column.resize(static_cast<std::size_t>(lower.first[n]));
-  std::vector<std::int32_t> next(lower.first.begin(), lower.first.end() - 1);
-  for_lower([&](std::int32_t i, std::int32_t j) { lower.column[next[i]++] = j; });
-  const std::vector<std::int32_t> tree = elimination_tree(lower), post = postorder(tree);
+  for (std::int32_t i = 0; i < n; ++i) place_[order_[i]] = i;
+}
+
+std::vector<std::int32_t> BlockCholesky::find_tree(std::span<const std::int32_t> first,
+                                                   std::span<const std::int32_t> column) {
+  const auto n = static_cast<std::int32_t>(order_.size());
+  number_places();
+  const std::vector<std::int32_t> tree = elimination_tree(lower_rows(first, column, place_)), post = postorder(tree);
   std::vector<std::int32_t> renewed(n), after(n), parent(n);
   for (std::int32_t i = 0; i < n; ++i) renewed[i] = order_[post[i]], after[post[i]] = i;
   // The tree stays the same, with other numbers.
   for (std::int32_t i = 0; i < n; ++i) parent[i] = tree[post[i]] < 0 ? -1 : after[tree[post[i]]];
   order_ = renewed;
-  number();
+  number_places();
+  return parent;
+}
 
-  // Entries by columns.
+void BlockCholesky::find_entries(std::span<const std::int32_t> first, std::span<const std::int32_t> column) {
+  const auto n = static_cast<std::int32_t>(order_.size());
   entry_first_.assign(n + 1, 0);
   for (std::int32_t r = 0; r < n; ++r)
     for (std::int32_t e = first[r]; e < first[r + 1]; ++e) ++entry_first_[std::min(place_[r], place_[column[e]]) + 1];
   for (std::int32_t j = 0; j < n; ++j) entry_first_[j + 1] += entry_first_[j];
   grow(entry_, static_cast<std::size_t>(entry_first_[n]));
-  next.assign(entry_first_.begin(), entry_first_.end() - 1);
+  std::vector<std::int32_t> next(entry_first_.begin(), entry_first_.end() - 1);
   for (std::int32_t r = 0; r < n; ++r)
     for (std::int32_t e = first[r]; e < first[r + 1]; ++e) {
       const std::int32_t a = place_[r], b = place_[column[e]];
       // The pattern has block (r, column); the lower triangle wants (max, min).
       entry_[next[std::min(a, b)]++] = {std::max(a, b), e, a < b};
     }
+}
 
-  const std::vector<std::int32_t> count = column_counts(parent, [&](std::int32_t j, const auto& f) {
-    for (std::int32_t e = entry_first_[j]; e < entry_first_[j + 1]; ++e)
-      if (entry_[e].row != j) f(entry_[e].row);
-  });
-
-  // Supernodes: a column joins the one before it where that costs few zeros.
+std::size_t BlockCholesky::find_supernodes(std::span<const std::int32_t> parent, std::span<const std::int32_t> count) {
+  const auto n = static_cast<std::int32_t>(order_.size());
   supernode_.clear();
   std::int32_t begin = 0;
   std::size_t room = 0;
@@ -127,8 +157,11 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
     begin = j;
     zeros = 0.0;
   }
-  find_rows(room);
-  std::size_t total = 0, streamed = 0;
+  return room;
+}
+
+std::size_t BlockCholesky::lay_out_panels() {
+  std::size_t total = 0;
   for (Supernode& s : supernode_) {
     s.stride = panel::padded(3 * static_cast<std::size_t>(s.rows));
     s.panel = total;
@@ -136,7 +169,11 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
     total += s.stride * 3 * static_cast<std::size_t>(s.end - s.begin) + panel::kPad;
   }
   grow(panel_, total + 2 * panel::kPad);
-  compressed_ = in_turn * total > kWorthCompressing;
+  return total;
+}
+
+void BlockCholesky::lay_out_stream() {
+  std::size_t streamed = 0;
   for (Supernode& s : supernode_) {
     const std::size_t rows = 3 * static_cast<std::size_t>(s.rows),
                       width = 3 * static_cast<std::size_t>(s.end - s.begin);
@@ -147,13 +184,6 @@ void BlockCholesky::find_structure(std::span<const std::int32_t> first, std::spa
     grow(triple_stream_, streamed);
   else
     grow(stream_, streamed);
-  square_columns_.resize(panel::kSquare * 3 * static_cast<std::size_t>(n) + panel::kPad);
-  square_rows_.resize(square_columns_.size());
-  step_.resize(3 * static_cast<std::size_t>(n));
-  scale_.resize(3 * static_cast<std::size_t>(n));
-  x_.resize(3 * static_cast<std::size_t>(n));
-  find_tasks();
-  find_runs();
 }
 
 void BlockCholesky::find_rows(std::size_t room) {

@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "brim/body/filling.h"
 #include "brim/body/walled.h"
@@ -23,6 +22,32 @@ constexpr std::size_t kContactsOfPatch = 4096;
 /// Numbers of a vector processed by one thread at a time.
 constexpr std::size_t kOfBlock = 4096;
 
+using ConstColumn = Eigen::Map<const Eigen::VectorXd>;
+
+/// Column k of `columns`, of n numbers each.
+ConstColumn column_of(const std::vector<double>& columns, std::size_t n, int k) {
+  return {columns.data() + static_cast<std::size_t>(k) * n, static_cast<Eigen::Index>(n)};
+}
+
+/// Calls f(first, size) on blocks of [0, n).
+template <class F>
+void for_segments(std::size_t n, const F& f) {
+  parallel_blocks(n, kOfBlock, [&](std::size_t begin, std::size_t end) {
+    f(static_cast<Eigen::Index>(begin), static_cast<Eigen::Index>(end - begin));
+  });
+}
+
+/// Scalar product. Same bits for any number of threads.
+double dot(const ConstColumn& x, const ConstColumn& y) {
+  return ordered_sum(
+      static_cast<std::size_t>(x.size()),
+      [&](std::size_t begin, std::size_t end) {
+        const auto at = static_cast<Eigen::Index>(begin), length = static_cast<Eigen::Index>(end - begin);
+        return x.segment(at, length).dot(y.segment(at, length));
+      },
+      kOfBlock);
+}
+
 }  // namespace
 
 void CoarseSpace::take_modes(const Body& body, std::size_t n, Modes& m) const {
@@ -34,58 +59,13 @@ void CoarseSpace::take_modes(const Body& body, std::size_t n, Modes& m) const {
   // A motion that the body's own walls forbid would violate the constraints of its preconditioner.
   if (const auto* walled = interface_of<Walled>(body); walled && walled->confined()) return;
   const Aabb box = body.part_count() > 0 ? body.bounds(0) : Aabb{Vec3::Zero(), Vec3::Zero()};
-  const Vec3 center = box.lo.allFinite() && box.hi.allFinite() ? box.center() : Vec3::Zero();
   const bool fluid = interface_of<Filling>(body) != nullptr;
   const std::optional<BlockSystem> blocks = body.block_system();
   m.place = blocks ? blocks->place : std::span<const Vec3>();
-  m.center = center;
+  m.center = box.lo.allFinite() && box.hi.allFinite() ? box.center() : Vec3::Zero();
   m.basis.setZero();
-  int translations = 0;  // number of kept translations, which come first
-  const auto for_blocks = [n](const auto& f) {
-    parallel_blocks(n, kOfBlock, [&](std::size_t begin, std::size_t end) {
-      f(static_cast<Eigen::Index>(begin), static_cast<Eigen::Index>(end - begin));
-    });
-  };
-  const auto dot = [n](const Eigen::Map<const Eigen::VectorXd>& x, const Eigen::Map<const Eigen::VectorXd>& y) {
-    return ordered_sum(
-        n,
-        [&](std::size_t begin, std::size_t end) {
-          const auto at = static_cast<Eigen::Index>(begin), length = static_cast<Eigen::Index>(end - begin);
-          return x.segment(at, length).dot(y.segment(at, length));
-        },
-        kOfBlock);
-  };
-  const auto column = [&](int k) {
-    return Eigen::Map<const Eigen::VectorXd>(m.columns.data() + static_cast<std::size_t>(k) * n,
-                                             static_cast<Eigen::Index>(n));
-  };
-  for (int k = 0; k < kModes; ++k) {
-    const Vec3 w = k < 3 ? Vec3::Zero() : Vec3(Vec3::Unit(k - 3));
-    const Vec3 t = k < 3 ? Vec3(Vec3::Unit(k)) : Vec3(-w.cross(center));
-    Eigen::Map<Eigen::VectorXd> x(m.columns.data() + static_cast<std::size_t>(m.count) * n,
-                                  static_cast<Eigen::Index>(n));
-    const auto own = column(m.count);
-    if (!body.rigid_motion(t, w, std::span(x.data(), n))) return;
-    const double unfiltered = dot(own, own);
-    body.filter(std::span(x.data(), n));
-    const double squared = dot(own, own), length = std::sqrt(squared);
-    m.free = m.free && squared == unfiltered;
-    if (!(length > 0.0)) continue;
-    auto basis = m.basis.col(m.count);
-    basis = Block::Identity().col(k);
-    for (int j = 0; j < m.count; ++j) {
-      const auto y = column(j);
-      const double share = dot(y, own);
-      for_blocks([&](Eigen::Index at, Eigen::Index size) { x.segment(at, size) -= share * y.segment(at, size); });
-      basis -= share * m.basis.col(j);
-    }
-    const double left = std::sqrt(dot(own, own));
-    if (!(left > kIndependentMode * length)) continue;
-    for_blocks([&](Eigen::Index at, Eigen::Index size) { x.segment(at, size) /= left; });
-    basis /= left;
-    ++m.count;
-    if (k < 3) translations = m.count;
-  }
+  const std::optional<int> translations = find_modes(body, n, m);
+  if (!translations) return;
   std::vector<double> image(n);
   for (int k = 0; k < m.count; ++k) {
     const std::span<const double> x(m.columns.data() + static_cast<std::size_t>(k) * n, n);
@@ -93,17 +73,54 @@ void CoarseSpace::take_modes(const Body& body, std::size_t n, Modes& m) const {
     // Nothing inside a fluid resists a rigid motion, and nothing inside any body a translation.
     if (fluid)
       body.apply_mass(x, image);
-    else if (blocks && m.free && k < translations)
+    else if (blocks && m.free && k < *translations)
       parallel_blocks(n, kOfBlock, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) image[i] = blocks->mass_share * blocks->mass[i / 3] * x[i];
       });
     else
       body.apply_system(x, image);
-    const Eigen::Map<const Eigen::VectorXd> y(image.data(), static_cast<Eigen::Index>(n));
-    for (int j = 0; j < m.count; ++j) m.system(j, k) = dot(y, column(j));
+    const ConstColumn y(image.data(), static_cast<Eigen::Index>(n));
+    for (int j = 0; j < m.count; ++j) m.system(j, k) = dot(y, column_of(m.columns, n, j));
   }
   // The motion of a fluid as a whole follows from its pressure in as many iterations.
   m.coupled = fluid ? 0 : m.count;
+}
+
+std::optional<int> CoarseSpace::find_modes(const Body& body, std::size_t n, Modes& m) {
+  int translations = 0;
+  for (int k = 0; k < kModes; ++k) {
+    const Vec3 w = k < 3 ? Vec3::Zero() : Vec3(Vec3::Unit(k - 3));
+    const Vec3 t = k < 3 ? Vec3(Vec3::Unit(k)) : Vec3(-w.cross(m.center));
+    const std::span<double> x(m.columns.data() + static_cast<std::size_t>(m.count) * n, n);
+    const ConstColumn own = column_of(m.columns, n, m.count);
+    if (!body.rigid_motion(t, w, x)) return std::nullopt;
+    const double unfiltered = dot(own, own);
+    body.filter(x);
+    const double squared = dot(own, own), length = std::sqrt(squared);
+    m.free = m.free && squared == unfiltered;
+    if (!(length > 0.0) || !add_mode(n, k, length, m)) continue;
+    if (k < 3) translations = m.count;
+  }
+  return translations;
+}
+
+bool CoarseSpace::add_mode(std::size_t n, int k, double length, Modes& m) {
+  Eigen::Map<Eigen::VectorXd> x(m.columns.data() + static_cast<std::size_t>(m.count) * n, static_cast<Eigen::Index>(n));
+  const ConstColumn own = column_of(m.columns, n, m.count);
+  auto basis = m.basis.col(m.count);
+  basis = Block::Identity().col(k);
+  for (int j = 0; j < m.count; ++j) {
+    const ConstColumn y = column_of(m.columns, n, j);
+    const double share = dot(y, own);
+    for_segments(n, [&](Eigen::Index at, Eigen::Index size) { x.segment(at, size) -= share * y.segment(at, size); });
+    basis -= share * m.basis.col(j);
+  }
+  const double left = std::sqrt(dot(own, own));
+  if (!(left > kIndependentMode * length)) return false;
+  for_segments(n, [&](Eigen::Index at, Eigen::Index size) { x.segment(at, size) /= left; });
+  basis /= left;
+  ++m.count;
+  return true;
 }
 
 void CoarseSpace::begin(std::span<const std::unique_ptr<Body>> bodies, std::span<const std::size_t> first_v,

@@ -2,6 +2,7 @@
 
 #include <Eigen/SparseCholesky>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -69,6 +70,12 @@ class CoarseSpace {
   /// Finds the velocities of the modes at each contact.
   void see(const ContactMaps& maps, std::size_t contacts);
   void take_modes(const Body& body, std::size_t n, Modes& m) const;
+  /// Finds the rigid motions that the body can make, orthonormal. @param n  size of its velocities
+  /// @return number of translations, which come first; none when the body does not offer its rigid motions
+  static std::optional<int> find_modes(const Body& body, std::size_t n, Modes& m);
+  /// Keeps column m.count, filtered motion k, if enough of it is independent of the columns before it.
+  /// @param length  of the column
+  static bool add_mode(std::size_t n, int k, double length, Modes& m);
   void add_block(const Block& block, const Modes& a, const Modes& b);
 
   std::vector<Modes> modes_;  ///< per body

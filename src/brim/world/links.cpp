@@ -88,7 +88,7 @@ void Links::find_ends(std::size_t i, std::span<const WorldPart> parts, std::span
   if (link.broken) return;
   link.follow(parts, q, first_q);
   for (const Held& held : link.held) {
-    if (held.hold == Hold::Drive || held.hold == Hold::Lower || held.hold == Hold::Upper) continue;
+    if (along_coordinate(held.hold)) continue;
     const Vec3 b = link.b.positions()[held.point];
     link.given.ends.emplace_back(link.a.positions()[held.point],
                                  link.given.motion ? link.given.motion(time, b, link.middle) : b);
@@ -126,7 +126,7 @@ void Links::append(std::span<const WorldPart> parts, std::span<const double> q, 
         const double now = tie.error.norm();
         if (now > 0.0) tie.n = tie.error / now;
         tie.error = (now - held.length) * tie.n;
-      } else if (held.hold == Hold::Drive || held.hold == Hold::Lower || held.hold == Hold::Upper) {
+      } else if (along_coordinate(held.hold)) {
         tie.n = c.n, tie.lever = c.lever;
         xa = xb = c.point;
       } else {
@@ -253,7 +253,7 @@ void Links::finish(const ContactSet& set, std::span<const Vec3> force, double ti
     const Hold hold = links_[tie.link].held[tie.held].hold;
     // A force along a rotational coordinate is half of a couple: the held points provide the other half.
     r.force += force[first + i];
-    if (hold == Hold::Drive || hold == Hold::Lower || hold == Hold::Upper) {
+    if (along_coordinate(hold)) {
       r.effort += tie.lever * tie.n.dot(force[first + i]);
       continue;
     }

@@ -85,6 +85,7 @@ class Links {
  private:
   /// Constraint type of a point, or the action along a joint's coordinate.
   enum class Hold { Point, Along, Across, Drive, Lower, Upper };
+  static bool along_coordinate(Hold hold) { return hold == Hold::Drive || hold == Hold::Lower || hold == Hold::Upper; }
   struct Held {
     std::size_t point = 0;
     Hold hold = Hold::Point;
@@ -103,6 +104,8 @@ class Links {
     double zero = 0.0;           ///< [rad or m] coordinate computed from the joint's points at attachment
     double mass = 0.0;           ///< [kg] mass for which a rigid link is dimensioned
     bool broken = false;
+    /// Adds a held point.
+    Held& hold(std::size_t point, Hold how, double share);
     void follow(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q);
   };
   /// Coordinate of a joint.
@@ -123,7 +126,17 @@ class Links {
   };
   static Link make(const Attachment& attachment, std::span<const WorldPart> parts, const Side& a, const Side& b,
                    double ramp_voxels, double time);
+  class SideBinder;
+  /// Chooses the parts that are held, but for the other side of an attachment. @return [m] points of side a
+  static std::vector<Vec3> place(Link& link, std::span<const WorldPart> parts, const Side& a, const Side& b);
+  /// Finds the mass for which a rigid link is dimensioned.
+  static void find_mass(Link& link, std::span<const WorldPart> parts);
+  /// Chooses which of the points are held, and how. @param h  [m] step of side a
   static void choose_held(Link& link, double h);
+  static void hold_attachment(Link& link, double h);
+  static void hold_joint(Link& link, double h);
+  /// Adds the action along a joint's coordinate: drive, damping and limits.
+  static void add_coordinate(Link& link);
   static std::vector<Vec3> joint_points(const LinkJoint& joint, double span);
   static Coordinate coordinate(const Link& link);
   double rigid(const Link& link) const { return kRigid * link.mass / (dt_ * dt_); }

@@ -130,6 +130,48 @@ std::string told(const Attachment& given) {
   return fmt::format("{} '{}'", given.joint ? "joint" : "attachment", given.name);
 }
 
+/// Refuses values, and combinations of them, that make no link. @param a, b  parts of the sides
+void check_given(const Attachment& given, const std::vector<int>& a, const std::vector<int>& b) {
+  for (const auto& [what, value] : {std::pair{"stiffness", given.stiffness}, std::pair{"damping", given.damping},
+                                    std::pair{"length", given.length.value_or(0.0)}})
+    if (!(value >= 0.0) || !std::isfinite(value))
+      throw InputError(fmt::format("{} {} is not allowed; must be a number from 0", what, value));
+  if (!(given.break_force > 0.0)) throw InputError("break_force must be above 0");
+  if (given.point.has_value() + static_cast<bool>(given.region) + given.joint.has_value() != 1)
+    throw InputError("exactly one of a point, a region and a joint says what is held");
+  if (given.joint && (given.to_point || given.length || given.pulls_only))
+    throw InputError("to_point, length and pulls_only are not for joints");
+  if (given.region && given.to_point) throw InputError("a region is held where it is; to_point is for a point");
+  if (given.motion && !b.empty()) throw InputError("only what is held to space can be moved by keyframes");
+  if (a.empty()) throw InputError("the body has no part to hold");
+}
+
+/// Refuses sides whose points cannot hold a joint together.
+void check_joint_sides(const Attachment& given, const MatterPoints& a, const MatterPoints& b, double h) {
+  if (a.loose() && b.loose())
+    throw InputError(
+        fmt::format("'{}' and '{}' are both of particles that move past each other and have no place in "
+                    "common; hold them by attachments, which are rods between two particles",
+                    given.body, given.to));
+  if (const double apart = worst_gap(a, b); apart > kJointSeam * h)
+    throw InputError(fmt::format(
+        "the two sides have no matter within {:.3g} m ({:.0f} voxels) of each other at the joint (theirs is "
+        "{:.3g} m apart); give a smaller span or another place",
+        kJointSeam * h, kJointSeam, apart));
+  const JointKind kind = given.joint->kind;
+  const bool has_axis = kind == JointKind::Revolute || kind == JointKind::Prismatic;
+  const auto apart_by = [&](std::span<const Vec3> x, std::size_t i) { return (x[i] - x[0]).norm(); };
+  const std::size_t ends = kind == JointKind::Fixed ? a.size() : has_axis ? 2 : 0;
+  double spread = ends > 0 ? 0.0 : std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < ends; ++i)
+    spread = std::max(spread, std::min(apart_by(a.positions(), i), apart_by(b.positions(), i)));
+  if (spread < kLeastSpread * h)
+    throw InputError(fmt::format("{} too little matter about the {}; give a larger span",
+                                 given.to.empty() ? fmt::format("'{}' has", given.body)
+                                                  : fmt::format("'{}' and '{}' have", given.body, given.to),
+                                 kind == JointKind::Fixed ? "joint" : "axis"));
+}
+
 }  // namespace
 
 int Links::add(const Attachment& given, std::span<const WorldPart> parts, const Side& a, const Side& b,
@@ -154,101 +196,127 @@ void Links::release() {
   grabs_ = false;
 }
 
+/// Binds the two sides of a link to matter at the same points.
+class Links::SideBinder {
+ public:
+  /// @param x  [m] points of side a
+  SideBinder(Link& link, std::span<const WorldPart> parts, const Side& a, const Side& b, double ramp_voxels,
+             std::vector<Vec3> x)
+      : link_(link), parts_(parts), side_a_(a), side_b_(b), ramp_voxels_(ramp_voxels), x_(std::move(x)) {}
+
+  void bind() {
+    y_ = x_;
+    if (to_point()) y_ = {*link_.given.to_point};
+    if (side_b_.parts.empty()) {
+      bind_to_space();
+      return;
+    }
+    if (!link_.given.joint) link_.part_b = choose_part(parts_, side_b_.parts, link_.given.to_part, y_[0]);
+    link_.body_b = parts_[link_.part_b].body_index;
+    // The side that can carry any point follows the other.
+    if (!to_point() && MatterPoints::takes_any(parts_[link_.part_a]) &&
+        !MatterPoints::takes_any(parts_[link_.part_b])) {
+      bind_b();
+      x_ = points_of(link_.b);
+      bind_a();
+      return;
+    }
+    bind_a();
+    if (!to_point()) y_ = points_of(link_.a);
+    bind_b();
+    if (link_.given.joint) approach();
+  }
+
+ private:
+  void bind_to_space() {
+    bind_a();
+    if (!to_point()) y_ = points_of(link_.a);
+    link_.b = MatterPoints::of_space(y_);
+  }
+
+  /// If neither side can carry any point, each follows the other in turn; the round with the smallest distance counts.
+  void approach() {
+    std::vector<Vec3> nearest = x_;
+    double least = worst_gap(link_.a, link_.b), now = least;
+    for (int i = 1; i < kTogether && least > kSamePlace * parts_[link_.part_a].h; ++i) {
+      follow_each_other(points_of(link_.b));
+      now = worst_gap(link_.a, link_.b);
+      if (now < least) least = now, nearest = x_;
+    }
+    if (now > least) follow_each_other(std::move(nearest));
+  }
+
+  void follow_each_other(std::vector<Vec3> x) {
+    x_ = std::move(x);
+    bind_a();
+    y_ = points_of(link_.a);
+    bind_b();
+  }
+
+  void bind_a() { link_.a = bound(parts_[link_.part_a], side_a_, x_); }
+  void bind_b() { link_.b = bound(parts_[link_.part_b], side_b_, y_); }
+  MatterPoints bound(const WorldPart& part, const Side& side, const std::vector<Vec3>& x) const {
+    return MatterPoints::of_part(part, ramp_voxels_ * part.h, side.q, x);
+  }
+  static std::vector<Vec3> points_of(const MatterPoints& m) {
+    return std::vector<Vec3>(m.positions().begin(), m.positions().end());
+  }
+  bool to_point() const { return link_.given.to_point.has_value(); }
+
+  Link& link_;
+  std::span<const WorldPart> parts_;
+  const Side &side_a_, &side_b_;
+  double ramp_voxels_;
+  std::vector<Vec3> x_, y_;  ///< [m] points to which a and b are bound
+};
+
 Links::Link Links::make(const Attachment& given, std::span<const WorldPart> parts, const Side& a, const Side& b,
                         double ramp_voxels, double time) {
-  const auto prefixed = [&](const std::string& what) { return InputError(fmt::format("{}: {}", told(given), what)); };
-  for (const auto& [what, value] : {std::pair{"stiffness", given.stiffness}, std::pair{"damping", given.damping},
-                                    std::pair{"length", given.length.value_or(0.0)}})
-    if (!(value >= 0.0) || !std::isfinite(value))
-      throw prefixed(fmt::format("{} {} is not allowed; must be a number from 0", what, value));
-  if (!(given.break_force > 0.0)) throw prefixed("break_force must be above 0");
-  if (given.point.has_value() + static_cast<bool>(given.region) + given.joint.has_value() != 1)
-    throw prefixed("exactly one of a point, a region and a joint says what is held");
-  if (given.joint && (given.to_point || given.length || given.pulls_only))
-    throw prefixed("to_point, length and pulls_only are not for joints");
-  if (given.region && given.to_point) throw prefixed("a region is held where it is; to_point is for a point");
-  if (given.motion && !b.parts.empty()) throw prefixed("only what is held to space can be moved by keyframes");
-  if (a.parts.empty()) throw prefixed("the body has no part to hold");
   try {
+    check_given(given, a.parts, b.parts);
     Link link;
     link.given = given;
     link.start = time;
-    std::vector<Vec3> x;
-    if (given.region) {
-      const Body& body = *parts[a.parts[0]].body;
-      x = points_in(body, given.region);
-      link.part_a = choose_part(parts, a.parts, given.part, x[0]);
-      if (has_distance(parts[link.part_a]))
-        x = spread_of(x, kMostOfSolid);
-      else if (!shows_nodes(body))
-        x = one_per_cell(x, parts[link.part_a].h);
-    } else {
-      const Vec3 place = given.joint ? given.joint->position : *given.point;
-      link.part_a = choose_part(parts, a.parts, given.part, place);
-      x = {place};
-    }
-    const WorldPart& pa = parts[link.part_a];
-    link.body_a = pa.body_index;
-    if (given.joint) {
-      if (!b.parts.empty()) link.part_b = choose_part(parts, b.parts, given.to_part, x[0]);
-      x = joint_points(*given.joint, span_of(*given.joint, pa, link.part_b < 0 ? nullptr : &parts[link.part_b]));
-    }
-    std::vector<Vec3> y = x;
-    if (given.to_point) y = {*given.to_point};
-    double mass_b = std::numeric_limits<double>::infinity();
-    if (b.parts.empty()) {
-      link.a = MatterPoints::of_part(pa, ramp_voxels * pa.h, a.q, x);
-      if (!given.to_point) y.assign(link.a.positions().begin(), link.a.positions().end());
-      link.b = MatterPoints::of_space(y);
-    } else {
-      if (!given.joint) link.part_b = choose_part(parts, b.parts, given.to_part, y[0]);
-      const WorldPart& pb = parts[link.part_b];
-      link.body_b = pb.body_index;
-      // The side that can carry any point follows the other.
-      const bool b_first = !given.to_point && MatterPoints::takes_any(pa) && !MatterPoints::takes_any(pb);
-      const auto bind_a = [&] { link.a = MatterPoints::of_part(pa, ramp_voxels * pa.h, a.q, x); };
-      const auto bind_b = [&] { link.b = MatterPoints::of_part(pb, ramp_voxels * pb.h, b.q, y); };
-      const auto same = [](const MatterPoints& m) {
-        return std::vector<Vec3>(m.positions().begin(), m.positions().end());
-      };
-      if (b_first) {
-        bind_b();
-        x = same(link.b);
-        bind_a();
-      } else {
-        bind_a();
-        if (!given.to_point) y = same(link.a);
-        bind_b();
-        // If neither can carry any point, each follows the other in turn; the round with the smallest distance counts.
-        std::vector<Vec3> nearest = x;
-        double least = worst_gap(link.a, link.b), now = least;
-        for (int i = 1; i < kTogether && given.joint && least > kSamePlace * pa.h; ++i) {
-          x = same(link.b);
-          bind_a();
-          y = same(link.a);
-          bind_b();
-          now = worst_gap(link.a, link.b);
-          if (now < least) least = now, nearest = x;
-        }
-        if (given.joint && now > least) {
-          x = nearest;
-          bind_a();
-          y = same(link.a);
-          bind_b();
-        }
-      }
-    }
-    if (link.part_b >= 0) mass_b = mass_behind(parts[link.part_b], link.b);
+    SideBinder(link, parts, a, b, ramp_voxels, place(link, parts, a, b)).bind();
     for (const Vec3& p : link.b.positions()) link.middle += p / static_cast<double>(link.b.size());
-    choose_held(link, pa.h);
-    const double mass_a = mass_behind(pa, link.a);
-    const double least = std::min(mass_a, mass_b), most = std::max(mass_a, mass_b);
-    link.mass = std::isinf(most) ? least : std::min(most, kUnequal * least);
-    if (!std::isfinite(least)) throw InputError("neither side can move");
+    choose_held(link, parts[link.part_a].h);
+    find_mass(link, parts);
     return link;
   } catch (const InputError& e) {
-    throw prefixed(e.what());
+    throw InputError(fmt::format("{}: {}", told(given), e.what()));
   }
+}
+
+std::vector<Vec3> Links::place(Link& link, std::span<const WorldPart> parts, const Side& a, const Side& b) {
+  const Attachment& given = link.given;
+  std::vector<Vec3> x;
+  if (given.region) {
+    const Body& body = *parts[a.parts[0]].body;
+    x = points_in(body, given.region);
+    link.part_a = choose_part(parts, a.parts, given.part, x[0]);
+    if (has_distance(parts[link.part_a]))
+      x = spread_of(x, kMostOfSolid);
+    else if (!shows_nodes(body))
+      x = one_per_cell(x, parts[link.part_a].h);
+  } else {
+    const Vec3 at = given.joint ? given.joint->position : *given.point;
+    link.part_a = choose_part(parts, a.parts, given.part, at);
+    x = {at};
+  }
+  const WorldPart& pa = parts[link.part_a];
+  link.body_a = pa.body_index;
+  if (!given.joint) return x;
+  if (!b.parts.empty()) link.part_b = choose_part(parts, b.parts, given.to_part, x[0]);
+  return joint_points(*given.joint, span_of(*given.joint, pa, link.part_b < 0 ? nullptr : &parts[link.part_b]));
+}
+
+void Links::find_mass(Link& link, std::span<const WorldPart> parts) {
+  const double mass_a = mass_behind(parts[link.part_a], link.a);
+  const double mass_b =
+      link.part_b < 0 ? std::numeric_limits<double>::infinity() : mass_behind(parts[link.part_b], link.b);
+  const double least = std::min(mass_a, mass_b), most = std::max(mass_a, mass_b);
+  link.mass = std::isinf(most) ? least : std::min(most, kUnequal * least);
+  if (!std::isfinite(least)) throw InputError("neither side can move");
 }
 
 std::vector<Vec3> Links::joint_points(const LinkJoint& joint, double span) {
@@ -268,61 +336,51 @@ std::vector<Vec3> Links::joint_points(const LinkJoint& joint, double span) {
 }
 
 void Links::choose_held(Link& link, double h) {
-  const double same_place = kSamePlace * h;
-  const std::size_t n = link.a.size();
-  const auto hold = [&](std::size_t point, Hold how, double share) {
-    link.held.push_back({point, how, share, 0.0, Vec3::Zero()});
-  };
-  const bool both_loose = link.a.loose() && link.b.loose();
   if (!link.given.joint) {
-    // Two nodes never coincide: a line between them leaves no torque.
-    const double seam = both_loose ? same_place : kSeam * h;
-    const double reach = link.a.loose() || link.b.loose() ? kJointSeam * h : seam;
-    const bool line = link.given.to_point || link.given.length || link.given.pulls_only;
-    for (std::size_t i = 0; i < n; ++i) {
-      const Vec3 gap = link.a.positions()[i] - link.b.positions()[i];
-      const double apart = gap.norm(), length = link.given.length.value_or(apart);
-      // A line needs two ends; coincident ends are held as a point.
-      const bool along = line ? link.given.pulls_only || std::max(length, apart) > same_place : apart > seam;
-      if (!line && n > 1 && apart > reach) continue;  // of a region: the other side has no material there
-      hold(i, along ? Hold::Along : Hold::Point, 1.0);
-      link.held.back().length = length;
-      if (!along) link.held.back().gap = gap;
-    }
-    if (link.held.empty()) throw InputError("the two sides have no matter in common in the region");
-    for (Held& held : link.held) held.share = 1.0 / static_cast<double>(link.held.size());
+    hold_attachment(link, h);
     return;
   }
-  const LinkJoint& j = *link.given.joint;
-  if (both_loose)
-    throw InputError(
-        fmt::format("'{}' and '{}' are both of particles that move past each other and have no place in "
-                    "common; hold them by attachments, which are rods between two particles",
-                    link.given.body, link.given.to));
-  const bool slides = j.kind == JointKind::Prismatic, turns = j.kind == JointKind::Revolute;
-  if (const double apart = worst_gap(link.a, link.b); apart > kJointSeam * h)
-    throw InputError(fmt::format(
-        "the two sides have no matter within {:.3g} m ({:.0f} voxels) of each other at the joint (theirs is "
-        "{:.3g} m apart); give a smaller span or another place",
-        kJointSeam * h, kJointSeam, apart));
-  const auto apart_by = [&](std::span<const Vec3> x, std::size_t i) { return (x[i] - x[0]).norm(); };
-  const std::size_t ends = j.kind == JointKind::Fixed ? n : turns || slides ? 2 : 0;
-  double spread = ends > 0 ? 0.0 : std::numeric_limits<double>::infinity();
-  for (std::size_t i = 1; i < ends; ++i)
-    spread = std::max(spread, std::min(apart_by(link.a.positions(), i), apart_by(link.b.positions(), i)));
-  if (spread < kLeastSpread * h)
-    throw InputError(fmt::format("{} too little matter about the {}; give a larger span",
-                                 link.given.to.empty()
-                                     ? fmt::format("'{}' has", link.given.body)
-                                     : fmt::format("'{}' and '{}' have", link.given.body, link.given.to),
-                                 j.kind == JointKind::Fixed ? "joint" : "axis"));
-  const std::size_t held = turns ? 2 : slides ? 4 : n;
-  for (std::size_t i = 0; i < held; ++i) {
-    hold(i, slides ? Hold::Across : Hold::Point, 1.0 / static_cast<double>(held));
+  check_joint_sides(link.given, link.a, link.b, h);
+  hold_joint(link, h);
+  add_coordinate(link);
+}
+
+void Links::hold_attachment(Link& link, double h) {
+  const double same_place = kSamePlace * h;
+  const std::size_t n = link.a.size();
+  // Two nodes never coincide: a line between them leaves no torque.
+  const double seam = link.a.loose() && link.b.loose() ? same_place : kSeam * h;
+  const double reach = link.a.loose() || link.b.loose() ? kJointSeam * h : seam;
+  const bool line = link.given.to_point || link.given.length || link.given.pulls_only;
+  for (std::size_t i = 0; i < n; ++i) {
     const Vec3 gap = link.a.positions()[i] - link.b.positions()[i];
-    if (gap.norm() > same_place) link.held.back().gap = gap;
+    const double apart = gap.norm(), length = link.given.length.value_or(apart);
+    // A line needs two ends; coincident ends are held as a point.
+    const bool along = line ? link.given.pulls_only || std::max(length, apart) > same_place : apart > seam;
+    if (!line && n > 1 && apart > reach) continue;  // of a region: the other side has no material there
+    Held& held = link.hold(i, along ? Hold::Along : Hold::Point, 1.0);
+    held.length = length;
+    if (!along) held.gap = gap;
   }
+  if (link.held.empty()) throw InputError("the two sides have no matter in common in the region");
+  for (Held& held : link.held) held.share = 1.0 / static_cast<double>(link.held.size());
+}
+
+void Links::hold_joint(Link& link, double h) {
+  const JointKind kind = link.given.joint->kind;
+  const bool slides = kind == JointKind::Prismatic, turns = kind == JointKind::Revolute;
+  const std::size_t count = turns ? 2 : slides ? 4 : link.a.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    Held& held = link.hold(i, slides ? Hold::Across : Hold::Point, 1.0 / static_cast<double>(count));
+    const Vec3 gap = link.a.positions()[i] - link.b.positions()[i];
+    if (gap.norm() > kSamePlace * h) held.gap = gap;
+  }
+}
+
+void Links::add_coordinate(Link& link) {
   link.zero = coordinate(link).value;
+  const LinkJoint& j = *link.given.joint;
+  const bool slides = j.kind == JointKind::Prismatic, turns = j.kind == JointKind::Revolute;
   const bool acts = j.drive.stiffness > 0.0 || j.drive.damping > 0.0 || j.damping > 0.0;
   const bool limited = std::isfinite(j.lower) || std::isfinite(j.upper);
   if ((acts || limited) && !turns && !slides)
@@ -332,9 +390,14 @@ void Links::choose_held(Link& link, double h) {
         "a drive, damping or limit of a revolute joint needs matter beside its axis on both sides, and one has none at "
         "the place that is held (a rod about its own axis has none at all); turn the axis, or hold it by bodies that "
         "are wider there");
-  if (acts) hold(n - 1, Hold::Drive, 1.0);
-  if (std::isfinite(j.lower)) hold(n - 1, Hold::Lower, 1.0);
-  if (std::isfinite(j.upper)) hold(n - 1, Hold::Upper, 1.0);
+  const std::size_t last = link.a.size() - 1;
+  if (acts) link.hold(last, Hold::Drive, 1.0);
+  if (std::isfinite(j.lower)) link.hold(last, Hold::Lower, 1.0);
+  if (std::isfinite(j.upper)) link.hold(last, Hold::Upper, 1.0);
+}
+
+Links::Held& Links::Link::hold(std::size_t point, Hold how, double share) {
+  return held.emplace_back(Held{point, how, share, 0.0, Vec3::Zero()});
 }
 
 }  // namespace brim
