@@ -217,7 +217,7 @@ std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Bo
         image.assign(n, 0.0);
         resistance_.resize(bodies.size());
         if (yields_implicitly(body)) resistance_[b].resize(n / 3, Mat3::Zero());
-        action.wind->add_force(*given.wind, scale, mine, qb, vb, time, dt, image, resistance_[b]);
+        action.wind->add_force({*given.wind, scale, time, dt}, mine, qb, vb, image, resistance_[b]);
         add(dt);
       }
       Vec3 uniform = given.acceleration;
