@@ -122,14 +122,7 @@ void OuterActions::choose_points(const AppliedForce& given, std::span<const Worl
     action.flow = true;
     return;
   }
-  std::vector<Vec3f> shown(body.display().vertices);
-  body.display_positions(shown);
-  std::vector<Vec3> x;
-  if (given.point) x = {*given.point};
-  if (given.region)
-    for (const Vec3f& s : shown)
-      if (given.region(s.cast<double>())) x.push_back(s.cast<double>());
-  if (x.empty()) throw InputError(fmt::format("no point of '{}' lies in the region", body.name()));
+  const std::vector<Vec3> x = given.point ? std::vector<Vec3>{*given.point} : points_in(body, given.region);
   std::vector<std::vector<Vec3>> of_part(parts.size());
   for (const Vec3& p : x) of_part[MatterPoints::nearest_part(parts, p)].push_back(p);
   for (std::size_t i = 0; i < parts.size(); ++i)
