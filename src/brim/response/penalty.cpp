@@ -14,12 +14,6 @@ namespace {
 
 /// Curvature times h below which a surface counts as flat: the stencil gives up to 0.005 on tilted planes.
 constexpr double kCurvatureOfNoise = 0.005;
-/// Slip, relative to the speed at the start of a step, below which it counts as zero: a smaller value would only worsen
-/// the conditioning of the solve.
-constexpr double kStick = 1e-4;
-/// Mean slip of a patch, relative to the viscous limit of friction, up to which a deformable part is first assumed to
-/// stick: contact nodes change between two steps, and with them their slip.
-constexpr double kNearlyStuck = 40.0;
 
 double weight_of(const ContactSet& contacts, std::size_t c) { return PatchNormals::weight_of(contacts, c); }
 
@@ -83,39 +77,6 @@ void Penalty::start_forces(const ContactSet& contacts, std::span<const Vec3> vel
       mu_[c] = pairs_[p].friction;
     }
   });
-}
-
-void Penalty::start_friction(const ContactSet& contacts) {
-  parallel_for(contacts.pairs.size(), [&](std::size_t p) { start_friction_of(p, contacts); });
-}
-
-void Penalty::start_friction_of(std::size_t p, const ContactSet& contacts) {
-  const ContactPair& pair = contacts.pairs[p];
-  // The slip below which friction is viscous is at least a share of the speed at the start.
-  Vec3 speed = Vec3::Zero();
-  bool touching = false;
-  for (std::size_t c = pair.begin; c < pair.end; ++c) {
-    speed += relative_[c];
-    touching = touching || contacts.overlap[c] > 0.0;
-  }
-  const auto count = static_cast<double>(std::max<std::size_t>(1, pair.end - pair.begin));
-  SlipHistory& history = patches_[p].slip;
-  history = {};
-  history.stick = std::max(options_.friction_speed, kStick * speed.norm() / count);
-  // A patch that overlaps already is held by the overlap: other gaps close only as far as the rate predicts.
-  const bool deforms = !pairs_[p].rigid;
-  const double slack = touching && deforms ? 0.0 : 1.5 * options_.slack / pair.w;
-  double load = 0.0, slip = 0.0;
-  for (std::size_t c = pair.begin; c < pair.end; ++c) {
-    const double after = contacts.overlap[c] - implicit_time_[c] * rate_[c];
-    active_[c] = pairs_[p].filled || (scale_[c] > 0.0 && (contacts.overlap[c] > 0.0 || after + slack > 0.0));
-    load_[c] = scale_[c] * after;
-    load += std::max(0.0, load_[c]), slip += std::max(0.0, load_[c]) * slip_after(c, {}).norm();
-  }
-  const bool stuck = deforms && slip < kNearlyStuck * history.stick * load;
-  for (std::size_t c = pair.begin; c < pair.end; ++c)
-    set_friction(c, load_[c], stuck ? Vec3::Zero() : slip_after(c, {}), history.stick);
-  history.assumed = std::max(history.stick, stuck || !(load > 0.0) ? 0.0 : slip / load);
 }
 
 double Penalty::overlap_energy(const ContactSet& contacts) const {

@@ -4,12 +4,19 @@
 #include "brim/core/parallel.h"
 #include "brim/response/penalty.h"
 
-// Updates between the solves of a sub-step: released nodes, and the friction that follows from their slip.
+// Friction at the start of a sub-step, and updates between its solves: released nodes, and the friction that follows
+// from their slip.
 
 namespace brim {
 
 namespace {
 
+/// Slip, relative to the speed at the start of a step, below which it counts as zero: a smaller value would only worsen
+/// the conditioning of the solve.
+constexpr double kStick = 1e-4;
+/// Mean slip of a patch, relative to the viscous limit of friction, up to which a deformable part is first assumed to
+/// stick: contact nodes change between two steps, and with them their slip.
+constexpr double kNearlyStuck = 40.0;
 /// Difference of friction between two solves, relative to its limit, above which it determines the response of the
 /// slip.
 constexpr double kTellingFriction = 0.02;
@@ -59,6 +66,39 @@ void Penalty::update_bonds(std::span<const Vec3> delta, double& changed, double&
     bond.waits = false;  // stays released for the step
     changed += std::abs(load);
   }
+}
+
+void Penalty::start_friction(const ContactSet& contacts) {
+  parallel_for(contacts.pairs.size(), [&](std::size_t p) { start_friction_of(p, contacts); });
+}
+
+void Penalty::start_friction_of(std::size_t p, const ContactSet& contacts) {
+  const ContactPair& pair = contacts.pairs[p];
+  // The slip below which friction is viscous is at least a share of the speed at the start.
+  Vec3 speed = Vec3::Zero();
+  bool touching = false;
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    speed += relative_[c];
+    touching = touching || contacts.overlap[c] > 0.0;
+  }
+  const auto count = static_cast<double>(std::max<std::size_t>(1, pair.end - pair.begin));
+  SlipHistory& history = patches_[p].slip;
+  history = {};
+  history.stick = std::max(options_.friction_speed, kStick * speed.norm() / count);
+  // A patch that overlaps already is held by the overlap: other gaps close only as far as the rate predicts.
+  const bool deforms = !pairs_[p].rigid;
+  const double slack = touching && deforms ? 0.0 : 1.5 * options_.slack / pair.w;
+  double load = 0.0, slip = 0.0;
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    const double after = contacts.overlap[c] - implicit_time_[c] * rate_[c];
+    active_[c] = pairs_[p].filled || (scale_[c] > 0.0 && (contacts.overlap[c] > 0.0 || after + slack > 0.0));
+    load_[c] = scale_[c] * after;
+    load += std::max(0.0, load_[c]), slip += std::max(0.0, load_[c]) * slip_after(c, {}).norm();
+  }
+  const bool stuck = deforms && slip < kNearlyStuck * history.stick * load;
+  for (std::size_t c = pair.begin; c < pair.end; ++c)
+    set_friction(c, load_[c], stuck ? Vec3::Zero() : slip_after(c, {}), history.stick);
+  history.assumed = std::max(history.stick, stuck || !(load > 0.0) ? 0.0 : slip / load);
 }
 
 double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> delta) {
@@ -157,24 +197,23 @@ double Penalty::SlipHistory::keep_between(double next, double found, bool too_mu
 Penalty::SlipFound Penalty::find_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta,
                                       double share) const {
   SlipFound f;
-  if (pairs_[p].rigid) f.mean = mean_slip(pair, delta);
+  const PairState& state = pairs_[p];
+  if (state.rigid) f.mean = mean_slip(pair, delta);
   const double size = f.mean.norm();
   double load = 0.0, slip = 0.0;
   for (std::size_t c = pair.begin; c < pair.end; ++c) {
     const Vec3 after = slip_after(c, delta);
     const double speed = after.norm();
     if (action_[c].viscosity > 0.0)
-      f.friction += friction_viscosity_[c] * (pairs_[p].rigid ? f.mean.dot(after) / std::max(size, kNone) : speed);
+      f.friction += friction_viscosity_[c] * (state.rigid ? f.mean.dot(after) / std::max(size, kNone) : speed);
     if (!active_[c] || !(load_[c] > 0.0)) continue;
     f.most += mu_[c] * share * load_[c];
     load += load_[c], slip += load_[c] * speed;
   }
-  f.speed = pairs_[p].rigid ? size : load > 0.0 ? slip / load : 0.0;
+  f.speed = state.rigid ? size : load > 0.0 ? slip / load : 0.0;
   // Friction below its limit grows no further than to where the slip ends.
-  const double light = options_.dt * (pairs_[p].inverse_mass[0] + pairs_[p].inverse_mass[1]),
-               excess = f.friction - f.most;
-  if (pairs_[p].rigid && size > 0.0)
-    f.beyond = (light > 0.0 ? std::max(excess, -size / light) : excess) * f.mean / size;
+  const double light = options_.dt * (state.inverse_mass[0] + state.inverse_mass[1]), excess = f.friction - f.most;
+  if (state.rigid && size > 0.0) f.beyond = (light > 0.0 ? std::max(excess, -size / light) : excess) * f.mean / size;
   return f;
 }
 
@@ -183,15 +222,16 @@ void Penalty::push_bodies() {
   for (const PairState& pair : pairs_) last = std::max({last, pair.body[0], pair.body[1]});
   pushed_.assign(static_cast<std::size_t>(last + 1), Vec3::Zero());
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
-    if (!pairs_[p].rigid) continue;
-    pushed_[static_cast<std::size_t>(pairs_[p].body[0])] +=
-        options_.dt * pairs_[p].inverse_mass[0] * patches_[p].found.beyond;
-    pushed_[static_cast<std::size_t>(pairs_[p].body[1])] -=
-        options_.dt * pairs_[p].inverse_mass[1] * patches_[p].found.beyond;
+    const PairState& state = pairs_[p];
+    if (!state.rigid) continue;
+    const Vec3& beyond = patches_[p].found.beyond;
+    pushed_[static_cast<std::size_t>(state.body[0])] += options_.dt * state.inverse_mass[0] * beyond;
+    pushed_[static_cast<std::size_t>(state.body[1])] -= options_.dt * state.inverse_mass[1] * beyond;
   }
 }
 
 Penalty::SlipForecast Penalty::expected_slip(std::size_t p) {
+  const PairState& state = pairs_[p];
   SlipHistory& h = patches_[p].slip;
   // Friction changes the slip of rigid parts as a whole, and leaves their rotation; of deformable parts each node's
   // own.
@@ -201,7 +241,7 @@ Penalty::SlipForecast Penalty::expected_slip(std::size_t p) {
   if (!(found > 0.0)) return f;
   // A sliding pair is left with v = A − b F by the friction F. Two solves with different friction give b, which is at
   // least that of the whole masses; Coulomb's limit then leaves A − b µN if that is positive; else it sticks.
-  const double whole = options_.dt * (pairs_[p].inverse_mass[0] + pairs_[p].inverse_mass[1]),
+  const double whole = options_.dt * (state.inverse_mass[0] + state.inverse_mass[1]),
                less = h.friction_before - friction;
   const double secant = (found - h.found_before) / less;
   const bool tells = h.solves > 0 && std::abs(less) > kTellingFriction * most && secant > whole;
@@ -209,17 +249,17 @@ Penalty::SlipForecast Penalty::expected_slip(std::size_t p) {
   // If a part deforms and both move, masses alone underestimate b: a sheet pressed between heavy bodies would alternate
   // between sticking and slipping.
   double next = found + b * (friction - most);
-  if (pairs_[p].rigid) {
+  if (state.rigid) {
     // What other contacts of the two bodies will give way or hold.
-    const auto [a, other] = pairs_[p].body;
-    const auto [light_a, light_b] = pairs_[p].inverse_mass;
+    const auto [a, other] = state.body;
+    const auto [light_a, light_b] = state.inverse_mass;
     const Vec3 way = f.mean / found;
     next += way.dot(pushed_[static_cast<std::size_t>(a)] - pushed_[static_cast<std::size_t>(other)] -
                     options_.dt * (light_a + light_b) * patches_[p].found.beyond);
   }
-  if (tells || pairs_[p].rigid || pairs_[p].fixed) f.ratio = std::max(0.0, next / found);
+  if (tells || state.rigid || state.fixed) f.ratio = std::max(0.0, next / found);
   // If a part deforms, some nodes of a patch stick while others slide, and slip is not linear in friction.
-  if (!pairs_[p].rigid) f.ratio = h.keep_between(f.ratio * found, found, friction > most) / found;
+  if (!state.rigid) f.ratio = h.keep_between(f.ratio * found, found, friction > most) / found;
   h.friction_before = friction, h.found_before = found, ++h.solves;
   return f;
 }
