@@ -30,7 +30,7 @@ TEST(ProjectedGaussSeidel, APointThatLandsWithFrictionByHand) {
   for (const auto& [slip, left] : {std::pair{1.2, 0.7}, std::pair{0.4, 0.0}}) {
     std::vector<double> v{0.6 * slip, 0.8 * slip, -1.0};
     std::vector<Vec3> impulse{Vec3::Zero()};
-    const auto r = s.solve(offset, target, 1e-12, 200, 0.0, impulse, v);
+    const auto r = s.solve(offset, target, {.tolerance = 1e-12, .max_sweeps = 200}, impulse, v);
     EXPECT_TRUE(r.converged);
     EXPECT_NEAR(v[2], 0.0, 1e-12);
     EXPECT_NEAR(v[0], 0.6 * left, 1e-9);
@@ -45,7 +45,8 @@ TEST(ProjectedGaussSeidel, AContactThatOpensGetsNoImpulse) {
   s.add(point_on_floor(1.0), 0.5);
   std::vector<double> v{0.3, 0.0, 0.1};
   std::vector<Vec3> impulse{Vec3::Zero()};
-  s.solve(std::vector<Vec3>{Vec3::Zero()}, std::vector<double>{0.0}, 1e-12, 50, 0.0, impulse, v);
+  s.solve(std::vector<Vec3>{Vec3::Zero()}, std::vector<double>{0.0}, {.tolerance = 1e-12, .max_sweeps = 50}, impulse,
+          v);
   EXPECT_EQ(impulse[0], Vec3::Zero());
   EXPECT_EQ(v[0], 0.3);
 }
@@ -55,7 +56,8 @@ TEST(ProjectedGaussSeidel, AContactOfImmovableThingsDoesNothing) {
   s.add({}, 0.5);
   std::vector<double> v;
   std::vector<Vec3> impulse{Vec3::Zero()};
-  const auto r = s.solve(std::vector<Vec3>{Vec3(-1, 0, 0)}, std::vector<double>{0.0}, 1e-6, 50, 0.0, impulse, v);
+  const auto r = s.solve(std::vector<Vec3>{Vec3(-1, 0, 0)}, std::vector<double>{0.0},
+                         {.tolerance = 1e-6, .max_sweeps = 50}, impulse, v);
   EXPECT_TRUE(r.converged);
   EXPECT_EQ(impulse[0], Vec3::Zero());
 }
@@ -94,7 +96,7 @@ TEST(ProjectedGaussSeidel, SolutionsHoldCoulombsLawAtEveryContact) {
     Problem p(4, 12, mu, rng);
     std::vector<double> v = p.free;
     std::vector<Vec3> impulse(4, Vec3::Zero());
-    if (!p.solver.solve(p.offset, p.target, 1e-12, 20000, 0.0, impulse, v).converged) continue;
+    if (!p.solver.solve(p.offset, p.target, {.tolerance = 1e-12, .max_sweeps = 20000}, impulse, v).converged) continue;
     for (std::size_t c = 0; c < 4; ++c) {
       const Vec3 u = p.solver.velocity(c, v) + p.offset[c];
       const double un = u.x() - p.target[c], slip = u.tail<2>().norm(), most = mu * impulse[c].x();
@@ -169,7 +171,7 @@ TEST(ProjectedGaussSeidel, ResponsesThatItLearnsReplaceWhatItAssumed) {
   v.resize(width, 0.0);
   std::vector<Vec3> impulse(kContacts, Vec3::Zero()), start;
   for (std::size_t c = 0; c < kContacts; ++c) start.push_back(p.solver.velocity(c, v) + p.offset[c]);
-  ASSERT_TRUE(p.solver.solve(p.offset, p.target, 1e-12, 20000, 0.0, impulse, v).converged);
+  ASSERT_TRUE(p.solver.solve(p.offset, p.target, {.tolerance = 1e-12, .max_sweeps = 20000}, impulse, v).converged);
   const std::vector<Vec3> change = actual(impulse);
   for (std::size_t c = 0; c < kContacts; ++c)
     EXPECT_LT(contact_residual(W.block<3, 3>(3 * c, 3 * c).trace() / 3.0, 0.3,
@@ -186,7 +188,7 @@ TEST(ProjectedGaussSeidel, WithoutFrictionTheSolutionIsThatOfEveryActiveSetTried
     Problem p(n, 9, 0.0, rng);
     std::vector<double> v = p.free;
     std::vector<Vec3> impulse(n, Vec3::Zero());
-    ASSERT_TRUE(p.solver.solve(p.offset, p.target, 1e-13, 20000, 0.0, impulse, v).converged);
+    ASSERT_TRUE(p.solver.solve(p.offset, p.target, {.tolerance = 1e-13, .max_sweeps = 20000}, impulse, v).converged);
     // Brute force: W λ + q complementary to λ on the normals.
     Eigen::MatrixXd N(n, 9);
     Eigen::VectorXd q(n);
@@ -263,7 +265,8 @@ TEST(ProjectedGaussSeidel, WhereSweepsAreTooFewAllContactsAreSolvedAtOnce) {
   std::vector<double> v(3 * n, 0.0);
   for (int i = 0; i < n; ++i) v[static_cast<std::size_t>(3 * i)] = -1.0;
   std::vector<Vec3> impulse(n, Vec3::Zero());
-  const auto r = s.solve(std::vector<Vec3>(n, Vec3::Zero()), std::vector<double>(n, 0.0), 1e-6, 20, 0.0, impulse, v);
+  const auto r = s.solve(std::vector<Vec3>(n, Vec3::Zero()), std::vector<double>(n, 0.0),
+                         {.tolerance = 1e-6, .max_sweeps = 20}, impulse, v);
   EXPECT_TRUE(r.converged) << r.residual;
   for (int i = 0; i < n; ++i) {
     const auto c = static_cast<std::size_t>(i);
@@ -304,7 +307,7 @@ TEST(ProjectedGaussSeidel, PairsSharedByThreadsGiveTheSameBits) {
     const ThreadLimit limit(threads);
     std::vector<Vec3> impulse(s.size(), Vec3::Zero());
     std::vector<double> v(6 * kBodies, 0.0);
-    s.solve(offset, target, 1e-8, 20, 1.0, impulse, v);
+    s.solve(offset, target, {.tolerance = 1e-8, .max_sweeps = 20, .scale = 1.0}, impulse, v);
     return std::pair(impulse, v);
   };
   EXPECT_EQ(solve(1), solve(2));

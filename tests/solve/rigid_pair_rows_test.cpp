@@ -93,8 +93,9 @@ TEST(RigidPairRows, TheSolutionIsThatOfTheGeneralForm) {
     const std::vector<double> target{0.0, 0.1};
     std::vector<double> v(12, 0.0), w(12, 0.0);
     std::vector<Vec3> one(2, Vec3::Zero()), two(2, Vec3::Zero());
-    ASSERT_TRUE(pairs.solve(offset, target, 1e-13, 20000, 1.0, one, v).converged);
-    ASSERT_TRUE(general.solve(offset, target, 1e-13, 20000, 1.0, two, w).converged);
+    ASSERT_TRUE(pairs.solve(offset, target, {.tolerance = 1e-13, .max_sweeps = 20000, .scale = 1.0}, one, v).converged);
+    ASSERT_TRUE(
+        general.solve(offset, target, {.tolerance = 1e-13, .max_sweeps = 20000, .scale = 1.0}, two, w).converged);
     for (std::size_t i = 0; i < 12; ++i) EXPECT_NEAR(v[i], w[i], 1e-10);
     for (int c = 0; c < 2; ++c) EXPECT_LT((one[c] - two[c]).norm(), 1e-10);
   }

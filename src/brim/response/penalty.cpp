@@ -14,12 +14,6 @@ namespace {
 
 /// Curvature times h below which a surface counts as flat: the stencil gives up to 0.005 on tilted planes.
 constexpr double kCurvatureOfNoise = 0.005;
-/// Slip, relative to the speed at the start of a step, below which it counts as zero: a smaller value would only worsen
-/// the conditioning of the solve.
-constexpr double kStick = 1e-4;
-/// Mean slip of a patch, relative to the viscous limit of friction, up to which a deformable part is first assumed to
-/// stick: contact nodes change between two steps, and with them their slip.
-constexpr double kNearlyStuck = 40.0;
 
 double weight_of(const ContactSet& contacts, std::size_t c) { return PatchNormals::weight_of(contacts, c); }
 
@@ -36,8 +30,8 @@ Penalty::Penalty() : workspaces_(std::make_unique<Workspaces>()) {}
 Penalty::~Penalty() = default;
 
 void Penalty::find_normals(const ContactSet& contacts, std::span<const PairState> pairs) {
-  direction_.resize(contacts.size()), normal_.resize(contacts.size()), bend_.resize(contacts.pairs.size());
-  fits_.assign(contacts.pairs.size(), 0);
+  direction_.resize(contacts.size()), normal_.resize(contacts.size());
+  patches_.assign(contacts.pairs.size(), {});
   choose_normals(contacts, pairs);
   normals_found_ = true;
 }
@@ -45,20 +39,32 @@ void Penalty::find_normals(const ContactSet& contacts, std::span<const PairState
 void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs, const PenaltyOptions& options,
                     std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b) {
   options_ = options;
+  pairs_.assign(pairs.begin(), pairs.begin() + static_cast<std::ptrdiff_t>(contacts.pairs.size()));
   const std::size_t n = contacts.size();
   force_.resize(n), relative_.resize(n);
   implicit_time_.resize(n), load_.resize(n), active_.resize(n), rate_.resize(n), stiffness_.resize(n), scale_.resize(n),
       friction_viscosity_.resize(n), mu_.resize(n);
   pressed_.assign(n, 0.0), drag_.assign(n, 0.0);
   bonds_.clear();
-  slip_.resize(contacts.pairs.size()), inverse_mass_.resize(contacts.pairs.size()), body_.resize(contacts.pairs.size()),
-      rigid_.resize(contacts.pairs.size()), fixed_.resize(contacts.pairs.size()), filled_.resize(contacts.pairs.size());
 
   if (!normals_found_) find_normals(contacts, pairs);
   normals_found_ = false;
+  patches_.resize(contacts.pairs.size());  // links may have come after their normals were found
+  start_forces(contacts, velocity_a, velocity_b);
+  advect_rates(contacts, velocity_a, velocity_b);
+  start_friction(contacts);
+  settle_actions();
+
+  idle_ = std::none_of(pairs.begin(), pairs.end(), [](const PairState& p) { return p.stiffness > 0.0 || p.filled; });
+  settled_ = std::all_of(pairs.begin(), pairs.end(), [](const PairState& p) { return p.filled && p.friction == 0.0; });
+  energy_ = overlap_energy(contacts);
+}
+
+void Penalty::start_forces(const ContactSet& contacts, std::span<const Vec3> velocity_a,
+                           std::span<const Vec3> velocity_b) {
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
-    const double kv = pairs[p].stiffness * pair.h * pair.h * pair.h;
+    const double kv = pairs_[p].stiffness * pair.h * pair.h * pair.h;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const double along = std::max(0.0, direction_[c].dot(normal_[c]));
       // Along the normal only: a force that the stiffness below does not resist would accelerate light bodies
@@ -67,54 +73,21 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
       relative_[c] = velocity_a[c] - velocity_b[c];
       scale_[c] = kv * along;
       stiffness_[c] = kv * along * along;
-      implicit_time_[c] = options.dt + (contacts.overlap[c] > 0.0 ? options.damping : 0.0);
-      mu_[c] = pairs[p].friction;
+      implicit_time_[c] = options_.dt + (contacts.overlap[c] > 0.0 ? options_.damping : 0.0);
+      mu_[c] = pairs_[p].friction;
     }
   });
-  advect_rates(contacts, pairs, velocity_a, velocity_b);
+}
 
-  // Friction starts from the loads at the start of the step; a node without overlap is active if it will overlap.
-  parallel_for(contacts.pairs.size(), [&](std::size_t p) {
-    const ContactPair& pair = contacts.pairs[p];
-    // The slip below which friction is viscous is at least a share of the speed at the start.
-    Vec3 speed = Vec3::Zero();
-    bool touching = false;
-    for (std::size_t c = pair.begin; c < pair.end; ++c) {
-      speed += relative_[c];
-      touching = touching || contacts.overlap[c] > 0.0;
-    }
-    const auto count = static_cast<double>(std::max<std::size_t>(1, pair.end - pair.begin));
-    slip_[p] = {};
-    slip_[p].stick = std::max(options.friction_speed, kStick * speed.norm() / count);
-    // A patch that overlaps already is held by the overlap: other gaps close only as far as the rate predicts.
-    const bool deforms = !pairs[p].rigid;
-    const double slack = touching && deforms ? 0.0 : 1.5 * options.slack / pair.w;
-    double load = 0.0, slip = 0.0;
-    for (std::size_t c = pair.begin; c < pair.end; ++c) {
-      const double after = contacts.overlap[c] - implicit_time_[c] * rate_[c];
-      active_[c] = pairs[p].filled || (scale_[c] > 0.0 && (contacts.overlap[c] > 0.0 || after + slack > 0.0));
-      load_[c] = scale_[c] * after;
-      load += std::max(0.0, load_[c]), slip += std::max(0.0, load_[c]) * slip_after(c, {}).norm();
-    }
-    const bool stuck = deforms && slip < kNearlyStuck * slip_[p].stick * load;
-    for (std::size_t c = pair.begin; c < pair.end; ++c)
-      set_friction(c, load_[c], stuck ? Vec3::Zero() : slip_after(c, {}), slip_[p].stick);
-    slip_[p].assumed = std::max(slip_[p].stick, stuck || !(load > 0.0) ? 0.0 : slip / load);
-    inverse_mass_[p] = pairs[p].inverse_mass, body_[p] = pairs[p].body, rigid_[p] = pairs[p].rigid;
-    fixed_[p] = pairs[p].fixed;
-    filled_[p] = pairs[p].filled;
-  });
-  settle_actions();
-
-  energy_ = 0.0;
-  idle_ = std::none_of(pairs.begin(), pairs.end(), [](const PairState& p) { return p.stiffness > 0.0 || p.filled; });
-  settled_ = std::all_of(pairs.begin(), pairs.end(), [](const PairState& p) { return p.filled && p.friction == 0.0; });
+double Penalty::overlap_energy(const ContactSet& contacts) const {
+  double energy = 0.0;
   for (std::size_t p = 0; p < contacts.pairs.size(); ++p) {
     const ContactPair& pair = contacts.pairs[p];
-    const double kv = pairs[p].stiffness * pair.h * pair.h * pair.h;
+    const double kv = pairs_[p].stiffness * pair.h * pair.h * pair.h;
     for (std::size_t c = pair.begin; c < pair.end; ++c)
-      if (contacts.overlap[c] > 0.0) energy_ += 0.5 * kv * contacts.overlap[c] * contacts.overlap[c];
+      if (contacts.overlap[c] > 0.0) energy += 0.5 * kv * contacts.overlap[c] * contacts.overlap[c];
   }
+  return energy;
 }
 
 void Penalty::take_normals_of(bool side_b, const ContactSet& contacts, const ContactPair& pair) {
@@ -132,14 +105,14 @@ void Penalty::choose_normals(const ContactSet& contacts, std::span<const PairSta
     const auto [conforming_a, conforming_b] = pairs[p].conforming;
     if (conforming_a != conforming_b) {
       take_normals_of(conforming_a, contacts, pair);
-      bend_[p] = {0.0, 0.0};
+      patches_[p].bend = {0.0, 0.0};
       return;
     }
-    fits_[p] = pairs[p].rigid && pairs[p].stiffness > 0.0 && pairs[p].solids[0] != nullptr &&
-               pairs[p].solids[1] != nullptr && fit_each_other(contacts, pair);
+    patches_[p].fits = pairs[p].rigid && pairs[p].stiffness > 0.0 && pairs[p].solids[0] != nullptr &&
+                       pairs[p].solids[1] != nullptr && fit_each_other(contacts, pair);
     const bool brink = !pairs[p].rigid && (pairs[p].stiffness == 0.0 || pairs[p].fixed);
     workspaces_->borrow()->find(contacts, pair, direction_, normal_, pairs[p].fixed, brink);
-    for (std::size_t c = pair.begin; c < pair.end && fits_[p] != 0; ++c)
+    for (std::size_t c = pair.begin; c < pair.end && patches_[p].fits; ++c)
       if (const double length = direction_[c].norm(); length > 0.0) normal_[c] = direction_[c] / length;
     bend_of_patch(contacts, pair, p);
   });
@@ -159,70 +132,76 @@ void Penalty::bend_of_patch(const ContactSet& contacts, const ContactPair& pair,
     const double curvature = flat > 0.0 ? sum / flat : 0.0;  // times h
     return curvature / (curvature + kCurvatureOfNoise);
   };
-  bend_[p] = {bend(flat_a), bend(flat_b)};
+  patches_[p].bend = {bend(flat_a), bend(flat_b)};
 }
 
-void Penalty::advect_rates(const ContactSet& contacts, std::span<const PairState> pairs,
-                           std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b) {
-  parallel_for(contacts.pairs.size(), [&](std::size_t p) {
-    const ContactPair& pair = contacts.pairs[p];
-    if (pair.begin == pair.end) return;
-    if (pairs[p].stiffness == 0.0) {  // held by constraints: the rate affects no force
-      std::fill(rate_.begin() + static_cast<std::ptrdiff_t>(pair.begin),
-                rate_.begin() + static_cast<std::ptrdiff_t>(pair.end), 0.0);
-      return;
-    }
-    // The patch may move along the surface: with part b, with part a, or in between.
-    Vec3 n = Vec3::Zero();
-    for (std::size_t c = pair.begin; c < pair.end; ++c) n += weight_of(contacts, c) * normal_[c];
-    n.normalize();
-    const Vec3 mean_b = pairs[p].mean_velocity_b;
-    Vec3 travel = pairs[p].mean_velocity_a - mean_b;
-    travel -= n * n.dot(travel);
+void Penalty::advect_rates(const ContactSet& contacts, std::span<const Vec3> velocity_a,
+                           std::span<const Vec3> velocity_b) {
+  parallel_for(contacts.pairs.size(), [&](std::size_t p) { advect_rates_of(p, contacts, velocity_a, velocity_b); });
+}
 
-    // Rate = ĝ_n·(v_a − v_b) + e_a·(v_a − c) + e_b·(v_b − c): e is the curved part's own slope minus the common
-    // direction, c = mean_b + share * travel the velocity of the patch, by least squares of the whole rate.
-    const auto bend = bend_[p];
-    const auto split = [&](std::size_t c, Vec3& g, Vec3& ea, Vec3& eb) {
-      g = std::max(0.0, direction_[c].dot(normal_[c])) * normal_[c];
-      ea = bend[0] * (contacts.gradient_a[c] - g);
-      eb = bend[1] * (contacts.gradient_b[c] + g);
-      // At an edge a part's own slope is less than the common one, and grows as the other part comes: the predicted
-      // rate of closing would be too small.
-      if (!pairs[p].rigid && !pairs[p].balls)
-        ea -= normal_[c] * normal_[c].dot(ea), eb -= normal_[c] * normal_[c].dot(eb);
+Penalty::Slopes Penalty::slopes_at(std::size_t c, std::size_t p, const ContactSet& contacts) const {
+  const auto bend = patches_[p].bend;
+  Slopes s;
+  s.common = std::max(0.0, direction_[c].dot(normal_[c])) * normal_[c];
+  s.a = bend[0] * (contacts.gradient_a[c] - s.common);
+  s.b = bend[1] * (contacts.gradient_b[c] + s.common);
+  // At an edge a part's own slope is less than the common one, and grows as the other part comes: the predicted
+  // rate of closing would be too small.
+  if (!pairs_[p].rigid && !pairs_[p].balls)
+    s.a -= normal_[c] * normal_[c].dot(s.a), s.b -= normal_[c] * normal_[c].dot(s.b);
+  return s;
+}
+
+void Penalty::advect_rates_of(std::size_t p, const ContactSet& contacts, std::span<const Vec3> velocity_a,
+                              std::span<const Vec3> velocity_b) {
+  const ContactPair& pair = contacts.pairs[p];
+  const PairState& state = pairs_[p];
+  const std::size_t count = pair.end - pair.begin;
+  if (count == 0) return;
+  const auto rates = std::span(rate_).subspan(pair.begin, count);
+  if (state.stiffness == 0.0) {  // held by constraints: the rate affects no force
+    std::fill(rates.begin(), rates.end(), 0.0);
+    return;
+  }
+  // The patch may move along the surface: with part b, with part a, or in between.
+  Vec3 n = Vec3::Zero();
+  for (std::size_t c = pair.begin; c < pair.end; ++c) n += weight_of(contacts, c) * normal_[c];
+  n.normalize();
+  const Vec3 mean_b = state.mean_velocity_b;
+  Vec3 travel = state.mean_velocity_a - mean_b;
+  travel -= n * n.dot(travel);
+
+  // Rate = ĝ_n·(v_a − v_b) + e_a·(v_a − c) + e_b·(v_b − c): e is the curved part's own slope minus the common
+  // direction, c = mean_b + share * travel the velocity of the patch, by least squares of the whole rate.
+  double explained = 0.0, possible = 0.0;
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    const auto [g, ea, eb] = slopes_at(c, p, contacts);
+    rate_[c] = g.dot(velocity_a[c] - velocity_b[c]) + ea.dot(velocity_a[c] - mean_b) + eb.dot(velocity_b[c] - mean_b);
+    const double moved = (ea + eb).dot(travel);
+    explained += rate_[c] * moved;
+    possible += moved * moved;
+  }
+  const double share = possible > 0.0 ? std::clamp(explained / possible, 0.0, 1.0) : 0.0;
+  if (patches_[p].fits) {
+    const auto motion = [&](std::span<const Vec3> velocity, const Vec3& mean) {
+      return rigid_motion_of(std::span(contacts.point).subspan(pair.begin, count), velocity.subspan(pair.begin, count),
+                             mean);
     };
-    Vec3 g, ea, eb;
-    double explained = 0.0, possible = 0.0;
-    for (std::size_t c = pair.begin; c < pair.end; ++c) {
-      split(c, g, ea, eb);
-      rate_[c] = g.dot(velocity_a[c] - velocity_b[c]) + ea.dot(velocity_a[c] - mean_b) + eb.dot(velocity_b[c] - mean_b);
-      const double moved = (ea + eb).dot(travel);
-      explained += rate_[c] * moved;
-      possible += moved * moved;
-    }
-    const double share = possible > 0.0 ? std::clamp(explained / possible, 0.0, 1.0) : 0.0;
-    if (fits_[p] != 0) {
-      const std::size_t count = pair.end - pair.begin;
-      const auto motion = [&](std::span<const Vec3> velocity, const Vec3& mean) {
-        return rigid_motion_of(std::span(contacts.point).subspan(pair.begin, count),
-                               velocity.subspan(pair.begin, count), mean);
-      };
-      return set_rates_by_motion(contacts, pair, *pairs[p].solids[0], *pairs[p].solids[1],
-                                 motion(velocity_a, pairs[p].mean_velocity_a), motion(velocity_b, mean_b),
-                                 mean_b + share * travel, options_.dt, std::span(rate_).subspan(pair.begin, count));
-    }
-    for (std::size_t c = pair.begin; c < pair.end; ++c) {
-      split(c, g, ea, eb);
-      // Between zero and the common rate: the implicit damping then leaves a fraction of the velocity between 0 and 1,
-      // and cannot add energy at any node. Between rigid parts only the sum over the patch acts, and its scatter must
-      // stay symmetric about zero: one-sided clipping would brake rolling.
-      const double common = g.dot(velocity_a[c] - velocity_b[c]);
-      const double most = std::abs(common), least = pairs[p].rigid ? -most : 0.0;
-      const double travelling = rate_[c] - share * (ea + eb).dot(travel);
-      rate_[c] = common < 0.0 ? std::clamp(travelling, -most, -least) : std::clamp(travelling, least, most);
-    }
-  });
+    return set_rates_by_motion(contacts, pair, *state.solids[0], *state.solids[1],
+                               motion(velocity_a, state.mean_velocity_a), motion(velocity_b, mean_b),
+                               mean_b + share * travel, options_.dt, rates);
+  }
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    const auto [g, ea, eb] = slopes_at(c, p, contacts);
+    // Between zero and the common rate: the implicit damping then leaves a fraction of the velocity between 0 and 1,
+    // and cannot add energy at any node. Between rigid parts only the sum over the patch acts, and its scatter must
+    // stay symmetric about zero: one-sided clipping would brake rolling.
+    const double common = g.dot(velocity_a[c] - velocity_b[c]);
+    const double most = std::abs(common), least = state.rigid ? -most : 0.0;
+    const double travelling = rate_[c] - share * (ea + eb).dot(travel);
+    rate_[c] = common < 0.0 ? std::clamp(travelling, -most, -least) : std::clamp(travelling, least, most);
+  }
 }
 
 void Penalty::right_hand_side(std::span<Vec3> force) const {

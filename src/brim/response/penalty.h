@@ -113,7 +113,7 @@ class Penalty {
   void forces(std::span<const Vec3> delta, std::span<Vec3> normal, std::span<Vec3> friction) const;
 
   /// True for a pair of a fixed and a deformable part, in which the fixed one gives the normals.
-  bool guides(std::size_t pair) const { return fixed_[pair] != 0 && rigid_[pair] == 0; }
+  bool guides(std::size_t pair) const { return pairs_[pair].fixed && !pairs_[pair].rigid; }
   /// Nonzero for contacts that are active in the coming solve, shape (contacts).
   std::span<const std::uint8_t> acting() const { return active_; }
   /// True when no contact can have a force in this step.
@@ -144,8 +144,20 @@ class Penalty {
   /// Curvature of a patch as the harmonic mean over its nodes: a patch with a flat middle counts as flat, whatever its
   /// edges.
   void bend_of_patch(const ContactSet& contacts, const ContactPair& pair, std::size_t p);
-  void advect_rates(const ContactSet& contacts, std::span<const PairState> pairs, std::span<const Vec3> velocity_a,
-                    std::span<const Vec3> velocity_b);
+  /// Forces and stiffnesses at the start of the step.
+  void start_forces(const ContactSet& contacts, std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b);
+  void advect_rates(const ContactSet& contacts, std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b);
+  void advect_rates_of(std::size_t p, const ContactSet& contacts, std::span<const Vec3> velocity_a,
+                       std::span<const Vec3> velocity_b);
+  /// Slopes that meet the motions of a pair at a contact: the common direction, and how far each part's own is from it.
+  struct Slopes {
+    Vec3 common, a, b;
+  };
+  Slopes slopes_at(std::size_t c, std::size_t p, const ContactSet& contacts) const;
+  /// Friction from the loads at the start of the step; a node without overlap is active if it will overlap.
+  void start_friction(const ContactSet& contacts);
+  void start_friction_of(std::size_t p, const ContactSet& contacts);
+  double overlap_energy(const ContactSet& contacts) const;
   /// @param stick  [m/s] slip below which friction is viscous
   void set_friction(std::size_t c, double load, const Vec3& tangential, double stick);
   /// Tangential relative velocity of a contact, [m/s].
@@ -188,6 +200,14 @@ class Penalty {
     /// @return [m/s] `next`, or if it lies outside the two sides, the slip between them at which found = assumed
     double keep_between(double next, double found, bool too_much);
   };
+  /// State of a pair in a step, besides what it is given.
+  struct Patch {
+    bool fits = false;                        ///< rigid solids that fit each other
+    std::array<double, 2> bend = {0.0, 0.0};  ///< curvature of each part, 0 flat to 1
+    SlipHistory slip;
+    double share = 0.0;  ///< in update_loads: net load over the sum of loads
+    SlipFound found;     ///< in update_loads
+  };
 
   struct Workspaces;
   std::unique_ptr<Workspaces> workspaces_;
@@ -212,17 +232,11 @@ class Penalty {
   std::vector<double> mu_;
   std::vector<double> pressed_, drag_;  ///< set_pressed
   std::vector<Action> action_;
-  std::vector<Bond> bonds_;                          ///< of the links, the last contacts
-  std::vector<SlipHistory> slip_;                    ///< per pair
-  std::vector<std::array<double, 2>> inverse_mass_;  ///< [1/kg] per pair and body
-  std::vector<std::array<std::int32_t, 2>> body_;    ///< per pair
-  std::vector<double> share_;                        ///< per pair, in update_loads: net load over the sum of loads
-  std::vector<SlipFound> found_;                     ///< per pair, in update_loads
-  std::vector<Vec3> pushed_;                         ///< [m/s] per body, by the friction beyond its limits
-  std::vector<std::uint8_t> rigid_, fixed_;          ///< per pair
-  std::vector<std::uint8_t> filled_;                 ///< per pair
-  std::vector<std::uint8_t> fits_;                   ///< per pair: rigid solids that fit each other
-  std::vector<std::array<double, 2>> bend_;          ///< per pair: curvature of each part at the patch, 0 flat to 1
+  std::vector<Bond> bonds_;  ///< of the links, the last contacts
+  // Per pair:
+  std::vector<PairState> pairs_;  ///< given to begin; their solids may be gone after it
+  std::vector<Patch> patches_;
+  std::vector<Vec3> pushed_;  ///< [m/s] per body, by the friction beyond its limits
 };
 
 }  // namespace brim

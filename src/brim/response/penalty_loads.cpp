@@ -4,12 +4,19 @@
 #include "brim/core/parallel.h"
 #include "brim/response/penalty.h"
 
-// Updates between the solves of a sub-step: released nodes, and the friction that follows from their slip.
+// Friction at the start of a sub-step, and updates between its solves: released nodes, and the friction that follows
+// from their slip.
 
 namespace brim {
 
 namespace {
 
+/// Slip, relative to the speed at the start of a step, below which it counts as zero: a smaller value would only worsen
+/// the conditioning of the solve.
+constexpr double kStick = 1e-4;
+/// Mean slip of a patch, relative to the viscous limit of friction, up to which a deformable part is first assumed to
+/// stick: contact nodes change between two steps, and with them their slip.
+constexpr double kNearlyStuck = 40.0;
 /// Difference of friction between two solves, relative to its limit, above which it determines the response of the
 /// slip.
 constexpr double kTellingFriction = 0.02;
@@ -61,9 +68,41 @@ void Penalty::update_bonds(std::span<const Vec3> delta, double& changed, double&
   }
 }
 
+void Penalty::start_friction(const ContactSet& contacts) {
+  parallel_for(contacts.pairs.size(), [&](std::size_t p) { start_friction_of(p, contacts); });
+}
+
+void Penalty::start_friction_of(std::size_t p, const ContactSet& contacts) {
+  const ContactPair& pair = contacts.pairs[p];
+  // The slip below which friction is viscous is at least a share of the speed at the start.
+  Vec3 speed = Vec3::Zero();
+  bool touching = false;
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    speed += relative_[c];
+    touching = touching || contacts.overlap[c] > 0.0;
+  }
+  const auto count = static_cast<double>(std::max<std::size_t>(1, pair.end - pair.begin));
+  SlipHistory& history = patches_[p].slip;
+  history = {};
+  history.stick = std::max(options_.friction_speed, kStick * speed.norm() / count);
+  // A patch that overlaps already is held by the overlap: other gaps close only as far as the rate predicts.
+  const bool deforms = !pairs_[p].rigid;
+  const double slack = touching && deforms ? 0.0 : 1.5 * options_.slack / pair.w;
+  double load = 0.0, slip = 0.0;
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    const double after = contacts.overlap[c] - implicit_time_[c] * rate_[c];
+    active_[c] = pairs_[p].filled || (scale_[c] > 0.0 && (contacts.overlap[c] > 0.0 || after + slack > 0.0));
+    load_[c] = scale_[c] * after;
+    load += std::max(0.0, load_[c]), slip += std::max(0.0, load_[c]) * slip_after(c, {}).norm();
+  }
+  const bool stuck = deforms && slip < kNearlyStuck * history.stick * load;
+  for (std::size_t c = pair.begin; c < pair.end; ++c)
+    set_friction(c, load_[c], stuck ? Vec3::Zero() : slip_after(c, {}), history.stick);
+  history.assumed = std::max(history.stick, stuck || !(load > 0.0) ? 0.0 : slip / load);
+}
+
 double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> delta) {
   std::vector<double> change(contacts.pairs.size(), 0.0), total(contacts.pairs.size(), 0.0);
-  share_.resize(contacts.pairs.size()), found_.resize(contacts.pairs.size());
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
     // Pulling nodes are released; until the next solve they still carry part of the net load, and newly active ones
@@ -75,12 +114,12 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
       const double separation = std::max(n.dot(relative_[c] + delta[c]), n.dot(relative_[c]));
       // Loads of filled pairs are given, and their friction follows only once: a fluid's is small, and its last load
       // close.
-      if (!filled_[p])
+      if (!pairs_[p].filled)
         load_[c] = scale_[c] * (contacts.overlap[c] - implicit_time_[c] * rate_[c]) -
                    implicit_time_[c] * stiffness_[c] * n.dot(delta[c]);
       if (was_active) net += load_[c];
       if (was_active && load_[c] > 0.0) push += load_[c];
-      if (filled_[p]) continue;
+      if (pairs_[p].filled) continue;
       if (contacts.overlap[c] <= 0.0)
         active_[c] = load_[c] > 0.0;  // scale 0: no load
       else if (load_[c] < 0.0 && separation > options_.release_speed)
@@ -89,25 +128,25 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
       if (!was_active && active_[c]) come += load_[c];
     }
     total[p] = push;
-    share_[p] = push > 0.0 ? std::max(0.0, net) / (push + come) : 1.0;
-    found_[p] = find_slip(pair, p, delta, share_[p]);
+    patches_[p].share = push > 0.0 ? std::max(0.0, net) / (push + come) : 1.0;
+    patches_[p].found = find_slip(pair, p, delta, patches_[p].share);
   });
   push_bodies();
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
-    const double share = share_[p];
+    const double share = patches_[p].share;
     const SlipForecast next = expected_slip(p);
     double load = 0.0, assumed = 0.0;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const Vec3 slip = slip_after(c, delta);
       const double before = friction_viscosity_[c];
-      const Vec3 expected = slip + (next.ratio - 1.0) * (rigid_[p] ? next.mean : slip);
+      const Vec3 expected = slip + (next.ratio - 1.0) * (pairs_[p].rigid ? next.mean : slip);
       const Vec3 tangential = expected - normal_[c] * normal_[c].dot(expected);
-      set_friction(c, share * load_[c], tangential, slip_[p].stick);
+      set_friction(c, share * load_[c], tangential, patches_[p].slip.stick);
       load += std::max(0.0, load_[c]), assumed += std::max(0.0, load_[c]) * tangential.norm();
-      if (active_[c] && !filled_[p]) change[p] += std::abs(friction_viscosity_[c] - before) * slip.norm();
+      if (active_[c] && !pairs_[p].filled) change[p] += std::abs(friction_viscosity_[c] - before) * slip.norm();
     }
-    slip_[p].assumed = std::max(slip_[p].stick, load > 0.0 ? assumed / load : 0.0);
+    patches_[p].slip.assumed = std::max(patches_[p].slip.stick, load > 0.0 ? assumed / load : 0.0);
   });
   double changed = 0.0, load = 0.0;
   update_bonds(delta, changed, load);
@@ -158,64 +197,69 @@ double Penalty::SlipHistory::keep_between(double next, double found, bool too_mu
 Penalty::SlipFound Penalty::find_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta,
                                       double share) const {
   SlipFound f;
-  if (rigid_[p]) f.mean = mean_slip(pair, delta);
+  const PairState& state = pairs_[p];
+  if (state.rigid) f.mean = mean_slip(pair, delta);
   const double size = f.mean.norm();
   double load = 0.0, slip = 0.0;
   for (std::size_t c = pair.begin; c < pair.end; ++c) {
     const Vec3 after = slip_after(c, delta);
     const double speed = after.norm();
     if (action_[c].viscosity > 0.0)
-      f.friction += friction_viscosity_[c] * (rigid_[p] ? f.mean.dot(after) / std::max(size, kNone) : speed);
+      f.friction += friction_viscosity_[c] * (state.rigid ? f.mean.dot(after) / std::max(size, kNone) : speed);
     if (!active_[c] || !(load_[c] > 0.0)) continue;
     f.most += mu_[c] * share * load_[c];
     load += load_[c], slip += load_[c] * speed;
   }
-  f.speed = rigid_[p] ? size : load > 0.0 ? slip / load : 0.0;
+  f.speed = state.rigid ? size : load > 0.0 ? slip / load : 0.0;
   // Friction below its limit grows no further than to where the slip ends.
-  const double light = options_.dt * (inverse_mass_[p][0] + inverse_mass_[p][1]), excess = f.friction - f.most;
-  if (rigid_[p] && size > 0.0) f.beyond = (light > 0.0 ? std::max(excess, -size / light) : excess) * f.mean / size;
+  const double light = options_.dt * (state.inverse_mass[0] + state.inverse_mass[1]), excess = f.friction - f.most;
+  if (state.rigid && size > 0.0) f.beyond = (light > 0.0 ? std::max(excess, -size / light) : excess) * f.mean / size;
   return f;
 }
 
 void Penalty::push_bodies() {
   std::int32_t last = -1;
-  for (const auto& [a, b] : body_) last = std::max({last, a, b});
+  for (const PairState& pair : pairs_) last = std::max({last, pair.body[0], pair.body[1]});
   pushed_.assign(static_cast<std::size_t>(last + 1), Vec3::Zero());
-  for (std::size_t p = 0; p < body_.size(); ++p) {
-    if (!rigid_[p]) continue;
-    pushed_[static_cast<std::size_t>(body_[p][0])] += options_.dt * inverse_mass_[p][0] * found_[p].beyond;
-    pushed_[static_cast<std::size_t>(body_[p][1])] -= options_.dt * inverse_mass_[p][1] * found_[p].beyond;
+  for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    const PairState& state = pairs_[p];
+    if (!state.rigid) continue;
+    const Vec3& beyond = patches_[p].found.beyond;
+    pushed_[static_cast<std::size_t>(state.body[0])] += options_.dt * state.inverse_mass[0] * beyond;
+    pushed_[static_cast<std::size_t>(state.body[1])] -= options_.dt * state.inverse_mass[1] * beyond;
   }
 }
 
 Penalty::SlipForecast Penalty::expected_slip(std::size_t p) {
-  SlipHistory& h = slip_[p];
+  const PairState& state = pairs_[p];
+  SlipHistory& h = patches_[p].slip;
   // Friction changes the slip of rigid parts as a whole, and leaves their rotation; of deformable parts each node's
   // own.
   SlipForecast f;
-  f.mean = found_[p].mean;
-  const double found = found_[p].speed, friction = found_[p].friction, most = found_[p].most;
+  f.mean = patches_[p].found.mean;
+  const double found = patches_[p].found.speed, friction = patches_[p].found.friction, most = patches_[p].found.most;
   if (!(found > 0.0)) return f;
   // A sliding pair is left with v = A − b F by the friction F. Two solves with different friction give b, which is at
   // least that of the whole masses; Coulomb's limit then leaves A − b µN if that is positive; else it sticks.
-  const double whole = options_.dt * (inverse_mass_[p][0] + inverse_mass_[p][1]), less = h.friction_before - friction;
+  const double whole = options_.dt * (state.inverse_mass[0] + state.inverse_mass[1]),
+               less = h.friction_before - friction;
   const double secant = (found - h.found_before) / less;
   const bool tells = h.solves > 0 && std::abs(less) > kTellingFriction * most && secant > whole;
   const double b = tells ? std::min(secant, kLightest * whole) : whole;
   // If a part deforms and both move, masses alone underestimate b: a sheet pressed between heavy bodies would alternate
   // between sticking and slipping.
   double next = found + b * (friction - most);
-  if (rigid_[p]) {
+  if (state.rigid) {
     // What other contacts of the two bodies will give way or hold.
-    const auto [a, other] = body_[p];
-    const auto [light_a, light_b] = inverse_mass_[p];
+    const auto [a, other] = state.body;
+    const auto [light_a, light_b] = state.inverse_mass;
     const Vec3 way = f.mean / found;
     next += way.dot(pushed_[static_cast<std::size_t>(a)] - pushed_[static_cast<std::size_t>(other)] -
-                    options_.dt * (light_a + light_b) * found_[p].beyond);
+                    options_.dt * (light_a + light_b) * patches_[p].found.beyond);
   }
-  if (tells || rigid_[p] || fixed_[p]) f.ratio = std::max(0.0, next / found);
+  if (tells || state.rigid || state.fixed) f.ratio = std::max(0.0, next / found);
   // If a part deforms, some nodes of a patch stick while others slide, and slip is not linear in friction.
-  if (!rigid_[p]) f.ratio = h.keep_between(f.ratio * found, found, friction > most) / found;
+  if (!state.rigid) f.ratio = h.keep_between(f.ratio * found, found, friction > most) / found;
   h.friction_before = friction, h.found_before = found, ++h.solves;
   return f;
 }

@@ -208,29 +208,30 @@ void ProjectedGaussSeidel::solve_alone(std::size_t g, std::span<const Vec3> offs
 }
 
 ProjectedGaussSeidel::Report ProjectedGaussSeidel::solve(std::span<const Vec3> offset, std::span<const double> target,
-                                                         double tolerance, int max_sweeps, double scale,
-                                                         std::span<Vec3> impulse, std::span<double> v, double friction,
-                                                         bool may_at_once) {
+                                                         SweepOptions options, std::span<Vec3> impulse,
+                                                         std::span<double> v) {
   Report report;
   const std::size_t n = size();
   for (std::size_t c = 0; c < n; ++c) {
     const Vec3 u = velocity(c, v) + offset[c];
-    if (u.x() < target[c] || impulse[c].x() > 0.0) scale = std::max(scale, std::abs(u.x() - target[c]));
+    if (u.x() < target[c] || impulse[c].x() > 0.0) options.scale = std::max(options.scale, std::abs(u.x() - target[c]));
   }
-  if (n == 0 || !(scale > 0.0)) return report;
-  const bool at_once = may_at_once && !friction_.empty() && n <= kMostAtOnce;
-  report = sweeps(offset, target, tolerance, at_once ? std::min(max_sweeps, kFewSweeps) : max_sweeps, scale, impulse, v,
-                  friction);
-  if (!report.converged && at_once)
-    solve_at_once(offset, target, tolerance, max_sweeps - report.sweeps, scale, impulse, v, friction, report);
-  report.scale = scale;
+  if (n == 0 || !(options.scale > 0.0)) return report;
+  const bool at_once = options.may_at_once && !friction_.empty() && n <= kMostAtOnce;
+  SweepOptions first = options;
+  if (at_once) first.max_sweeps = std::min(options.max_sweeps, kFewSweeps);
+  report = sweeps(offset, target, first, impulse, v);
+  if (!report.converged && at_once) {
+    options.max_sweeps -= report.sweeps;
+    solve_at_once(offset, target, options, impulse, v, report);
+  }
+  report.scale = options.scale;
   return report;
 }
 
 ProjectedGaussSeidel::Report ProjectedGaussSeidel::sweeps(std::span<const Vec3> offset, std::span<const double> target,
-                                                          double tolerance, int max_sweeps, double scale,
-                                                          std::span<Vec3> impulse, std::span<double> v,
-                                                          double friction) {
+                                                          const SweepOptions& options, std::span<Vec3> impulse,
+                                                          std::span<double> v) {
   Report report;
   const std::size_t n = size();
   report.converged = false;
@@ -239,16 +240,16 @@ ProjectedGaussSeidel::Report ProjectedGaussSeidel::sweeps(std::span<const Vec3> 
   way_.assign(n, Vec3::Zero());
   v_way_.assign(v.size(), 0.0);
   double last = 0.0;
-  while (report.sweeps < max_sweeps) {
+  while (report.sweeps < options.max_sweeps) {
     check_stop();
     before_.assign(impulse.begin(), impulse.end());
     v_before_.assign(v.begin(), v.end());
-    double worst = sweep(false, friction, offset, target, impulse, v);
-    worst = std::max(worst, sweep(true, friction, offset, target, impulse, v));
+    double worst = sweep(false, options.friction, offset, target, impulse, v);
+    worst = std::max(worst, sweep(true, options.friction, offset, target, impulse, v));
     report.sweeps += 2;
-    report.residual = worst / scale;
-    report.converged = report.residual <= tolerance;
-    if (report.converged || report.sweeps >= max_sweeps) break;
+    report.residual = worst / options.scale;
+    report.converged = report.residual <= options.tolerance;
+    if (report.converged || report.sweeps >= options.max_sweeps) break;
     double size = 0.0;
     for (std::size_t c = 0; c < n; ++c) size += (impulse[c] - before_[c]).squaredNorm();
     const double beta = last > 0.0 ? size / last : 0.0;

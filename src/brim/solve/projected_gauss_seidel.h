@@ -30,6 +30,14 @@ class ProjectedGaussSeidel {
     Vec3 row = Vec3::Zero();       ///< its share in u_n, u_t1, u_t2
     Vec3 response = Vec3::Zero();  ///< its change by a unit impulse along n, t1, t2
   };
+  /// How solve sweeps, and when it ends.
+  struct SweepOptions {
+    double tolerance = 0.0;   ///< [-] residual at which it has converged
+    int max_sweeps = 0;       ///< at most, forward and backward ones counted apart
+    double scale = 0.0;       ///< [m/s] smallest scale of the residual
+    double friction = 1.0;    ///< multiplies that of every contact: 0 for a frictionless solve
+    bool may_at_once = true;  ///< false: sweeps only
+  };
   struct Report {
     int sweeps = 0;
     double residual = 0.0;  ///< largest change of any u in the last sweep over the scale of the motion
@@ -65,12 +73,10 @@ class ProjectedGaussSeidel {
   /// @param target  b, [m/s], shape (size)
   /// @param impulse λ as (n, t1, t2), initial guess on entry (already in v), solution on return, [N s], shape (size)
   /// @param v       velocities, changed along with λ
-  /// @param friction multiplies that of every contact: 0 for a frictionless solve
-  /// @param may_at_once  false: sweeps only
-  /// The scale of the residual is the larger of `scale` and the worst violation of any contact at the start, [m/s].
-  Report solve(std::span<const Vec3> offset, std::span<const double> target, double tolerance, int max_sweeps,
-               double scale, std::span<Vec3> impulse, std::span<double> v, double friction = 1.0,
-               bool may_at_once = true);
+  /// The scale of the residual is the larger of `options.scale` and the worst violation of any contact at the start,
+  /// [m/s].
+  Report solve(std::span<const Vec3> offset, std::span<const double> target, SweepOptions options,
+               std::span<Vec3> impulse, std::span<double> v);
 
   /// Contacts that are relaxed together, [begin, end): those of one rigid pair, or one of the general form.
   std::size_t groups() const { return group_.size(); }
@@ -98,13 +104,14 @@ class ProjectedGaussSeidel {
     bool rigid = false;
     std::size_t index = 0;  ///< pair, or row
   };
-  /// The sweeps of solve. @param scale  [m/s] of the residual
-  Report sweeps(std::span<const Vec3> offset, std::span<const double> target, double tolerance, int max_sweeps,
-                double scale, std::span<Vec3> impulse, std::span<double> v, double friction);
-  /// Solves all contacts at once, starting from the sweeps' result. @param sweeps_left  made if that does not converge
+  /// The sweeps of solve. @param options  its scale is that of the residual
+  Report sweeps(std::span<const Vec3> offset, std::span<const double> target, const SweepOptions& options,
+                std::span<Vec3> impulse, std::span<double> v);
+  /// Solves all contacts at once, starting from the sweeps' result.
+  /// @param options  its scale is that of the residual, its sweeps are made if that does not converge
   /// @param report  of the sweeps before; on return, of the chosen result
-  void solve_at_once(std::span<const Vec3> offset, std::span<const double> target, double tolerance, int sweeps_left,
-                     double scale, std::span<Vec3> impulse, std::span<double> v, double friction, Report& report);
+  void solve_at_once(std::span<const Vec3> offset, std::span<const double> target, SweepOptions options,
+                     std::span<Vec3> impulse, std::span<double> v, Report& report);
   /// R P Rᵀ of all contacts, [1/kg], shape (3 size, 3 size). @param width  number of velocities
   Eigen::MatrixXd responses(std::size_t width) const;
   /// Assigns groups to layers, if there are many and several threads: a group lies in the first layer after those of

@@ -15,9 +15,9 @@ constexpr double kAtOnceTolerance = 0.3;
 
 }  // namespace
 
-void ProjectedGaussSeidel::solve_at_once(std::span<const Vec3> offset, std::span<const double> target, double tolerance,
-                                         int sweeps_left, double scale, std::span<Vec3> impulse, std::span<double> v,
-                                         double friction, Report& report) {
+void ProjectedGaussSeidel::solve_at_once(std::span<const Vec3> offset, std::span<const double> target,
+                                         SweepOptions options, std::span<Vec3> impulse, std::span<double> v,
+                                         Report& report) {
   const std::size_t n = size();
   const std::vector<Vec3> swept(impulse.begin(), impulse.end());
   const std::vector<double> v_swept(v.begin(), v.end());
@@ -27,10 +27,11 @@ void ProjectedGaussSeidel::solve_at_once(std::span<const Vec3> offset, std::span
   for (std::size_t c = 0; c < n; ++c) {
     q[c] = velocity(c, without) + offset[c];
     q[c].x() -= target[c];
-    mu[c] = friction * (place_[c].rigid ? pairs_.friction(place_[c].row) : friction_[place_[c].row]);
+    mu[c] = options.friction * (place_[c].rigid ? pairs_.friction(place_[c].row) : friction_[place_[c].row]);
   }
   const Eigen::MatrixXd W = responses(v.size());
-  report.sweeps += ContactAdmm::solve(W, q, mu, kAtOnceTolerance * tolerance * scale, kIterations, impulse).iterations;
+  const double near = kAtOnceTolerance * options.tolerance * options.scale;
+  report.sweeps += ContactAdmm::solve(W, q, mu, near, kIterations, impulse).iterations;
   for (std::size_t c = 0; c < n; ++c) add_response(c, impulse[c] - swept[c], v);
   double worst = 0.0;
   for (std::size_t c = 0; c < n; ++c) {
@@ -40,7 +41,7 @@ void ProjectedGaussSeidel::solve_at_once(std::span<const Vec3> offset, std::span
     u.x() -= target[c];
     worst = std::max(worst, contact_residual(W.block<3, 3>(at, at).trace() / 3.0, mu[c], u, impulse[c]));
   }
-  const double at_once = worst / scale;
+  const double at_once = worst / options.scale;
   // A contact may have several solutions, one that parts and one that jams, and sweeps may leave the one at hand for
   // the other. Where they stay they are right; where they do not, what was found for all at once is.
   const std::vector<Vec3> found(impulse.begin(), impulse.end());
@@ -49,15 +50,15 @@ void ProjectedGaussSeidel::solve_at_once(std::span<const Vec3> offset, std::span
     std::copy(lambda.begin(), lambda.end(), impulse.begin());
     std::copy(velocities.begin(), velocities.end(), v.begin());
   };
-  const bool found_all = at_once <= tolerance;
+  const bool found_all = at_once <= options.tolerance;
   if (!found_all && !(at_once < report.residual)) take(swept, v_swept);
-  const Report last = sweeps(offset, target, tolerance, found_all ? kLastSweeps : std::max(kLastSweeps, sweeps_left),
-                             scale, impulse, v, friction);
+  options.max_sweeps = found_all ? kLastSweeps : std::max(kLastSweeps, options.max_sweeps);
+  const Report last = sweeps(offset, target, options, impulse, v);
   report.sweeps += last.sweeps;
   if (last.converged || (!found_all && last.residual < std::min(at_once, report.residual))) {
     report.residual = last.residual, report.converged = last.converged;
   } else if (at_once < report.residual) {
-    report.residual = at_once, report.converged = at_once <= tolerance;
+    report.residual = at_once, report.converged = at_once <= options.tolerance;
     take(found, v_found);
   } else {
     take(swept, v_swept);

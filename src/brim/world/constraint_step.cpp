@@ -144,10 +144,13 @@ void ConstraintStep::solve_rows(const ImplicitStep::Respond& solve, std::span<co
                                 std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual,
                                 StepReport& report) {
   if (!exact_) return refine(solve, target, most, lambda, delta, residual, report);
-  auto r = sweep_.solve(offset_, target, settings_.tolerance, most_sweeps_, settings_.scale, lambda, delta);
+  ProjectedGaussSeidel::SweepOptions options{
+      .tolerance = settings_.tolerance, .max_sweeps = most_sweeps_, .scale = settings_.scale};
+  auto r = sweep_.solve(offset_, target, options, lambda, delta);
   report.sweeps += r.sweeps;
   for (int more = 0; more < kMostMore && r.residual > warn_above(); ++more) {
-    r = sweep_.solve(offset_, target, settings_.tolerance, most_sweeps_, r.scale, lambda, delta);
+    options.scale = r.scale;
+    r = sweep_.solve(offset_, target, options, lambda, delta);
     report.sweeps += r.sweeps;
   }
   report.row_residual = std::max(report.row_residual, r.residual);
@@ -180,8 +183,12 @@ void ConstraintStep::push_apart(std::vector<Vec3>& lambda, std::vector<double>& 
   std::vector<Vec3> at(n), push(n, Vec3::Zero());
   for (std::size_t c = 0; c < n; ++c) at[c] = offset_[c] + sweep_.velocity(c, way);
   std::vector<double> change(width_, 0.0);
-  const auto r = sweep_.solve(at, rows_.position_targets(), kPushTolerance, kPushSweeps, settings_.scale, push, change,
-                              0.0, false);
+  const ProjectedGaussSeidel::SweepOptions options{.tolerance = kPushTolerance,
+                                                   .max_sweeps = kPushSweeps,
+                                                   .scale = settings_.scale,
+                                                   .friction = 0.0,
+                                                   .may_at_once = false};
+  const auto r = sweep_.solve(at, rows_.position_targets(), options, push, change);
   report.sweeps += r.sweeps;
   for (std::size_t c = 0; c < n; ++c) lambda[c] += push[c];
   for (std::size_t i = 0; i < width_; ++i) way[i] += change[i];

@@ -41,10 +41,12 @@ void ConstraintStep::refine(const ImplicitStep::Respond& solve, std::span<const 
     next = lambda;
     change.assign(width_, 0.0);
     const bool finishes = i == 0 && any_known;
-    const auto r = sweep_.solve(
-        offset, target,
-        finishes ? settings_.tolerance : kRough * std::max(settings_.tolerance, i == 0 ? 0.0 : residual),
-        finishes ? most_sweeps_ : std::min(settings_.max_sweeps, kRoughSweeps), scale, next, change, 1.0, finishes);
+    const ProjectedGaussSeidel::SweepOptions options{
+        .tolerance = finishes ? settings_.tolerance : kRough * std::max(settings_.tolerance, i == 0 ? 0.0 : residual),
+        .max_sweeps = finishes ? most_sweeps_ : std::min(settings_.max_sweeps, kRoughSweeps),
+        .scale = scale,
+        .may_at_once = finishes};
+    const auto r = sweep_.solve(offset, target, options, next, change);
     report.sweeps += r.sweeps;
     // With many points the sweeps converge over several steps.
     if (finishes && most_sweeps_ == settings_.max_sweeps) left = r.residual;

@@ -228,18 +228,21 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
                           b.body->relative_speed_bound(b.index, velocities_of(b, v, first_v));
       stay = travel < std::max(kStays * pairs[i].h / options.time_step, kTurns * turn);
     }
-    penalties_[i] = {stiffness,
-                     m.friction,
-                     velocity_a,
-                     velocity_b,
-                     {a.info.conforming, b.info.conforming},
-                     solid,
-                     filled,
-                     {inverse_mass_of(a), inverse_mass_of(b)},
-                     {a.body_index, b.body_index},
-                     fixed,
-                     interface_of<SpinningBalls>(*a.body) != nullptr || interface_of<SpinningBalls>(*b.body) != nullptr,
-                     {stay ? stage.solid(pairs[i].part_a) : nullptr, stay ? stage.solid(pairs[i].part_b) : nullptr}};
+    const auto balls = [](const WorldPart& part) { return interface_of<SpinningBalls>(*part.body) != nullptr; };
+    penalties_[i] = {
+        .stiffness = stiffness,
+        .friction = m.friction,
+        .mean_velocity_a = velocity_a,
+        .mean_velocity_b = velocity_b,
+        .conforming = {a.info.conforming, b.info.conforming},
+        .rigid = solid,
+        .filled = filled,
+        .inverse_mass = {inverse_mass_of(a), inverse_mass_of(b)},
+        .body = {a.body_index, b.body_index},
+        .fixed = fixed,
+        .balls = balls(a) || balls(b),
+        .solids = {stay ? stage.solid(pairs[i].part_a) : nullptr, stay ? stage.solid(pairs[i].part_b) : nullptr},
+    };
   }
 }
 

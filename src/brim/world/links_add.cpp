@@ -104,16 +104,6 @@ double worst_gap(const MatterPoints& a, const MatterPoints& b) {
   return worst;
 }
 
-std::vector<Vec3> points_in(const Body& body, const std::function<bool(const Vec3&)>& region) {
-  std::vector<Vec3f> vertex(body.display().vertices);
-  body.display_positions(vertex);
-  std::vector<Vec3> x;
-  for (const Vec3f& v : vertex)
-    if (region(v.cast<double>())) x.push_back(v.cast<double>());
-  if (x.empty()) throw InputError(fmt::format("no point of '{}' lies in the region", body.name()));
-  return x;
-}
-
 /// The first point of each cell of a grid: what is shown more finely than it moves is not held by every vertex shown.
 std::vector<Vec3> one_per_cell(const std::vector<Vec3>& x, double cell) {
   std::set<std::array<std::int64_t, 3>> taken;

@@ -102,6 +102,16 @@ std::vector<std::size_t> stand_ins(std::span<const Vec3> wanted, std::span<const
 
 }  // namespace
 
+std::vector<Vec3> points_in(const Body& body, const std::function<bool(const Vec3&)>& region) {
+  std::vector<Vec3f> vertex(body.display().vertices);
+  body.display_positions(vertex);
+  std::vector<Vec3> x;
+  for (const Vec3f& v : vertex)
+    if (region(v.cast<double>())) x.push_back(v.cast<double>());
+  if (x.empty()) throw InputError(fmt::format("no point of '{}' lies in the region", body.name()));
+  return x;
+}
+
 bool MatterPoints::takes_any(const WorldPart& part) {
   return solid_of(*part.body, part.index) != nullptr || dynamic_cast<const MaterialPoints*>(part.body) != nullptr;
 }

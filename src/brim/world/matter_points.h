@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -8,6 +9,10 @@
 #include "brim/world/world_part.h"
 
 namespace brim {
+
+/// [m] The vertices of the body's display that lie in a region, at its last update.
+/// @throws InputError  when there are none
+std::vector<Vec3> points_in(const Body& body, const std::function<bool(const Vec3&)>& region);
 
 /// Material points of one part, or points of space, that links hold, followed as the body moves. They follow
 ///   a solid's pose            rigid bodies, obstacles, links of trees

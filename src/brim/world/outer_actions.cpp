@@ -122,14 +122,7 @@ void OuterActions::choose_points(const AppliedForce& given, std::span<const Worl
     action.flow = true;
     return;
   }
-  std::vector<Vec3f> shown(body.display().vertices);
-  body.display_positions(shown);
-  std::vector<Vec3> x;
-  if (given.point) x = {*given.point};
-  if (given.region)
-    for (const Vec3f& s : shown)
-      if (given.region(s.cast<double>())) x.push_back(s.cast<double>());
-  if (x.empty()) throw InputError(fmt::format("no point of '{}' lies in the region", body.name()));
+  const std::vector<Vec3> x = given.point ? std::vector<Vec3>{*given.point} : points_in(body, given.region);
   std::vector<std::vector<Vec3>> of_part(parts.size());
   for (const Vec3& p : x) of_part[MatterPoints::nearest_part(parts, p)].push_back(p);
   for (std::size_t i = 0; i < parts.size(); ++i)
@@ -176,6 +169,88 @@ void OuterActions::find_changing(double time, double dt, std::vector<int>& out) 
   }
 }
 
+struct OuterActions::Target {
+  const Body& body;
+  std::span<const WorldPart> parts;
+  std::span<const double> q, v;
+  std::span<double> impulse;
+
+  /// impulse += factor Q
+  void add(double factor, std::span<const double> Q) const {
+    for (std::size_t i = 0; i < impulse.size(); ++i) impulse[i] += factor * Q[i];
+  }
+  /// impulse += factor M motion
+  void add_motion(double factor, std::span<const double> motion) const {
+    std::vector<double> image(impulse.size(), 0.0);
+    body.apply_mass(motion, image);
+    add(factor, image);
+  }
+};
+
+void OuterActions::add_damping(double damping, double dt, const Target& target) {
+  if (damping > 0.0) target.add_motion(-(1.0 - std::exp(-damping * dt)), target.v);
+}
+
+void OuterActions::add_at_places(const AppliedForce& given, double factor, Action& action, const Target& target) {
+  std::vector<double> Q(target.v.size(), 0.0);
+  if (action.flow)
+    add_in_flow(given, target.body, Q);
+  else
+    add_at_points(given.force, target.parts, target.q, action, Q);
+  target.add(factor, Q);
+}
+
+void OuterActions::add_wind(const AirStep& step, WindOnBody& wind, const Target& target,
+                            std::vector<Mat3>& resistance) {
+  std::vector<double> Q(target.v.size(), 0.0);
+  if (yields_implicitly(target.body)) resistance.resize(target.v.size() / 3, Mat3::Zero());
+  wind.add_force(step, target.parts, target.q, target.v, Q, resistance);
+  target.add(step.dt, Q);
+}
+
+void OuterActions::add_attraction(const AppliedForce::Attractor& attractor, double factor, const Target& target) {
+  std::vector<double> motion(target.v.size(), 0.0);
+  const std::size_t per_node = velocities_per_node(target.body);
+  for (std::size_t i = 0; per_node * i < motion.size(); ++i)
+    Eigen::Map<Vec3>(motion.data() + per_node * i) =
+        pull_at(attractor, Eigen::Map<const Vec3>(target.q.data() + 3 * i));
+  target.add_motion(factor, motion);
+}
+
+void OuterActions::add_as_whole(const AppliedForce& given, bool at_points, double factor, const Target& target) {
+  const Body& body = target.body;
+  const double m = body.mass();
+  Vec3 uniform = given.acceleration;
+  if (!at_points) uniform += given.force / m;
+  const bool by_middle = given.attractor && !has_nodes(body);
+  if (uniform == Vec3::Zero() && given.torque == Vec3::Zero() && !by_middle) return;
+  std::vector<double> motion(target.v.size(), 0.0);
+  // Centre of mass: p × F of a uniform field is m c × a.
+  std::array<Vec3, 3> moment = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  for (int a = 0; a < 3; ++a) {
+    if (!body.rigid_motion(Vec3::Unit(a), Vec3::Zero(), motion)) break;
+    moment[a] = body.angular_momentum(motion);
+  }
+  const Vec3 center(moment[1].z() / m, moment[2].x() / m, moment[0].y() / m);
+  if (by_middle) uniform += pull_at(*given.attractor, center);
+  if (uniform != Vec3::Zero()) {
+    if (!body.rigid_motion(uniform, Vec3::Zero(), motion))
+      for (std::size_t i = 0; i < motion.size(); ++i) motion[i] = uniform[static_cast<int>(i % 3)];
+    target.add_motion(factor, motion);
+  }
+  if (given.torque == Vec3::Zero()) return;
+  // I α = T with I from the momenta of the three rotations about the centre.
+  Mat3 inertia;
+  for (int a = 0; a < 3; ++a) {
+    const Vec3 w = Vec3::Unit(a);
+    body.rigid_motion(-w.cross(center), w, motion);
+    inertia.col(a) = body.angular_momentum(motion) - center.cross(body.linear_momentum(motion));
+  }
+  const Vec3 alpha = solve_symmetric(inertia, given.torque);
+  body.rigid_motion(-alpha.cross(center), alpha, motion);
+  target.add_motion(factor, motion);
+}
+
 std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Body>> bodies,
                                               std::span<const WorldPart> parts, std::span<const double> q,
                                               std::span<const std::size_t> first_q, std::span<const double> v,
@@ -185,7 +260,6 @@ std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Bo
   impulse_.assign(base.begin(), base.end());
   impulse_.resize(first_v.back(), 0.0);
   resistance_.clear();
-  std::vector<double> motion, image;
   for (Entry& e : entries_) {
     const AppliedForce& given = e.given;
     const double scale = at_time(given.scale, time);
@@ -194,75 +268,17 @@ std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Bo
       const Body& body = *bodies[b];
       const std::size_t n = first_v[b + 1] - first_v[b];
       if (n == 0) continue;  // removed
-      const auto vb = v.subspan(first_v[b], n), qb = q.subspan(first_q[b], first_q[b + 1] - first_q[b]);
-      const auto out = std::span(impulse_).subspan(first_v[b], n);
-      const auto add = [&](double factor) {
-        for (std::size_t i = 0; i < n; ++i) out[i] += factor * image[i];
-      };
-      if (given.damping > 0.0) {
-        image.assign(n, 0.0);
-        body.apply_mass(vb, image);
-        add(-(1.0 - std::exp(-given.damping * dt)));
-      }
-      const auto mine = parts.subspan(action.first_part, static_cast<std::size_t>(body.part_count()));
-      if (action.at_points()) {
-        image.assign(n, 0.0);
-        if (action.flow)
-          add_in_flow(given, body, image);
-        else
-          add_at_points(given.force, mine, qb, action, image);
-        add(scale * dt);
-      }
+      const Target target{body, parts.subspan(action.first_part, static_cast<std::size_t>(body.part_count())),
+                          q.subspan(first_q[b], first_q[b + 1] - first_q[b]), v.subspan(first_v[b], n),
+                          std::span(impulse_).subspan(first_v[b], n)};
+      add_damping(given.damping, dt, target);
+      if (action.at_points()) add_at_places(given, scale * dt, action, target);
       if (action.wind) {
-        image.assign(n, 0.0);
         resistance_.resize(bodies.size());
-        if (yields_implicitly(body)) resistance_[b].resize(n / 3, Mat3::Zero());
-        action.wind->add_force(*given.wind, scale, mine, qb, vb, time, dt, image, resistance_[b]);
-        add(dt);
+        add_wind({*given.wind, scale, time, dt}, *action.wind, target, resistance_[b]);
       }
-      Vec3 uniform = given.acceleration;
-      if (!action.at_points()) uniform += given.force / body.mass();
-      if (given.attractor && has_nodes(body)) {
-        motion.assign(n, 0.0);
-        const std::size_t per_node = velocities_per_node(body);
-        for (std::size_t i = 0; per_node * i < n; ++i)
-          Eigen::Map<Vec3>(motion.data() + per_node * i) =
-              pull_at(*given.attractor, Eigen::Map<const Vec3>(qb.data() + 3 * i));
-        image.assign(n, 0.0);
-        body.apply_mass(motion, image);
-        add(scale * dt);
-      }
-      const bool by_middle = given.attractor && !has_nodes(body);
-      if (uniform == Vec3::Zero() && given.torque == Vec3::Zero() && !by_middle) continue;
-      motion.assign(n, 0.0), image.assign(n, 0.0);
-      // Centre of mass: p × F of a uniform field is m c × a.
-      std::array<Vec3, 3> moment = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-      const double m = body.mass();
-      for (int a = 0; a < 3; ++a) {
-        if (!body.rigid_motion(Vec3::Unit(a), Vec3::Zero(), motion)) break;
-        moment[a] = body.angular_momentum(motion);
-      }
-      const Vec3 center(moment[1].z() / m, moment[2].x() / m, moment[0].y() / m);
-      if (by_middle) uniform += pull_at(*given.attractor, center);
-      if (uniform != Vec3::Zero()) {
-        if (!body.rigid_motion(uniform, Vec3::Zero(), motion))
-          for (std::size_t i = 0; i < n; ++i) motion[i] = uniform[static_cast<int>(i % 3)];
-        body.apply_mass(motion, image);
-        add(scale * dt);
-      }
-      if (given.torque == Vec3::Zero()) continue;
-      // I α = T with I from the momenta of the three rotations about the centre.
-      Mat3 inertia;
-      for (int a = 0; a < 3; ++a) {
-        const Vec3 w = Vec3::Unit(a);
-        body.rigid_motion(-w.cross(center), w, motion);
-        inertia.col(a) = body.angular_momentum(motion) - center.cross(body.linear_momentum(motion));
-      }
-      const Vec3 alpha = solve_symmetric(inertia, given.torque);
-      body.rigid_motion(-alpha.cross(center), alpha, motion);
-      image.assign(n, 0.0);
-      body.apply_mass(motion, image);
-      add(scale * dt);
+      if (given.attractor && has_nodes(body)) add_attraction(*given.attractor, scale * dt, target);
+      add_as_whole(given, action.at_points(), scale * dt, target);
     }
   }
   return impulse_;

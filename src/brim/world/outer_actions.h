@@ -72,6 +72,17 @@ class OuterActions {
   static void add_at_points(const Vec3& force, std::span<const WorldPart> parts, std::span<const double> q,
                             Action& action, std::span<double> Q);
 
+  /// A body in a sub-step, and its impulse.
+  struct Target;
+  // What an entry adds to the impulse of a body. @param factor  scale over time, times dt, [s]
+  static void add_damping(double damping, double dt, const Target& target);
+  static void add_at_places(const AppliedForce& given, double factor, Action& action, const Target& target);
+  static void add_wind(const AirStep& step, WindOnBody& wind, const Target& target, std::vector<Mat3>& resistance);
+  /// On each node, for bodies with nodes.
+  static void add_attraction(const AppliedForce::Attractor& attractor, double factor, const Target& target);
+  /// Acceleration, torque, force without a place, and attraction of a body without nodes.
+  static void add_as_whole(const AppliedForce& given, bool at_points, double factor, const Target& target);
+
   std::vector<Entry> entries_;
   std::vector<double> gravity_scale_, impulse_;
   std::vector<std::vector<Mat3>> resistance_;

@@ -30,9 +30,9 @@ Vec3 force_on_face(const AppliedForce::Wind& wind, const Vec3& air, const Vec3& 
 
 /// Drag ½ ρ D A |c| c of a body of that frontal area. @param slope  of it, [kg/s]
 /// @param mass  [kg] limits the force so that the body does not outrun the air; 0: no limit
-Vec3 drag(const AppliedForce::Wind& wind, const Vec3& air, double area, double mass, double dt, double& slope) {
-  slope = wind.density * wind.drag * area * air.norm();
-  return 0.5 * slope / (mass > 0.0 ? 1.0 + dt * slope / mass : 1.0) * air;
+Vec3 drag(const AirStep& step, const Vec3& air, double area, double mass, double& slope) {
+  slope = step.wind.density * step.wind.drag * area * air.norm();
+  return 0.5 * slope / (mass > 0.0 ? 1.0 + step.dt * slope / mass : 1.0) * air;
 }
 
 /// A n of a triangle, [m²].
@@ -47,18 +47,18 @@ Vec3 middle_of(std::span<const Vec3f> vertex, const Triangle& t) {
 
 /// Adds the force of air on triangles through the map of their part. @param x, facing  centres [m] and A n [m²] of each
 /// @param source  of each centre, for make_map  @param resistance  of the body's nodes, or empty
-void blow(const AppliedForce::Wind& wind, double scale, const WorldPart& part, std::span<const Vec3> x,
-          std::span<const Vec3> facing, std::span<const std::int32_t> source, std::span<const double> v, double time,
-          double dt, std::span<double> Q, std::span<Mat3> resistance) {
+void blow(const AirStep& step, const WorldPart& part, std::span<const Vec3> x, std::span<const Vec3> facing,
+          std::span<const std::int32_t> source, std::span<const double> v, std::span<double> Q,
+          std::span<Mat3> resistance) {
+  const AppliedForce::Wind& wind = step.wind;
   std::unique_ptr<Map> map;
   part.body->make_map(part.index, x, source, map);
   std::vector<Vec3> u(x.size());
   map->apply(v, u);
-  std::vector<Vec3> flow(x.size(), wind.velocity);
-  if (wind.field) wind.field(time, x, flow);
+  const std::vector<Vec3> flow = step.velocity_at(x);
   std::vector<Mat3> slopes(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
-    const Vec3 air = scale * flow[i] - u[i];
+    const Vec3 air = step.scale * flow[i] - u[i];
     // Air pushes faces turned towards it: both sides of a sheet, the windward side of a closed surface.
     const double into = facing[i].dot(air);
     Vec3 windward = into < 0.0 ? Vec3(-facing[i]) : facing[i];
@@ -67,7 +67,7 @@ void blow(const AppliedForce::Wind& wind, double scale, const WorldPart& part, s
     // At most the force that brings light matter to the air's speed.
     const double mass = part.info.areal_mass * windward.norm();
     const double steepest = wind.density * windward.norm() * std::max(wind.drag, wind.lift) * air.norm();
-    if (resistance.empty() && mass > 0.0) u[i] /= 1.0 + dt * steepest / mass;
+    if (resistance.empty() && mass > 0.0) u[i] /= 1.0 + step.dt * steepest / mass;
   }
   map->apply_transpose(u, Q);
   if (resistance.empty()) return;
@@ -123,6 +123,12 @@ std::vector<double> node_masses(const Body& body) {
   return mass;
 }
 
+std::vector<Vec3> AirStep::velocity_at(std::span<const Vec3> x) const {
+  std::vector<Vec3> flow(x.size(), wind.velocity);
+  if (wind.field) wind.field(time, x, flow);
+  return flow;
+}
+
 WindOnBody::WindOnBody(std::span<const WorldPart> parts, std::span<const double> q, double ramp_voxels) {
   const Body& body = *parts[0].body;
   const Display& display = body.display();
@@ -149,17 +155,15 @@ WindOnBody::WindOnBody(std::span<const WorldPart> parts, std::span<const double>
                         std::move(triangles[p])});
 }
 
-void WindOnBody::add_force(const AppliedForce::Wind& wind, double scale, std::span<const WorldPart> parts,
-                           std::span<const double> q, std::span<const double> v, double time, double dt,
-                           std::span<double> Q, std::span<Mat3> resistance) {
-  for (Faces& faces : faces_) add_on_faces(wind, scale, faces, parts[faces.part], q, v, time, dt, Q, resistance);
-  if (changing_) add_on_changing(wind, scale, parts[0], v, time, dt, Q);
-  if (!nodes_.empty()) add_on_nodes(wind, scale, parts[0].body->display(), q, v, time, dt, Q, resistance);
+void WindOnBody::add_force(const AirStep& step, std::span<const WorldPart> parts, std::span<const double> q,
+                           std::span<const double> v, std::span<double> Q, std::span<Mat3> resistance) {
+  for (Faces& faces : faces_) add_on_faces(step, faces, parts[faces.part], q, v, Q, resistance);
+  if (changing_) add_on_changing(step, parts[0], v, Q);
+  if (!nodes_.empty()) add_on_nodes(step, parts[0].body->display(), q, v, Q, resistance);
 }
 
-void WindOnBody::add_on_faces(const AppliedForce::Wind& wind, double scale, Faces& faces, const WorldPart& part,
-                              std::span<const double> q, std::span<const double> v, double time, double dt,
-                              std::span<double> Q, std::span<Mat3> resistance) {
+void WindOnBody::add_on_faces(const AirStep& step, Faces& faces, const WorldPart& part, std::span<const double> q,
+                              std::span<const double> v, std::span<double> Q, std::span<Mat3> resistance) {
   const Body& body = *part.body;
   faces.middles.follow(part, q);
   const auto x = faces.middles.positions();
@@ -170,11 +174,11 @@ void WindOnBody::add_on_faces(const AppliedForce::Wind& wind, double scale, Face
   body.display_positions(shown);
   std::vector<Vec3> facing(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) facing[i] = facing_of(shown, display.triangles[faces.triangle[i]]);
-  blow(wind, scale, part, x, facing, source, v, time, dt, Q, resistance);
+  blow(step, part, x, facing, source, v, Q, resistance);
 }
 
-void WindOnBody::add_on_changing(const AppliedForce::Wind& wind, double scale, const WorldPart& part,
-                                 std::span<const double> v, double time, double dt, std::span<double> Q) const {
+void WindOnBody::add_on_changing(const AirStep& step, const WorldPart& part, std::span<const double> v,
+                                 std::span<double> Q) {
   const ChangingSurface& surface = *changing_surface(*part.body);
   std::vector<Vec3f> shown;
   std::vector<Triangle> triangles;
@@ -183,12 +187,11 @@ void WindOnBody::add_on_changing(const AppliedForce::Wind& wind, double scale, c
   for (const Triangle& t : triangles)
     if (const Vec3 middle = middle_of(shown, t); surface.meets_air(middle))
       x.push_back(middle), facing.push_back(facing_of(shown, t));
-  blow(wind, scale, part, x, facing, std::vector<std::int32_t>(x.size(), 0), v, time, dt, Q, {});
+  blow(step, part, x, facing, std::vector<std::int32_t>(x.size(), 0), v, Q, {});
 }
 
-void WindOnBody::add_on_nodes(const AppliedForce::Wind& wind, double scale, const Display& display,
-                              std::span<const double> q, std::span<const double> v, double time, double dt,
-                              std::span<double> Q, std::span<Mat3> resistance) const {
+void WindOnBody::add_on_nodes(const AirStep& step, const Display& display, std::span<const double> q,
+                              std::span<const double> v, std::span<double> Q, std::span<Mat3> resistance) const {
   const auto at = [](std::span<const double> x, std::size_t i) { return Eigen::Map<const Vec3>(x.data() + 3 * i); };
   const auto velocity = [&](std::size_t i) { return Eigen::Map<const Vec3>(v.data() + per_node_ * i); };
   const auto add = [&](std::size_t i, const Vec3& f) { Eigen::Map<Vec3>(Q.data() + per_node_ * i) += f; };
@@ -198,14 +201,13 @@ void WindOnBody::add_on_nodes(const AppliedForce::Wind& wind, double scale, cons
   std::vector<Vec3> x(n);
   for (std::size_t k = 0; k < n; ++k)
     x[k] = lines ? Vec3(0.5 * (at(q, display.lines[k][0]) + at(q, display.lines[k][1]))) : Vec3(at(q, k));
-  std::vector<Vec3> flow(n, wind.velocity);
-  if (wind.field) wind.field(time, x, flow);
+  const std::vector<Vec3> flow = step.velocity_at(x);
   const bool limited = resistance.empty();
   double slope = 0.0;
   if (!lines) {
     for (std::size_t i = 0; i < n; ++i) {
       const double mass = limited ? nodes_[i] : 0.0;
-      add(i, drag(wind, scale * flow[i] - velocity(i), std::numbers::pi * r * r, mass, dt, slope));
+      add(i, drag(step, step.scale * flow[i] - velocity(i), std::numbers::pi * r * r, mass, slope));
       if (!limited) resistance[i] += slope * Mat3::Identity();
     }
     return;
@@ -218,9 +220,9 @@ void WindOnBody::add_on_nodes(const AppliedForce::Wind& wind, double scale, cons
     const Vec3 along = at(q, b) - at(q, a);
     const double length = along.norm();
     if (!(length > 0.0)) continue;
-    const Vec3 e = along / length, air = scale * flow[k] - 0.5 * (velocity(a) + velocity(b));
+    const Vec3 e = along / length, air = step.scale * flow[k] - 0.5 * (velocity(a) + velocity(b));
     const double mass = limited ? nodes_[a] / ends[a] + nodes_[b] / ends[b] : 0.0;
-    const Vec3 f = 0.5 * drag(wind, air - e * e.dot(air), 2.0 * r * length, mass, dt, slope);
+    const Vec3 f = 0.5 * drag(step, air - e * e.dot(air), 2.0 * r * length, mass, slope);
     add(a, f), add(b, f);
     if (!limited)
       for (const std::size_t i : {a, b}) resistance[i] += 0.5 * slope * (Mat3::Identity() - e * e.transpose());

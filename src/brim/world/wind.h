@@ -19,6 +19,16 @@ bool yields_implicitly(const Body& body);
 /// [kg] lumped mass per node: row sums of the mass matrix; shape (q / 3).
 std::vector<double> node_masses(const Body& body);
 
+/// The air of a wind over a sub-step.
+struct AirStep {
+  const AppliedForce::Wind& wind;
+  double scale = 1.0;  ///< of the air's velocity
+  double time = 0.0;   ///< [s]
+  double dt = 0.0;     ///< [s]
+  /// [m/s] The air's velocity at each place, before `scale`. @param x  [m]
+  std::vector<Vec3> velocity_at(std::span<const Vec3> x) const;
+};
+
 /// Wind on a body's display geometry (AppliedForce::Wind), with c the air's velocity relative to the material:
 ///   triangles  f = ½ ρ A |c|² (ĉ·n) (D (ĉ·n) ĉ + L (n − (ĉ·n) ĉ)), on both sides of a sheet, on the windward side of
 ///              solids and, where it meets air, of a changing surface (ChangingSurface)
@@ -37,11 +47,10 @@ class WindOnBody {
   WindOnBody(std::span<const WorldPart> parts, std::span<const double> q, double ramp_voxels);
   /// True when the display has nothing that air could push.
   bool empty() const { return faces_.empty() && nodes_.empty() && !changing_; }
-  /// Adds the generalised force, [N]. @param scale  of the air's velocity  @param q, v, Q  of the body
+  /// Adds the generalised force, [N]. @param q, v, Q  of the body
   /// @param resistance  [kg/s] R of its nodes is added to it; empty: the force is limited instead
-  void add_force(const AppliedForce::Wind& wind, double scale, std::span<const WorldPart> parts,
-                 std::span<const double> q, std::span<const double> v, double time, double dt, std::span<double> Q,
-                 std::span<Mat3> resistance);
+  void add_force(const AirStep& step, std::span<const WorldPart> parts, std::span<const double> q,
+                 std::span<const double> v, std::span<double> Q, std::span<Mat3> resistance);
 
  private:
   /// Triangles of one part.
@@ -50,14 +59,12 @@ class WindOnBody {
     MatterPoints middles;
     std::vector<std::size_t> triangle;  ///< of the display
   };
-  void add_on_faces(const AppliedForce::Wind& wind, double scale, Faces& faces, const WorldPart& part,
-                    std::span<const double> q, std::span<const double> v, double time, double dt, std::span<double> Q,
-                    std::span<Mat3> resistance);
-  void add_on_changing(const AppliedForce::Wind& wind, double scale, const WorldPart& part, std::span<const double> v,
-                       double time, double dt, std::span<double> Q) const;
-  void add_on_nodes(const AppliedForce::Wind& wind, double scale, const Display& display, std::span<const double> q,
-                    std::span<const double> v, double time, double dt, std::span<double> Q,
-                    std::span<Mat3> resistance) const;
+  static void add_on_faces(const AirStep& step, Faces& faces, const WorldPart& part, std::span<const double> q,
+                           std::span<const double> v, std::span<double> Q, std::span<Mat3> resistance);
+  static void add_on_changing(const AirStep& step, const WorldPart& part, std::span<const double> v,
+                              std::span<double> Q);
+  void add_on_nodes(const AirStep& step, const Display& display, std::span<const double> q, std::span<const double> v,
+                    std::span<double> Q, std::span<Mat3> resistance) const;
 
   std::vector<Faces> faces_;
   std::vector<double> nodes_;  ///< [kg] of lines and points
