@@ -97,6 +97,7 @@ export class App {
 
   /** Loads the run, then keeps up with it; waits for a server that is not there yet. */
   async start(): Promise<void> {
+    if (!this.bare) this.notices.set('load', 'Reading the run…');
     for (;;) {
       try {
         await this.load();
