@@ -50,7 +50,8 @@ class Levels(Folder):
         theirs = self.run_program(path, self.folder / "program")
         world = brim.load(path)
         for frame in range(1, 13):
-            world.step(2)
+            for _ in range(SCENE["steps_per_frame"]):
+                world.step()
             self.assertEqual(world.save(), theirs.state(frame))
         path.write_text(json.dumps(SCENE))
         self.assertNotEqual(self.run_program(path, self.folder / "fine").state(12), theirs.state(12))
