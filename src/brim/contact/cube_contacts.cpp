@@ -1,6 +1,7 @@
 #include "brim/contact/cube_contacts.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 

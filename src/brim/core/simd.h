@@ -1,6 +1,5 @@
 #pragma once
 
-#include <bit>
 #include <cstdint>
 #include <cstring>
 
@@ -29,7 +28,7 @@ typedef float FloatLanes __attribute__((vector_size(kLanes * sizeof(float))));
 typedef std::int64_t LaneFlags __attribute__((vector_size(kLanes * sizeof(double))));
 typedef std::int32_t LaneIds __attribute__((vector_size(kLanes * sizeof(std::int32_t))));
 
-/// Eight numbers in single precision: as wide as Lanes.
+/// Eight numbers in single precision: as wide as Lanes. For more at once see core/widest.h.
 inline constexpr int kWideLanes = 8;
 typedef float WideFloats __attribute__((vector_size(kWideLanes * sizeof(float))));
 typedef std::int32_t WideIds __attribute__((vector_size(kWideLanes * sizeof(std::int32_t))));
@@ -47,22 +46,13 @@ BRIM_INLINE WideIds load_wide(const std::int32_t* at) {
 BRIM_INLINE void store_wide(const WideFloats& r, float* at) { std::memcpy(at, &r, sizeof r); }
 BRIM_INLINE void store_wide(const WideIds& r, std::int32_t* at) { std::memcpy(at, &r, sizeof r); }
 
-/// As many floats as the widest registers (AVX-512) hold.
-inline constexpr int kWidestLanes = 16;
-typedef float WidestFloats __attribute__((vector_size(kWidestLanes * sizeof(float))));
-typedef std::int32_t WidestIds __attribute__((vector_size(kWidestLanes * sizeof(std::int32_t))));
-BRIM_INLINE WidestFloats load_widest(const float* at) {
-  WidestFloats r;
-  std::memcpy(&r, at, sizeof r);
-  return r;
-}
-
 /// Bit l of the result is set where flag l is −1 and clear where it is 0.
 BRIM_INLINE std::uint8_t bits_of(const WideIds& flags) {
-  typedef std::int8_t Bytes __attribute__((vector_size(kWideLanes)));
-  // One bit of each byte, then all of them summed into the highest byte.
-  const auto bytes = std::bit_cast<std::uint64_t>(__builtin_convertvector(flags, Bytes)) & 0x8040201008040201u;
-  return static_cast<std::uint8_t>(bytes * 0x0101010101010101u >> 56);
+  const WideIds bit = flags & WideIds{1, 2, 4, 8, 16, 32, 64, 128};
+  LaneIds all = __builtin_shufflevector(bit, bit, 0, 1, 2, 3) | __builtin_shufflevector(bit, bit, 4, 5, 6, 7);
+  all |= __builtin_shufflevector(all, all, 2, 3, 0, 1);
+  all |= __builtin_shufflevector(all, all, 1, 0, 3, 2);
+  return static_cast<std::uint8_t>(all[0]);
 }
 
 /// Four numbers from memory at any address, and back.

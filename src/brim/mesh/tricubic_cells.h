@@ -57,45 +57,43 @@ BRIM_INLINE float smooth_value(const float* first, std::ptrdiff_t nx, std::ptrdi
   return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-BRIM_INLINE WidestFloats joined(const FloatLanes& a, const FloatLanes& b, const FloatLanes& c, const FloatLanes& d) {
-  const WideFloats low = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7),
-                   high = __builtin_shufflevector(c, d, 0, 1, 2, 3, 4, 5, 6, 7);
-  return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+BRIM_INLINE WideFloats joined(const FloatLanes& a, const FloatLanes& b) {
+  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
-/// Numbers 4 l to 4 l + 3.
-template <int l>
-BRIM_INLINE FloatLanes line_of(const WidestFloats& v) {
-  return FloatLanes(__builtin_shufflevector(v, v, 4 * l, 4 * l + 1, 4 * l + 2, 4 * l + 3));
-}
-
-/// Values at up to four places from p on: along z in all 16 lines of a place at once, along y in those of all places,
-/// and along x.
+/// Values at up to four places from p on: along z in all 16 lines of a place, along y in those of all places, and along
+/// x; two lines at a time, or two places.
 template <int kMost>
 BRIM_INLINE FloatLanes kinked_values(const TricubicCells& cells, const KinkedPlaces<kMost>& at, int p) {
-  const WidestFloats all = WidestFloats{} + cells.inverse;
+  const WideFloats all = WideFloats{} + cells.inverse;
   const std::ptrdiff_t nx = cells.nx;
-  WidestFloats z[4] = {};
-  for (int i = 0; i < 4 && p + i < at.count; ++i) {
-    WidestFloats plane[4];
-    for (int m = 0; m < 4; ++m) {
-      const float* line = at.first[p + i] + m * cells.nxy;
-      plane[m] = joined(load_lanes(line), load_lanes(line + nx), load_lanes(line + 2 * nx), load_lanes(line + 3 * nx));
+  WideFloats z[4][2] = {};
+  for (int i = 0; i < 4 && p + i < at.count; ++i)
+    for (int half = 0; half < 2; ++half) {
+      WideFloats plane[4];
+      for (int m = 0; m < 4; ++m) {
+        const float* line = at.first[p + i] + 2 * half * nx + m * cells.nxy;
+        plane[m] = joined(load_lanes(line), load_lanes(line + nx));
+      }
+      z[i][half] = kinked_cubic(plane[0], plane[1], plane[2], plane[3], WideFloats{} + at.z[p + i], all);
     }
-    z[i] = kinked_cubic(plane[0], plane[1], plane[2], plane[3], WidestFloats{} + at.z[p + i], all);
-  }
   const FloatLanes ty = load_lanes(at.y + p), tx = load_lanes(at.x + p);
-  // Line l of each place: its four numbers along x.
-  const WidestFloats y =
-      kinked_cubic(joined(line_of<0>(z[0]), line_of<0>(z[1]), line_of<0>(z[2]), line_of<0>(z[3])),
-                   joined(line_of<1>(z[0]), line_of<1>(z[1]), line_of<1>(z[2]), line_of<1>(z[3])),
-                   joined(line_of<2>(z[0]), line_of<2>(z[1]), line_of<2>(z[2]), line_of<2>(z[3])),
-                   joined(line_of<3>(z[0]), line_of<3>(z[1]), line_of<3>(z[2]), line_of<3>(z[3])),
-                   WidestFloats(__builtin_shufflevector(ty, ty, 0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3)), all);
-  return kinked_cubic(FloatLanes(__builtin_shufflevector(y, y, 0, 4, 8, 12)),
-                      FloatLanes(__builtin_shufflevector(y, y, 1, 5, 9, 13)),
-                      FloatLanes(__builtin_shufflevector(y, y, 2, 6, 10, 14)),
-                      FloatLanes(__builtin_shufflevector(y, y, 3, 7, 11, 15)), tx, FloatLanes{} + cells.inverse);
+  const auto along_y = [&](const WideFloats(&a)[2], const WideFloats(&b)[2], const WideFloats& t) BRIM_LAMBDA_INLINE {
+    const auto lower = [&](int half) BRIM_LAMBDA_INLINE {
+      return WideFloats(__builtin_shufflevector(a[half], b[half], 0, 1, 2, 3, 8, 9, 10, 11));
+    };
+    const auto upper = [&](int half) BRIM_LAMBDA_INLINE {
+      return WideFloats(__builtin_shufflevector(a[half], b[half], 4, 5, 6, 7, 12, 13, 14, 15));
+    };
+    return kinked_cubic(lower(0), upper(0), lower(1), upper(1), t, all);
+  };
+  // Four numbers along x of each place.
+  const WideFloats y0 = along_y(z[0], z[1], __builtin_shufflevector(ty, ty, 0, 0, 0, 0, 1, 1, 1, 1)),
+                   y1 = along_y(z[2], z[3], __builtin_shufflevector(ty, ty, 2, 2, 2, 2, 3, 3, 3, 3));
+  return kinked_cubic(FloatLanes(__builtin_shufflevector(y0, y1, 0, 4, 8, 12)),
+                      FloatLanes(__builtin_shufflevector(y0, y1, 1, 5, 9, 13)),
+                      FloatLanes(__builtin_shufflevector(y0, y1, 2, 6, 10, 14)),
+                      FloatLanes(__builtin_shufflevector(y0, y1, 3, 7, 11, 15)), tx, FloatLanes{} + cells.inverse);
 }
 
 /// Values at the places of every bit i < kMost of `wanted`.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 
@@ -102,9 +103,8 @@ BRIM_INLINE WideFloats wide_ramp(const WideFloats& d, float inverse_w) {
 
 /// Writes eight densities and their sources. @param group  index of the first of the nodes in the block
 BRIM_INLINE void store_group(const WideFloats& rho, const WideIds& source, int group, DensityBlock& block) {
-  typedef double WideDoubles __attribute__((vector_size(kWideLanes * sizeof(double))));
-  const WideDoubles d = __builtin_convertvector(rho, WideDoubles);
-  std::memcpy(block.rho + group, &d, sizeof d);
+  store_lanes(block.rho + group, to_double(__builtin_shufflevector(rho, rho, 0, 1, 2, 3)));
+  store_lanes(block.rho + group + kLanes, to_double(__builtin_shufflevector(rho, rho, 4, 5, 6, 7)));
   store_wide(source, block.source + group);
 }
 

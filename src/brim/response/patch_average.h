@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "brim/core/simd.h"
+#include "brim/core/widest.h"
 #include "brim/math/types.h"
 
 namespace brim {
@@ -38,7 +38,7 @@ class PatchLattice {
   std::vector<std::array<std::int64_t, 3>> used_;  ///< sorted, when the lattice is not dense
 };
 
-/// A field on a lattice. @tparam Value  one float, or several processed together (core/simd.h)
+/// A field on a lattice. @tparam Value  one float, or several processed together (core/widest.h)
 template <class Value>
 class PatchField {
  public:

@@ -5,7 +5,7 @@
 #include <cstring>
 
 #include "brim/contact/tangent_frame.h"
-#include "brim/core/simd.h"
+#include "brim/core/widest.h"
 #include "brim/math/wide_vectors.h"
 
 namespace brim {
@@ -48,7 +48,7 @@ BRIM_INLINE WideFloats curvature(const WideFloats* m, const WideVectors& n) {
 
 /// Spreads the data of `count` contacts from c on: ∇ρ_a − ∇ρ_b and the two tensors, by their weights.
 BRIM_WIDE void spread(const ContactSet& contacts, std::size_t c, std::size_t count, const float* weight,
-                      const PatchLattice& lattice, PatchField<WidestFloats>& field) {
+                      const PatchLattice& lattice, PatchField<InTwo::Floats>& field) {
   const float *ga = contacts.gradient_a.data()->data(), *gb = contacts.gradient_b.data()->data();
   const float *bend_a = contacts.bend_a.data()->data(), *bend_b = contacts.bend_b.data()->data();
   for (std::size_t first = 0; first < count; first += kWideLanes) {
@@ -59,21 +59,22 @@ BRIM_WIDE void spread(const ContactSet& contacts, std::size_t c, std::size_t cou
     unpack(a, load_threes(bend_a + at, n), row + 3);
     unpack(b, load_threes(bend_b + at, n), row + 9);
     for (int l = 0; l < n; ++l) {
-      WidestFloats sample;
+      float sample[kWidestLanes];
       for (int i = 0; i < kWidestLanes; ++i) sample[i] = row[i][l];
-      field.add(lattice[first + l], weight[first + l] * sample);
+      field.add(lattice[first + l], weight[first + l] * load_widest<InTwo>(sample));
     }
   }
 }
 
 /// Curvatures of both parts about each contact, perpendicular to the direction of the force there.
-BRIM_WIDE void read_curvatures(const PatchField<WidestFloats>& field, const PatchLattice& lattice, std::size_t count,
+BRIM_WIDE void read_curvatures(const PatchField<InTwo::Floats>& field, const PatchLattice& lattice, std::size_t count,
                                float* of_a, float* of_b) {
   for (std::size_t first = 0; first < count; first += kWideLanes) {
     const int n = static_cast<int>(std::min<std::size_t>(kWideLanes, count - first));
     WideFloats row[kWidestLanes] = {};
     for (int l = 0; l < n; ++l) {
-      const WidestFloats sample = field.at(lattice[first + l]);
+      float sample[kWidestLanes];
+      store_lanes(sample, field.at(lattice[first + l]));
       for (int i = 0; i < kWidestLanes; ++i) row[i][l] = sample[i];
     }
     const WideVectors g{row[0], row[1], row[2]};

@@ -31,7 +31,7 @@ class PatchNormals {
 
  private:
   /// Force and the two curvature tensors as xx, yy, zz, xy, xz, yz, of a neighbourhood; the last entry is unused.
-  using Sample = WidestFloats;
+  using Sample = InTwo::Floats;
 
   PatchLattice lattice_;
   PatchField<Sample> average_;

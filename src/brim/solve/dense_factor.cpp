@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "brim/core/simd.h"
+#include "brim/core/widest.h"
 #include "brim/solve/panel.h"
 
 namespace brim {
@@ -22,7 +22,8 @@ BRIM_INLINE void for_blocks(std::size_t n, bool backward, const F& f) {
 }
 
 /// x := L⁻¹ x, then L⁻ᵀ x. @param L  as panel::factor leaves it @param x  zero for a pad past n
-BRIM_WIDE void solve_both(const float* L, std::size_t stride, std::size_t n, float* x) {
+template <class Widest>
+BRIM_INLINE void solve_columns(const float* L, std::size_t stride, std::size_t n, float* x) {
   for_blocks(n, false, [&](std::size_t first, std::size_t width) BRIM_LAMBDA_INLINE {
     const float* square = L + first * stride + first;
     float y[kBlock] = {};
@@ -30,23 +31,24 @@ BRIM_WIDE void solve_both(const float* L, std::size_t stride, std::size_t n, flo
       for (std::size_t i = j; i < width; ++i) y[i] += square[j * stride + i] * x[first + j];
     std::copy(y, y + width, x + first);
     for (std::size_t i = first + width; i < n; i += kWidestLanes) {
-      WidestFloats below = load_widest(x + i);
-      for (std::size_t j = 0; j < width; ++j) below -= load_widest(L + (first + j) * stride + i) * y[j];
+      auto below = load_widest<Widest>(x + i);
+      for (std::size_t j = 0; j < width; ++j) below -= load_widest<Widest>(L + (first + j) * stride + i) * y[j];
       store_lanes(x + i, below);
     }
     for (std::size_t i = n; i < n + panel::kPad; ++i) x[i] = 0.0f;
   });
   for_blocks(n, true, [&](std::size_t first, std::size_t width) BRIM_LAMBDA_INLINE {
-    WidestFloats sum[kBlock] = {};
+    typename Widest::Floats sum[kBlock] = {};
     for (std::size_t i = first + width; i < n; i += kWidestLanes) {
-      const WidestFloats below = load_widest(x + i);
-      for (std::size_t j = 0; j < width; ++j) sum[j] += load_widest(L + (first + j) * stride + i) * below;
+      const auto below = load_widest<Widest>(x + i);
+      for (std::size_t j = 0; j < width; ++j) sum[j] += load_widest<Widest>(L + (first + j) * stride + i) * below;
     }
     const float* square = L + first * stride + first;
     float y[kBlock];
     for (std::size_t j = 0; j < width; ++j) {
-      float s = 0.0f;
-      for (int l = 0; l < kWidestLanes; ++l) s += sum[j][l];
+      float s = 0.0f, lane[kWidestLanes];
+      store_lanes(lane, sum[j]);
+      for (const float of_lane : lane) s += of_lane;
       y[j] = x[first + j] - s;
     }
     for (std::size_t j = 0; j < width; ++j) {
@@ -56,6 +58,9 @@ BRIM_WIDE void solve_both(const float* L, std::size_t stride, std::size_t n, flo
     }
   });
 }
+
+BRIM_WIDEST(solve_both, (const float* L, std::size_t stride, std::size_t n, float* x),
+            solve_columns<Widest>(L, stride, n, x))
 
 }  // namespace
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "brim/core/simd.h"
+#include "brim/core/widest.h"
 
 namespace brim::panel {
 
@@ -71,15 +71,13 @@ BRIM_INLINE void divide(float* square, std::size_t stride, std::size_t from, std
   }
 }
 
-}  // namespace
-
 /// c[j] = Σ_k a_k b_kj for sixteen rows and N columns.
-template <int N>
+template <class Widest, int N>
 BRIM_INLINE void multiply_columns(const float* a, const float* b, std::size_t stride, std::size_t depth, float* c,
                                   std::size_t out) {
-  WidestFloats s[N] = {};
+  typename Widest::Floats s[N] = {};
   for (std::size_t k = 0; k < depth; ++k, a += stride, b += stride) {
-    const WidestFloats x = load_widest(a);
+    const auto x = load_widest<Widest>(a);
 #pragma GCC unroll 12
     for (int j = 0; j < N; ++j) s[j] += x * b[j];
   }
@@ -87,14 +85,27 @@ BRIM_INLINE void multiply_columns(const float* a, const float* b, std::size_t st
   for (int j = 0; j < N; ++j, c += out) store_lanes(c, s[j]);
 }
 
-BRIM_WIDE void multiply_transposed(const float* a, const float* b, std::size_t stride, std::size_t rows,
-                                   std::size_t columns, std::size_t depth, float* c) {
+template <class Widest>
+BRIM_INLINE void multiply_rows(const float* a, const float* b, std::size_t stride, std::size_t rows,
+                               std::size_t columns, std::size_t depth, float* c) {
   const std::size_t out = padded(rows);
   for (std::size_t i = 0; i < rows; i += kWidestLanes) {
     std::size_t j = 0;
-    for (; j + 6 <= columns; j += 6) multiply_columns<6>(a + i, b + j, stride, depth, c + j * out + i, out);
-    for (; j < columns; j += 3) multiply_columns<3>(a + i, b + j, stride, depth, c + j * out + i, out);
+    for (; j + 6 <= columns; j += 6) multiply_columns<Widest, 6>(a + i, b + j, stride, depth, c + j * out + i, out);
+    for (; j < columns; j += 3) multiply_columns<Widest, 3>(a + i, b + j, stride, depth, c + j * out + i, out);
   }
+}
+
+BRIM_WIDEST(multiply,
+            (const float* a, const float* b, std::size_t stride, std::size_t rows, std::size_t columns,
+             std::size_t depth, float* c),
+            multiply_rows<Widest>(a, b, stride, rows, columns, depth, c))
+
+}  // namespace
+
+void multiply_transposed(const float* a, const float* b, std::size_t stride, std::size_t rows, std::size_t columns,
+                         std::size_t depth, float* c) {
+  multiply(a, b, stride, rows, columns, depth, c);
 }
 
 BRIM_WIDE void subtract_runs(const float* product, std::size_t stride, const Run* run, std::size_t runs,

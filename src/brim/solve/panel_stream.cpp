@@ -4,7 +4,7 @@
 #include <cmath>
 #include <type_traits>
 
-#include "brim/core/simd.h"
+#include "brim/core/widest.h"
 
 namespace brim::panel {
 
@@ -69,9 +69,10 @@ BRIM_INLINE float step_for(float, float) { return 1.0f; }
 BRIM_INLINE float step_for(Triple, float most) { return most / (static_cast<float>(1 << kThird) * kSteps); }
 BRIM_INLINE float inverse_step(float, float) { return 1.0f; }
 BRIM_INLINE float inverse_step(Triple, float most) { return most > 0.0f ? kSteps / most : 0.0f; }
-BRIM_INLINE void encode(WideFloats x, int, float* out) { store_wide(x, out); }
+BRIM_INLINE void encode(const WideFloats& x, int, float* out) { store_wide(x, out); }
 /// Writes the number of a triple that `which` tells; the first one clears the word.
-BRIM_INLINE void encode(WideFloats x, int which, Triple* out) {  // to the nearest: what is cut off here is positive
+BRIM_INLINE void encode(const WideFloats& x, int which,
+                        Triple* out) {  // to the nearest: what is cut off here is positive
   const WideIds n = __builtin_convertvector(x + kLift, WideIds) - (kSteps + 1);
   const int shift = which == 0 ? kFirst : which == 1 ? kSecond : kThird;
   WideIds word = which == 0 ? WideIds{} : load(out);
@@ -95,25 +96,16 @@ BRIM_INLINE Three decode(const Triple* stream) {
 }
 
 /// Sixteen rows of three columns: those of two chunks that follow one another.
+template <class Widest>
 struct WideThree {
-  WidestFloats column[3];
+  typename Widest::Floats column[3];
 };
-template <class V>
-BRIM_INLINE auto joined(const V& a, const V& b) {
-  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-}
-BRIM_INLINE WideThree decode_two(const float* stream, const float* next) {
-  WideThree r;
-  for (int i = 0; i < 3; ++i)
-    r.column[i] = joined(load_wide(stream + i * kWideLanes), load_wide(next + i * kWideLanes));
+template <class Widest, class T>
+BRIM_INLINE WideThree<Widest> decode_two(const T* stream, const T* next) {
+  const Three a = decode(stream), b = decode(next);
+  WideThree<Widest> r;
+  for (int i = 0; i < 3; ++i) r.column[i] = joined<Widest>(a.column[i], b.column[i]);
   return r;
-}
-BRIM_INLINE WideThree decode_two(const Triple* stream, const Triple* next) {
-  constexpr auto kHigh = static_cast<std::int32_t>(kTenBits << kThird);
-  const WidestIds w = joined(load(stream), load(next));
-  return {{__builtin_convertvector(w << (kThird - kFirst), WidestFloats),
-           __builtin_convertvector((w << (kThird - kSecond)) & kHigh, WidestFloats),
-           __builtin_convertvector(w & kHigh, WidestFloats)}};
 }
 
 /// The largest magnitude of some numbers.
@@ -171,7 +163,7 @@ BRIM_INLINE void square_product(const float* s, const float* v, float (&x)[2 * k
 }
 
 /// y -= B x, B the N columns of a block as a stream.
-template <int N, class T>
+template <class Widest, int N, class T>
 BRIM_INLINE void subtract_product(const T* stream, const float* x, std::size_t n, float* y) {
   const auto sum_of = [x](const auto& of) BRIM_LAMBDA_INLINE {
     auto b = of(0);
@@ -186,10 +178,10 @@ BRIM_INLINE void subtract_product(const T* stream, const float* x, std::size_t n
   for (; n >= 2; n -= 2, y += kWidestLanes, stream += 2 * kChunk) {
     const auto two = [stream](int k) BRIM_LAMBDA_INLINE {
       const T* at = stream + chunk_size<T>(static_cast<std::size_t>(k));
-      return decode_two(at, at + kChunk);
+      return decode_two<Widest>(at, at + kChunk);
     };
     ask_for(stream + kBytesAhead / sizeof(T), 2 * kChunk);
-    store_lanes(y, WidestFloats(load_widest(y) - sum_of(two)));
+    store_lanes(y, typename Widest::Floats(load_widest<Widest>(y) - sum_of(two)));
   }
   if (n == 0) return;
   const auto one = [stream](int k)
@@ -220,14 +212,14 @@ BRIM_INLINE void ask_for_square(const float* square, std::ptrdiff_t blocks) {
   ask_for(square + blocks * kSize, kSize);
 }
 
-template <int N, class T>
+template <class Widest, int N, class T>
 BRIM_INLINE void forward_block(const Stream<T>& panel, const T* stream, std::size_t first, std::size_t n, float* y) {
   float x[2 * kWideLanes];
   ask_for_square(panel.column + first * kSquare, kAhead);
   square_product<N>(panel.column + first * kSquare, y + first, x);
   std::copy_n(x, N, y + first);
   for (int k = 0; k < N; ++k) x[k] *= panel.step[first + static_cast<std::size_t>(k)];
-  subtract_product<N>(stream, x, n, y + first + N);
+  subtract_product<Widest, N>(stream, x, n, y + first + N);
 }
 
 template <int N, class T>
@@ -241,23 +233,23 @@ BRIM_INLINE void backward_block(const Stream<T>& panel, const T* stream, std::si
   std::copy_n(x, N, y + first);
 }
 
-template <class T>
+template <class Widest, class T>
 BRIM_INLINE void forward(const Stream<T>& panel, std::size_t rows, std::size_t width, float* y) {
   const T* stream = panel.below;
   for (std::size_t first = 0; first < width; first += kBlock) {
     const std::size_t block = std::min(kBlock, width - first), n = chunks(rows - first - block);
     switch (block) {
       case 3:
-        forward_block<3>(panel, stream, first, n, y);
+        forward_block<Widest, 3>(panel, stream, first, n, y);
         break;
       case 6:
-        forward_block<6>(panel, stream, first, n, y);
+        forward_block<Widest, 6>(panel, stream, first, n, y);
         break;
       case 9:
-        forward_block<9>(panel, stream, first, n, y);
+        forward_block<Widest, 9>(panel, stream, first, n, y);
         break;
       default:
-        forward_block<12>(panel, stream, first, n, y);
+        forward_block<Widest, 12>(panel, stream, first, n, y);
     }
     stream += n * chunk_size<T>(block);
   }
@@ -286,6 +278,11 @@ BRIM_INLINE void backward(const Stream<T>& panel, std::size_t rows, std::size_t 
   }
 }
 
+BRIM_WIDEST(solve_floats, (const Stream<float>& panel, std::size_t rows, std::size_t width, float* y),
+            forward<Widest>(panel, rows, width, y))
+BRIM_WIDEST(solve_triples, (const Stream<Triple>& panel, std::size_t rows, std::size_t width, float* y),
+            forward<Widest>(panel, rows, width, y))
+
 }  // namespace
 
 template <class T>
@@ -309,11 +306,11 @@ BRIM_WIDE void make_stream(const float* panel, std::size_t stride, std::size_t r
                            const Stream<Triple>& out) {
   to_stream(panel, stride, rows, width, out);
 }
-BRIM_WIDE void solve_forward(const Stream<float>& panel, std::size_t rows, std::size_t width, float* y) {
-  forward(panel, rows, width, y);
+void solve_forward(const Stream<float>& panel, std::size_t rows, std::size_t width, float* y) {
+  solve_floats(panel, rows, width, y);
 }
-BRIM_WIDE void solve_forward(const Stream<Triple>& panel, std::size_t rows, std::size_t width, float* y) {
-  forward(panel, rows, width, y);
+void solve_forward(const Stream<Triple>& panel, std::size_t rows, std::size_t width, float* y) {
+  solve_triples(panel, rows, width, y);
 }
 BRIM_WIDE void solve_backward(const Stream<float>& panel, std::size_t rows, std::size_t width, float* y) {
   backward(panel, rows, width, y);

@@ -1,8 +1,9 @@
 #include "brim/world/coarse_grid_lanes.h"
 
 #include <algorithm>
+#include <bit>
 
-#include "brim/core/simd.h"
+#include "brim/core/widest.h"
 
 namespace brim::coarse_grid_lanes {
 
@@ -18,22 +19,21 @@ BRIM_INLINE std::size_t around(std::int32_t difference, std::int32_t width, std:
 }
 
 /// sum_Ik += w_I part_k
+template <class Widest>
 BRIM_INLINE void add_outer(const float* weight, const WideFloats (&part)[9], float* sum) {
-  WidestFloats two[4];
-  for (int k = 0; k < 4; ++k)
-    two[k] =
-        __builtin_shufflevector(part[2 * k], part[2 * k + 1], 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+  typename Widest::Floats two[4];
+  for (int k = 0; k < 4; ++k) two[k] = joined<Widest>(part[2 * k], part[2 * k + 1]);
   for (int I = 0; I < 8; ++I, sum += 9 * kWideLanes) {
     for (int k = 0; k < 4; ++k)
-      store_lanes(sum + k * kWidestLanes, WidestFloats(load_widest(sum + k * kWidestLanes) + weight[I] * two[k]));
+      store_lanes(sum + k * kWidestLanes,
+                  typename Widest::Floats(load_widest<Widest>(sum + k * kWidestLanes) + weight[I] * two[k]));
     store_wide(load_wide(sum + 8 * kWideLanes) + weight[I] * part[8], sum + 8 * kWideLanes);
   }
 }
 
-}  // namespace
-
-BRIM_WIDE void add_rows(const Rows& rows, const std::int32_t* row, std::size_t n, std::size_t node, float* sum,
-                        std::uint32_t& used) {
+template <class Widest>
+BRIM_INLINE void sum_rows(const Rows& rows, const std::int32_t* row, std::size_t n, std::size_t node, float* sum,
+                          std::uint32_t& used) {
   WideFloats others[kAround][9];
   for (std::size_t k = 0; k < n; ++k, ++node) {
     const std::int32_t r = row[k], code = rows.code[node];
@@ -68,28 +68,18 @@ BRIM_WIDE void add_rows(const Rows& rows, const std::int32_t* row, std::size_t n
       const int c = std::countr_zero(rest);
       float* to = sum + static_cast<std::size_t>(c) * kPair;
       if ((used >> c & 1) == 0) used |= 1u << c, clear(to);
-      add_outer(rows.weight + 8 * node, c == kSelf ? own : others[c], to);
+      add_outer<Widest>(rows.weight + 8 * node, c == kSelf ? own : others[c], to);
     }
   }
 }
 
-BRIM_WIDE void see(Sight& s, int cell, const float* J, const float* weight) {
-  const WideFloats w = load_wide(weight);
-  float(&motion)[9][8] = s.motion[cell];
-  const int count = s.plain ? 1 : 9;
-  if ((s.used >> cell & 1) == 0) {
-    s.used = static_cast<std::uint8_t>(s.used | 1 << cell);
-    for (int k = 0; k < count; ++k) store_wide(WideFloats{}, motion[k]);
-  }
-  for (int k = 0; k < count; ++k) store_wide(load_wide(motion[k]) + J[k] * w, motion[k]);
-}
-
-BRIM_WIDE void add_contact(const Sight& s, int a, int b, const float* K, float* sum) {
+template <class Widest>
+BRIM_INLINE void sum_contact(const Sight& s, int a, int b, const float* K, float* sum) {
   if (s.plain) {
     const WideFloats m = load_wide(s.motion[b][0]);
     WideFloats part[9];
     for (int k = 0; k < 9; ++k) part[k] = K[k] * m;
-    add_outer(s.motion[a][0], part, sum);
+    add_outer<Widest>(s.motion[a][0], part, sum);
     return;
   }
   WideFloats KB[9];
@@ -104,6 +94,33 @@ BRIM_WIDE void add_contact(const Sight& s, int a, int b, const float* K, float* 
         float* to = sum + (3 * c + r) * kWideLanes;
         store_wide(load_wide(to) + (A(0) * KB[3 * c] + A(1) * KB[3 * c + 1] + A(2) * KB[3 * c + 2]), to);
       }
+}
+
+BRIM_WIDEST(widest_rows,
+            (const Rows& rows, const std::int32_t* row, std::size_t n, std::size_t node, float* sum,
+             std::uint32_t& used),
+            sum_rows<Widest>(rows, row, n, node, sum, used))
+BRIM_WIDEST(widest_contact, (const Sight& s, int a, int b, const float* K, float* sum),
+            sum_contact<Widest>(s, a, b, K, sum))
+
+}  // namespace
+
+void add_rows(const Rows& rows, const std::int32_t* row, std::size_t n, std::size_t node, float* sum,
+              std::uint32_t& used) {
+  widest_rows(rows, row, n, node, sum, used);
+}
+
+void add_contact(const Sight& s, int a, int b, const float* K, float* sum) { widest_contact(s, a, b, K, sum); }
+
+BRIM_WIDE void see(Sight& s, int cell, const float* J, const float* weight) {
+  const WideFloats w = load_wide(weight);
+  float(&motion)[9][8] = s.motion[cell];
+  const int count = s.plain ? 1 : 9;
+  if ((s.used >> cell & 1) == 0) {
+    s.used = static_cast<std::uint8_t>(s.used | 1 << cell);
+    for (int k = 0; k < count; ++k) store_wide(WideFloats{}, motion[k]);
+  }
+  for (int k = 0; k < count; ++k) store_wide(load_wide(motion[k]) + J[k] * w, motion[k]);
 }
 
 BRIM_WIDE void restrict_to(const float* weight, const std::int32_t* velocity, std::size_t n, const double* r,

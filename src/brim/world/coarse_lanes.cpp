@@ -1,18 +1,10 @@
 #include "brim/world/coarse_lanes.h"
 
-#include "brim/core/simd.h"
+#include "brim/core/widest.h"
 
 namespace brim::coarse_lanes {
 
 namespace {
-
-typedef double Row __attribute__((vector_size(8 * sizeof(double))));
-
-BRIM_INLINE Row load_row(const double* at) {
-  Row r;
-  std::memcpy(&r, at, sizeof r);
-  return r;
-}
 
 /// The fourth lane is unused.
 BRIM_INLINE Lanes cross(const Lanes& a, const Lanes& b) {
@@ -59,15 +51,16 @@ BRIM_WIDE void motion(const double* x, const double* t, const double* w, std::si
   }
 }
 
-}  // namespace
-
-BRIM_WIDE void add_contact(const double* a, const double* b, const double* K, PairSums& sum) {
+template <class Widest>
+BRIM_INLINE void sum_contact(const double* a, const double* b, const double* K, PairSums& sum) {
+  using Row = typename Widest::Doubles;
+  const auto load_row = [](const double* at) BRIM_LAMBDA_INLINE { return load_widest<Widest>(at); };
   Row Ka[3], Kb[3];
   for (int r = 0; r < 3; ++r) {
     Ka[r] = K[r] * load_row(a) + K[3 + r] * load_row(a + 8) + K[6 + r] * load_row(a + 16);
     Kb[r] = K[r] * load_row(b) + K[3 + r] * load_row(b + 8) + K[6 + r] * load_row(b + 16);
   }
-  const auto add = [](const double* s, const Row(&KS)[3], double sign, double* to) BRIM_LAMBDA_INLINE {
+  const auto add = [&](const double* s, const Row(&KS)[3], double sign, double* to) BRIM_LAMBDA_INLINE {
     store_lanes(to, Row(load_row(to) + sign * (s[0] * KS[0] + s[8] * KS[1] + s[16] * KS[2])));
   };
   for (int i = 0; i < 6; ++i) {
@@ -76,6 +69,13 @@ BRIM_WIDE void add_contact(const double* a, const double* b, const double* K, Pa
     add(a + i, Kb, -1.0, sum.ab[i]);
   }
 }
+
+BRIM_WIDEST(pair_contact, (const double* a, const double* b, const double* K, PairSums& sum),
+            sum_contact<Widest>(a, b, K, sum))
+
+}  // namespace
+
+void add_contact(const double* a, const double* b, const double* K, PairSums& sum) { pair_contact(a, b, K, sum); }
 
 void sum_wrench(std::span<const Vec3> place, const Vec3& c, std::span<const double> force, double* out) {
   wrench(place.front().data(), c.data(), force.data(), place.size(), out);

@@ -1,7 +1,7 @@
 #include "brim/body/particle_fluid/fluid_pairs.h"
 
 #include "brim/core/parallel.h"
-#include "brim/core/simd.h"
+#include "brim/core/widest.h"
 
 namespace brim {
 
@@ -23,24 +23,37 @@ namespace {
 /// Additions run side by side in this many chains: one alone would wait for itself at every neighbour.
 constexpr std::int32_t kChains = 4;
 
-typedef WidestFloats Chains;  ///< four vectors, one of each chain
-BRIM_INLINE Chains join(const FloatLanes& a, const FloatLanes& b, const FloatLanes& c, const FloatLanes& d) {
-  const WideFloats low = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
-  const WideFloats high = __builtin_shufflevector(c, d, 0, 1, 2, 3, 4, 5, 6, 7);
-  return __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+/// Four vectors, one of each chain.
+template <class Widest>
+using Chains = typename Widest::Floats;
+template <class Widest>
+BRIM_INLINE Chains<Widest> join(const FloatLanes& a, const FloatLanes& b, const FloatLanes& c, const FloatLanes& d) {
+  return joined<Widest>(__builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7),
+                        __builtin_shufflevector(c, d, 0, 1, 2, 3, 4, 5, 6, 7));
 }
 /// The chains together, with what was left over for the first.
-BRIM_INLINE FloatLanes sum_of(const Chains& s, const FloatLanes& rest) {
-  const FloatLanes s0 = __builtin_shufflevector(s, s, 0, 1, 2, 3), s1 = __builtin_shufflevector(s, s, 4, 5, 6, 7),
-                   s2 = __builtin_shufflevector(s, s, 8, 9, 10, 11), s3 = __builtin_shufflevector(s, s, 12, 13, 14, 15);
+template <class V>
+BRIM_INLINE FloatLanes sum_of(const V& s, const FloatLanes& rest) {
+  const WideFloats low = low_of(s), high = high_of(s);
+  const FloatLanes s0 = __builtin_shufflevector(low, low, 0, 1, 2, 3),
+                   s1 = __builtin_shufflevector(low, low, 4, 5, 6, 7),
+                   s2 = __builtin_shufflevector(high, high, 0, 1, 2, 3),
+                   s3 = __builtin_shufflevector(high, high, 4, 5, 6, 7);
   return ((s0 + rest) + s1) + (s2 + s3);
 }
 
+/// Asks for gradients a page ahead, beyond which a machine by itself does not look.
+BRIM_INLINE void prefetch(const FluidPairs::Vec4* x) { __builtin_prefetch(reinterpret_cast<const char*>(x) + 4096); }
+
 BRIM_INLINE FloatLanes all_of(float x) { return FloatLanes{x, x, x, x}; }
 BRIM_INLINE FloatLanes lanes(const FluidPairs::Vec4& x) { return load_lanes(x.data()); }
-BRIM_INLINE Chains chains(const FluidPairs::Vec4* x) { return load_widest(x->data()); }
-BRIM_INLINE Chains chains(const FluidPairs::Vec4* x, const std::int32_t* j) {
-  return join(lanes(x[j[0]]), lanes(x[j[1]]), lanes(x[j[2]]), lanes(x[j[3]]));
+template <class Widest>
+BRIM_INLINE Chains<Widest> chains(const FluidPairs::Vec4* x) {
+  return load_widest<Widest>(x->data());
+}
+template <class Widest>
+BRIM_INLINE Chains<Widest> chains(const FluidPairs::Vec4* x, const std::int32_t* j) {
+  return join<Widest>(lanes(x[j[0]]), lanes(x[j[1]]), lanes(x[j[2]]), lanes(x[j[3]]));
 }
 
 // Of each vector: the sum of its lanes, in all of them; and its fourth lane in all.
@@ -48,14 +61,21 @@ BRIM_INLINE FloatLanes dot_of(const FloatLanes& t) {
   const FloatLanes pairs = t + __builtin_shufflevector(t, t, 1, 0, 3, 2);
   return pairs + __builtin_shufflevector(pairs, pairs, 2, 3, 0, 1);
 }
-BRIM_INLINE Chains dot_of(const Chains& t) {
-  const Chains pairs = t + __builtin_shufflevector(t, t, 1, 0, 3, 2, 5, 4, 7, 6, 9, 8, 11, 10, 13, 12, 15, 14);
+BRIM_INLINE WideFloats dot_of(const WideFloats& t) {
+  const WideFloats pairs = t + __builtin_shufflevector(t, t, 1, 0, 3, 2, 5, 4, 7, 6);
+  return pairs + __builtin_shufflevector(pairs, pairs, 2, 3, 0, 1, 6, 7, 4, 5);
+}
+BRIM_INLINE InOne::Floats dot_of(const InOne::Floats& t) {
+  const InOne::Floats pairs = t + __builtin_shufflevector(t, t, 1, 0, 3, 2, 5, 4, 7, 6, 9, 8, 11, 10, 13, 12, 15, 14);
   return pairs + __builtin_shufflevector(pairs, pairs, 2, 3, 0, 1, 6, 7, 4, 5, 10, 11, 8, 9, 14, 15, 12, 13);
 }
+BRIM_INLINE InTwo::Floats dot_of(const InTwo::Floats& t) { return {dot_of(t.low), dot_of(t.high)}; }
 BRIM_INLINE FloatLanes fourth_of(const FloatLanes& g) { return __builtin_shufflevector(g, g, 3, 3, 3, 3); }
-BRIM_INLINE Chains fourth_of(const Chains& g) {
+BRIM_INLINE WideFloats fourth_of(const WideFloats& g) { return __builtin_shufflevector(g, g, 3, 3, 3, 3, 7, 7, 7, 7); }
+BRIM_INLINE InOne::Floats fourth_of(const InOne::Floats& g) {
   return __builtin_shufflevector(g, g, 3, 3, 3, 3, 7, 7, 7, 7, 11, 11, 11, 11, 15, 15, 15, 15);
 }
+BRIM_INLINE InTwo::Floats fourth_of(const InTwo::Floats& g) { return {fourth_of(g.low), fourth_of(g.high)}; }
 
 /// Pairs of a block of particles, first[k] to first[k + 1] those of its particle k.
 struct Pairs {
@@ -64,14 +84,15 @@ struct Pairs {
   std::size_t particles;
 };
 
-BRIM_WIDE void block_rates(const Pairs& b, const FluidPairs::Vec4* v, const FluidPairs::Vec4* own, const float* weight,
+template <class Widest>
+BRIM_INLINE void sum_rates(const Pairs& b, const FluidPairs::Vec4* v, const FluidPairs::Vec4* own, const float* weight,
                            float* rate) {
   for (std::size_t k = 0; k < b.particles; ++k) {
     rate[k] = 0.0f;
     if (!(weight[k] > 0.0f)) continue;
     const FloatLanes vi = lanes(own[k]);
-    const Chains vis = join(vi, vi, vi, vi);
-    Chains s = {};
+    const auto vis = join<Widest>(vi, vi, vi, vi);
+    Chains<Widest> s = {};
     FloatLanes rest = {};
     std::int32_t e = b.first[k];
     for (const std::int32_t last = b.first[k + 1]; e < last; e += kChains) {
@@ -79,17 +100,18 @@ BRIM_WIDE void block_rates(const Pairs& b, const FluidPairs::Vec4* v, const Flui
         for (; e < last; ++e) rest += lanes(b.gradient[e]) * (vi - lanes(v[b.neighbour[e]]));
         break;
       }
-      s += chains(b.gradient + e) * (vis - chains(v, b.neighbour + e));
+      s += chains<Widest>(b.gradient + e) * (vis - chains<Widest>(v, b.neighbour + e));
     }
     const FloatLanes sum = sum_of(s, rest);
     rate[k] = (sum[0] + sum[1]) + sum[2];
   }
 }
 
-BRIM_WIDE void block_pressure(const Pairs& b, const float* p, const float* own, Eigen::Vector3d* y) {
+template <class Widest>
+BRIM_INLINE void sum_pressure(const Pairs& b, const float* p, const float* own, Eigen::Vector3d* y) {
   for (std::size_t k = 0; k < b.particles; ++k) {
     const float pi = own[k];
-    Chains s = {};
+    Chains<Widest> s = {};
     FloatLanes rest = {};
     std::int32_t e = b.first[k];
     for (const std::int32_t last = b.first[k + 1]; e < last; e += kChains) {
@@ -98,7 +120,9 @@ BRIM_WIDE void block_pressure(const Pairs& b, const float* p, const float* own, 
         for (; e < last; ++e) rest += lanes(b.gradient[e]) * (pi + p[b.neighbour[e]]);
         break;
       }
-      s += chains(b.gradient + e) * (pi + join(all_of(p[j[0]]), all_of(p[j[1]]), all_of(p[j[2]]), all_of(p[j[3]])));
+      prefetch(b.gradient + e);
+      s += chains<Widest>(b.gradient + e) *
+           (pi + join<Widest>(all_of(p[j[0]]), all_of(p[j[1]]), all_of(p[j[2]]), all_of(p[j[3]])));
     }
     const FloatLanes sum = sum_of(s, rest);
     y[k] += Eigen::Vector3d(sum[0], sum[1], sum[2]);
@@ -106,12 +130,13 @@ BRIM_WIDE void block_pressure(const Pairs& b, const float* p, const float* own, 
 }
 
 /// @param rate  takes the rates, or null
-BRIM_WIDE void block_viscosity(const Pairs& b, double scale, const FluidPairs::Vec4* v, const FluidPairs::Vec4* own,
+template <class Widest>
+BRIM_INLINE void sum_viscosity(const Pairs& b, double scale, const FluidPairs::Vec4* v, const FluidPairs::Vec4* own,
                                float* rate, Eigen::Vector3d* y) {
   for (std::size_t k = 0; k < b.particles; ++k) {
     const FloatLanes vi = lanes(own[k]);
-    const Chains vis = join(vi, vi, vi, vi);
-    Chains force = {}, closing = {};
+    const auto vis = join<Widest>(vi, vi, vi, vi);
+    Chains<Widest> force = {}, closing = {};
     FloatLanes force_rest = {}, closing_rest = {};
     std::int32_t e = b.first[k];
     for (const std::int32_t last = b.first[k + 1]; e < last; e += kChains) {
@@ -123,7 +148,9 @@ BRIM_WIDE void block_viscosity(const Pairs& b, double scale, const FluidPairs::V
         break;
       }
       // v has no fourth lane.
-      const Chains g = chains(b.gradient + e), c = dot_of(Chains(g * (vis - chains(v, b.neighbour + e))));
+      prefetch(b.gradient + e);
+      const Chains<Widest> g = chains<Widest>(b.gradient + e), d = g * (vis - chains<Widest>(v, b.neighbour + e)),
+                           c = dot_of(d);
       force += fourth_of(g) * c * g, closing += c;
     }
     if (rate != nullptr) rate[k] = sum_of(closing, closing_rest)[0];
@@ -131,6 +158,16 @@ BRIM_WIDE void block_viscosity(const Pairs& b, double scale, const FluidPairs::V
     y[k] += scale * Eigen::Vector3d(f[0], f[1], f[2]);
   }
 }
+
+BRIM_WIDEST(block_rates,
+            (const Pairs& b, const FluidPairs::Vec4* v, const FluidPairs::Vec4* own, const float* weight, float* rate),
+            sum_rates<Widest>(b, v, own, weight, rate))
+BRIM_WIDEST(block_pressure, (const Pairs& b, const float* p, const float* own, Eigen::Vector3d* y),
+            sum_pressure<Widest>(b, p, own, y))
+BRIM_WIDEST(block_viscosity,
+            (const Pairs& b, double scale, const FluidPairs::Vec4* v, const FluidPairs::Vec4* own, float* rate,
+             Eigen::Vector3d* y),
+            sum_viscosity<Widest>(b, scale, v, own, rate, y))
 
 }  // namespace
 

@@ -1,3 +1,0 @@
-#pragma once
-
-#include "brim/core/simd.h"  // the former name of that header
