@@ -18,6 +18,8 @@ import sys
 import tempfile
 import time
 
+from scene_file import read_scene
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 STORE = ROOT / "out/bench/peers.json"
 PAGE = ROOT / "docs/performance.md"
@@ -107,7 +109,7 @@ def pile_peers(scene):
 
 def drafted(bench, scene):
     """A copy of a scene that asks for "quality": "draft"."""
-    text = json.loads((ROOT / scene).read_text())
+    text = read_scene(ROOT / scene)
     text.pop("$schema", None)
     text.setdefault("world", {})["quality"] = "draft"
     file = bench.home / f"{pathlib.Path(scene).stem}_draft.json"

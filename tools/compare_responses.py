@@ -9,17 +9,12 @@ thread, that of building and recording the first frame taken off. "Late" is the 
 import argparse
 import json
 import os
-import re
 import resource
 import subprocess
 import sys
 import tempfile
 
-
-def read_scene(path):
-    """Comments are whole lines, as in all of brim's scenes."""
-    with open(path, encoding="utf-8") as f:
-        return json.loads(re.sub(r"^\s*//.*$", "", f.read(), flags=re.M))
+from scene_file import read_scene
 
 
 def run(brim, scene, folder, frames=0):

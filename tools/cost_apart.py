@@ -11,18 +11,13 @@ as many times. Alone it may take fewer sub-steps than the whole does: a second r
 import argparse
 import json
 import pathlib
-import re
 import subprocess
 import sys
 import tempfile
 
+from scene_file import read_scene
+
 CONTACT = ("presence", "refine", "rasterize", "detect", "respond", "solve_contact")
-
-
-def read_scene(path: pathlib.Path) -> dict:
-    """A scene file is JSON with // comments on lines of their own or after a value."""
-    text = re.sub(r'("(?:\\.|[^"\\])*")|//[^\n]*', lambda m: m.group(1) or "", path.read_text())
-    return json.loads(text)
 
 
 def measure(brim: str, scene: dict, home: pathlib.Path, frames: int, threads: int) -> dict:

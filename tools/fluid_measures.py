@@ -11,9 +11,7 @@ set says; of particles it is not known. Sheets: particles below them. Front: lar
 T = t sqrt(2 g / a), beside Martin and Moyce (1952), figure 3, n² = 2. Needs h5py.
 """
 import argparse
-import json
 import os
-import re
 import sys
 
 import with_numpy
@@ -22,15 +20,10 @@ with_numpy.need("numpy", "h5py")
 import numpy as np  # noqa: E402
 
 from run_file import RunFile  # noqa: E402
+from scene_file import read_scene  # noqa: E402
 
 GRAVITY = 9.81
 MARTIN_AND_MOYCE = [(0.832, 1.217), (1.219, 1.474), (1.997, 2.292), (2.547, 2.995), (3.345, 4.134), (4.034, 4.944)]
-
-
-def read_scene(path):
-    """Comments are whole lines, as in all of brim's scenes."""
-    with open(path, encoding="utf-8") as f:
-        return json.loads(re.sub(r"^\s*//.*$", "", f.read(), flags=re.M))
 
 
 class Particles:

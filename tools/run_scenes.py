@@ -16,7 +16,6 @@ import concurrent.futures
 import json
 import os
 import pathlib
-import re
 import resource
 import shutil
 import statistics
@@ -26,6 +25,8 @@ import tempfile
 import threading
 import time
 
+from scene_file import read_scene
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 FAST = ROOT / "scenes" / "fast.txt"
 STARTS = ROOT / "scenes" / "starts.txt"
@@ -34,11 +35,6 @@ PAIR_TABLES = {"penalty": ["--response", "penalty"], "constraint": ["--response"
                "rest": ["--world", "rest"], "fine": ["--world", "fine"], "levels": ["--world", "levels"]}
 PAIR_TABLES |= {f"user_{table}": PAIR_TABLES[table] for table in ("penalty", "constraint")}
 USER_KIND = ["--with", "examples/user_body/pair.json", "--only", "user_body"]  # on every kind, with the example's plugin
-
-
-def read_json(path):
-    """Comments are whole lines, as in all of brim's scenes."""
-    return json.loads(re.sub(r"^\s*//.*$", "", pathlib.Path(path).read_text(encoding="utf-8"), flags=re.M))
 
 
 def names_in(path):
@@ -66,7 +62,7 @@ def jobs(brim, out, plugin, pair_steps=0):
             command = [brim, "sweep", str(path), "-o", str(out / path.stem), "--force", "--quiet", "--jobs", "1", *starts[path.stem][0]]
         all_jobs[path.stem] = (command, path)
     for path in sorted((ROOT / "examples").glob("*/*.json")):
-        if "bodies" in read_json(path):
+        if "bodies" in read_scene(path):
             all_jobs[path.stem] = (scene_command(brim, path, out / path.stem, ["--plugin", str(plugin)]), path)
     steps = ["--steps", str(pair_steps)] if pair_steps else []
     for table, options in PAIR_TABLES.items():
@@ -163,7 +159,7 @@ def run(name, command, path, out, limit):
         return name, seconds, [], [], [f"ended with {code}: {errors.strip()[-300:]}"]
     try:
         if path is None:
-            misses = read_json(PAIRS / "known_misses.json")[name.removeprefix("pairs_")]
+            misses = read_scene(PAIRS / "known_misses.json")[name.removeprefix("pairs_")]
             return name, seconds, *judge_pairs(json.loads(output), misses, "--steps" in command)
         if name not in starts:
             return name, seconds, *judge(json.loads((out / name / "summary.json").read_text(encoding="utf-8")))

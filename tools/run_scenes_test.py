@@ -8,6 +8,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import run_scenes  # noqa: E402
+from scene_file import read_scene  # noqa: E402
 
 
 def summary(*expect, end="completed"):
@@ -79,17 +80,17 @@ class Lists(unittest.TestCase):
     def test_starts_name_scenes_and_metrics_that_are_there(self):
         for name, (options, metrics) in run_scenes.starts_in().items():
             self.assertIn(options[0], ("--seeds", "--set"))
-            expected = run_scenes.read_json(run_scenes.ROOT / "scenes" / f"{name}.json")["expect"]
+            expected = read_scene(run_scenes.ROOT / "scenes" / f"{name}.json")["expect"]
             self.assertLessEqual(metrics, {e["metric"] for e in expected})
 
     def test_every_scene_expects_something(self):
         for name, (_, path) in run_scenes.jobs("brim", Path("out"), Path("plugin")).items():
             if path is not None:
-                self.assertTrue(run_scenes.read_json(path).get("expect"), f"{name} expects nothing")
+                self.assertTrue(read_scene(path).get("expect"), f"{name} expects nothing")
 
     def test_the_known_misses_of_pairs_name_pairs(self):
-        kinds = {k["name"] for k in run_scenes.read_json(run_scenes.PAIRS / "kinds.json")["kinds"]}
-        user = {k["name"] for k in run_scenes.read_json(run_scenes.ROOT / run_scenes.USER_KIND[1])["kinds"]}
+        kinds = {k["name"] for k in read_scene(run_scenes.PAIRS / "kinds.json")["kinds"]}
+        user = {k["name"] for k in read_scene(run_scenes.ROOT / run_scenes.USER_KIND[1])["kinds"]}
         misses = json.loads((run_scenes.PAIRS / "known_misses.json").read_text(encoding="utf-8"))
         self.assertEqual(set(misses), set(run_scenes.PAIR_TABLES))
         for table, pairs in misses.items():
@@ -99,8 +100,8 @@ class Lists(unittest.TestCase):
                 self.assertTrue(why)
 
     def test_the_page_of_pairs_says_why_each_known_miss_fails(self):
-        own, user = (run_scenes.read_json(path) for path in (run_scenes.PAIRS / "kinds.json", run_scenes.ROOT / run_scenes.USER_KIND[1]))
-        misses = run_scenes.read_json(run_scenes.PAIRS / "known_misses.json")
+        own, user = (read_scene(path) for path in (run_scenes.PAIRS / "kinds.json", run_scenes.ROOT / run_scenes.USER_KIND[1]))
+        misses = read_scene(run_scenes.PAIRS / "known_misses.json")
         for table, pairs in misses.items():
             name = table.removeprefix("user_")
             kind = "constraint_notes" if name == "constraint" else "notes"

@@ -3,8 +3,9 @@
 says whether they are up to date."""
 import json
 import pathlib
-import re
 import sys
+
+from scene_file import read_scene
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PAGE = ROOT / "docs" / "scenes.md"
@@ -103,18 +104,11 @@ def reference(root):
     return "\n".join(lines).rstrip() + "\n"
 
 
-def scene_of(path):
-    """A scene file; comments are allowed in it."""
-    text = path.read_text(encoding="utf-8")
-    plain = re.sub(r'("(?:[^"\\]|\\.)*")|//[^\n]*|/\*.*?\*/', lambda m: m.group(1) or "", text, flags=re.S)
-    return json.loads(plain)
-
-
 def gallery():
     """Every scene with its picture, where tools/scene_pictures.py has made one."""
     lines = []
     for path in sorted((ROOT / "scenes").glob("*.json")):
-        scene = scene_of(path)
+        scene = read_scene(path)
         lines += [f"**[{path.stem}](../scenes/{path.name})**: {scene.get('description', '')}", ""]
         if (ROOT / "docs/pictures/scenes" / f"{path.stem}.png").exists():
             lines += [f"![{path.stem}](pictures/scenes/{path.stem}.png)", ""]
