@@ -57,8 +57,13 @@ class RunBody:
 
     @property
     def force(self) -> NDArray[np.float64]:
-        """Sum of contact forces on the body, all frames [N], shape (frames, 3)."""
+        """Sum of contact forces on the body in the last sub-step of all frames [N], shape (frames, 3)."""
         return self._core.samples_over(self._number, "force")
+
+    @property
+    def impulse(self) -> NDArray[np.float64]:
+        """Impulse of the contacts on the body over all frames, sub-steps included [N s], shape (frames, 3)."""
+        return self._core.samples_over(self._number, "impulse")
 
     def q(self, frame: int) -> NDArray[np.float64]:
         """Coordinates in one frame, shape (nq,)."""

@@ -42,6 +42,7 @@ py::array samples_over(const RunReader& run, int b, const std::string& what) {
   body_of(run, b);
   const Vec3 BodySample::*member = what == "center"     ? &BodySample::center
                                    : what == "velocity" ? &BodySample::velocity
+                                   : what == "impulse"  ? &BodySample::impulse
                                                         : &BodySample::force;
   py::array_t<double> out({static_cast<py::ssize_t>(run.frames()), py::ssize_t{3}});
   for (std::int64_t f = 0; f < run.frames(); ++f) {

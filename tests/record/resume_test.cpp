@@ -49,6 +49,30 @@ TEST_F(Run, ResumedRunEqualsTheStraightOneBitForBit) {
     EXPECT_EQ(sa[key], sb[key]) << key;
 }
 
+TEST_F(Run, ARunThatHasNoImpulsesIsReadAndGoneOnWith) {
+  const Scene scene = parse_scene(kScene);
+  World straight = build_world(scene);
+  record_run(straight, plan(scene, at("straight")), {});
+  World first = build_world(scene);
+  record_run(first, plan(scene, at("old")), [](const RunProgress& p) { return p.frame < 7; });
+  h5::File(at("old/run.h5"), h5::File::Mode::Write).remove("/motion/impulse");
+  const std::int64_t there = RunReader(at("old")).frames();
+  EXPECT_EQ(RunReader(at("old")).samples(there - 1)[2].impulse, Vec3::Zero());
+  World second = build_world(scene);
+  RunPlan p = plan(scene, at("old"));
+  p.resume = true;
+  record_run(second, p, {});
+  const RunReader a(at("straight")), b(at("old"));
+  ASSERT_EQ(a.frames(), b.frames());
+  double largest = 0.0;
+  for (std::int64_t f = 0; f < a.frames(); ++f) {
+    const Vec3 impulse = a.samples(f)[2].impulse;
+    EXPECT_EQ(b.samples(f)[2].impulse, f < there ? Vec3::Zero() : impulse) << f;
+    if (f >= there) largest = std::max(largest, impulse.norm());
+  }
+  EXPECT_GT(largest, 0.0) << "nothing touched";
+}
+
 TEST_F(Run, FramesThatWereNotCountedYetAreNotThereAndAreWrittenAgain) {
   const Scene scene = parse_scene(kScene);
   World world = build_world(scene);

@@ -6,6 +6,7 @@
 
 #include "brim/mesh/primitives.h"
 #include "brim/world/display_measures.h"
+#include "brim/world/report_fields.h"
 #include "support/worlds.h"
 
 namespace brim::measures_test {
@@ -108,6 +109,35 @@ TEST(Measures, ContactOfABoxAtRestCarriesTheImpulseOfItsWeight) {
   const double weight = w.body(1).mass() * 9.81;
   EXPECT_NEAR(f[0].value, weight * 1.0, 0.01 * weight);
   EXPECT_NEAR(f[1].value, weight, 0.01 * weight);
+}
+
+// A fast blow within a step of several sub-steps: the last one alone says little of it.
+TEST(Measures, ImpulseOfABlowIsTheChangeOfMomentum) {
+  WorldOptions o = options_at(0.125);
+  o.environment.gravity = Vec3::Zero();
+  o.time_step = kStep;
+  World w(o);
+  w.add(ground(0.5));
+  w.add(shown_ball("ball", Vec3(0, 0, 1.2), Vec3(0, 0, -30.0)));
+  Measures m(w, {asked("impulse_z", "ball"), asked("contact_force_z", "ball", kStep)}, 8 * kStep);
+  m.add(w, {}, 0);
+  const double before = w.body(1).linear_momentum(w.v(1)).z();
+  int most = 0;
+  for (int frame = 0; frame < 4; ++frame) {
+    StepReport sum;  // of two steps
+    for (int s = 0; s < 2; ++s) {
+      StepReport r = w.step();
+      most = std::max(most, r.substeps);
+      accumulate(sum, std::move(r));
+    }
+    m.add(w, sum, 2);
+  }
+  const double change = w.body(1).linear_momentum(w.v(1)).z() - before;
+  EXPECT_GT(most, 2);
+  EXPECT_GT(change, 0.5 * std::abs(before));
+  const auto f = m.findings();
+  EXPECT_NEAR(f[0].value, change, 1e-6 * change);
+  EXPECT_NEAR(f[1].value, change / (8 * kStep), 1e-6 * change / kStep);
 }
 
 TEST(Measures, EnergyThatGrowsAfterAFallIsSeenThoughItNeverPassesTheStart) {

@@ -20,15 +20,16 @@ struct MotionField {
   int width;  ///< doubles per body
   void (*get)(const BodySample&, double*);
   void (*set)(BodySample&, const double*);
+  bool late = false;  ///< runs of older versions lack it, and read as zeros
 };
 
 template <auto Member>
-constexpr MotionField vector_field(const char* path) {
+constexpr MotionField vector_field(const char* path, bool late = false) {
   return {path, 3,
           [](const BodySample& s, double* x) {
             for (int a = 0; a < 3; ++a) x[a] = (s.*Member)[a];
           },
-          [](BodySample& s, const double* x) { s.*Member = Vec3(x[0], x[1], x[2]); }};
+          [](BodySample& s, const double* x) { s.*Member = Vec3(x[0], x[1], x[2]); }, late};
 }
 template <auto Member>
 constexpr MotionField scalar_field(const char* path) {
@@ -36,10 +37,11 @@ constexpr MotionField scalar_field(const char* path) {
           [](BodySample& s, const double* x) { s.*Member = *x; }};
 }
 
-inline constexpr std::array<MotionField, 6> kMotion = {
+inline constexpr std::array<MotionField, 7> kMotion = {
     vector_field<&BodySample::center>("/motion/center"),
     vector_field<&BodySample::velocity>("/motion/velocity"),
     vector_field<&BodySample::force>("/motion/force"),
+    vector_field<&BodySample::impulse>("/motion/impulse", true),
     scalar_field<&BodySample::lowest>("/motion/lowest"),
     scalar_field<&BodySample::highest>("/motion/highest"),
     scalar_field<&BodySample::tilt_degrees>("/motion/tilt_degrees"),

@@ -136,6 +136,7 @@ int RunReader::steps(std::int64_t frame) const {
 std::vector<BodySample> RunReader::samples(std::int64_t frame) const {
   std::vector<BodySample> list(impl_->tables.bodies.size());
   for (const run_layout::MotionField& f : run_layout::kMotion) {
+    if (f.late && !impl_->sets.contains(f.path) && !impl_->file.exists(f.path)) continue;
     const auto width = static_cast<std::size_t>(f.width);
     const auto x = impl_->rows<double>(f.path, impl_->need(frame), 1,
                                        width > 1 ? Row{list.size(), width} : Row{list.size()}, Type::Float64);

@@ -132,9 +132,15 @@ void RunWriter::Impl::open_all(const World& world, bool create) {
   count = file->open("/frames/count");
   open_series(create);
   const auto bodies = static_cast<std::uint64_t>(world.body_count());
-  for (const run_layout::MotionField& f : run_layout::kMotion)
-    motion.push_back(set(f.path, Type::Float64, f.width > 1 ? Row{bodies, 3} : Row{bodies},
-                         frame_chunk(8 * bodies * static_cast<std::size_t>(f.width))));
+  for (const run_layout::MotionField& f : run_layout::kMotion) {
+    const bool missing = !create && f.late && !file->exists(f.path);
+    const Row row = f.width > 1 ? Row{bodies, 3} : Row{bodies};
+    const std::uint64_t numbers = bodies * static_cast<std::uint64_t>(f.width);
+    motion.push_back(create || missing ? Column(*file, f.path, Type::Float64, row, frame_chunk(8 * numbers))
+                                       : Column(file->open(f.path)));
+    const std::vector<double> zeros(missing ? numbers * time.rows() : 0, 0.0);
+    if (missing) motion.back().append(zeros.data(), time.rows());
+  }
   display = FrameDisplay(*file, tables, create);
   lists = FrameLists(*file, world, create);
   sensors = FrameSensors(*file, find_sensors(world), time.rows());

@@ -135,6 +135,7 @@ void Measures::sample(const World& world, const StepReport& frame) {
     else
       sample_vertices(body, start_[b], s);
     if (std::isfinite(body.mass())) s.velocity = body.linear_momentum(world.v(static_cast<int>(b))) / body.mass();
+    if (b < frame.impulse.size()) s.impulse = frame.impulse[b];
     samples_[b] = s;
   }
   for (const PairReport& pair : frame.pairs) {
@@ -158,6 +159,7 @@ void Measures::keep(const World& world, const StepReport& frame, int steps, std:
   MeasuredFrame f;
   f.index = frames_++;
   f.report = frame;
+  f.report.impulse.clear();
   f.report.pairs.clear();
   f.report.links.clear();
   f.report.warnings.clear();

@@ -167,12 +167,11 @@ class BodyFold : public MetricFold {
 
   void add(const MeasuredFrame& f) override {
     if (start_.empty()) {
-      first_ = before_ = f.report.time;
+      first_ = f.report.time;
       for (const std::size_t b : bodies_)
         start_.push_back(of_ == Of::SpeedKept || of_ == Of::Acceleration ? f.bodies[b].velocity : f.bodies[b].center);
     }
-    for (std::size_t i = 0; i < bodies_.size(); ++i) folds_[i].add(now(f.bodies[bodies_[i]], start_[i], f.report.time));
-    before_ = f.report.time;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) folds_[i].add(now(f.bodies[bodies_[i]], start_[i], f.report));
   }
 
   std::vector<double> values() const override {
@@ -197,8 +196,8 @@ class BodyFold : public MetricFold {
     Impulse
   };
 
-  /// @param start  centre of the body at the window's start, or its velocity  @param time  [s]
-  double now(const BodySample& s, const Vec3& start, double time) const {
+  /// @param start  centre of the body at the window's start, or its velocity
+  double now(const BodySample& s, const Vec3& start, const StepReport& report) const {
     switch (of_) {
       case Of::Position:
         return s.center[axis_];
@@ -214,15 +213,15 @@ class BodyFold : public MetricFold {
       case Of::SpeedKept:
         return s.velocity.norm() / start.norm();
       case Of::Acceleration:
-        return (s.velocity - start).norm() / (time - first_);
+        return (s.velocity - start).norm() / (report.time - first_);
       case Of::Force:
-        return s.force[axis_];
+        return report.dt > 0.0 ? s.impulse[axis_] / report.dt : 0.0;  // the first frame has no step
       case Of::Lowest:
         return s.lowest;
       case Of::Highest:
         return s.highest;
       case Of::Impulse:
-        return s.force[axis_] * (time - before_);
+        return s.impulse[axis_];
     }
     return std::numeric_limits<double>::quiet_NaN();
   }
@@ -230,9 +229,9 @@ class BodyFold : public MetricFold {
   std::vector<std::size_t> bodies_;
   int axis_;  ///< of metrics that end in _x, _y or _z
   Of of_ = Of::Position;
-  double first_ = 0.0, before_ = 0.0;  ///< [s] of the window's start, and of the frame before
-  std::vector<Vec3> start_;            ///< shape (bodies_); empty before the first frame
-  std::vector<NumberFold> folds_;      ///< shape (bodies_)
+  double first_ = 0.0;             ///< [s] time of the window's start
+  std::vector<Vec3> start_;        ///< shape (bodies_); empty before the first frame
+  std::vector<NumberFold> folds_;  ///< shape (bodies_)
 };
 
 class ShownFold : public MetricFold {

@@ -99,4 +99,12 @@ void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, 
         {time, "engulfed", fmt::format("{} nodes lie deep inside two parts and push neither way", contacts.engulfed)});
 }
 
+void add_impulses(std::span<const WorldPart> parts, std::size_t bodies, double dt, StepReport& report) {
+  report.impulse.resize(bodies, Vec3::Zero());
+  for (const PairReport& pair : report.pairs) {
+    report.impulse[parts[pair.part_a].body_index] += dt * pair.force_on_a;
+    report.impulse[parts[pair.part_b].body_index] -= dt * pair.force_on_a;
+  }
+}
+
 }  // namespace brim

@@ -88,6 +88,8 @@ void accumulate(StepReport& frame, StepReport&& next) {
         break;
     }
   }
+  frame.impulse.resize(std::max(frame.impulse.size(), next.impulse.size()), Vec3::Zero());
+  for (std::size_t b = 0; b < next.impulse.size(); ++b) frame.impulse[b] += next.impulse[b];
   frame.pairs = std::move(next.pairs);
   frame.links = std::move(next.links);
   std::move(next.warnings.begin(), next.warnings.end(), std::back_inserter(frame.warnings));

@@ -80,6 +80,7 @@ struct StepReport {
   double max_speed = 0.0;         ///< [m/s] upper bound over movable parts
   int asleep = 0;                 ///< bodies that sleep at the end of the step
   double stiffness = 0.0;         ///< [Pa] World::stiffness
+  std::vector<Vec3> impulse;      ///< [N s] of the contacts on each body, summed; shape (bodies), or empty
   std::vector<PairReport> pairs;  ///< of the last sub-step, ordered by part numbers
   std::vector<LinkReport> links;  ///< of the last sub-step, one per attachment
   std::vector<Warning> warnings;

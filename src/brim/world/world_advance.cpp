@@ -38,6 +38,7 @@ void World::Impl::report_substep(double dt, bool last, StepReport& report) {
   if (!constraints.empty() && !constraints.converged()) warn_of_mass_ratio(parts, laws, options, state.time, report);
   resist_rolling(parts, first_v, report.pairs, laws, options, dt, state.v, delta);
   coupling.report(dt, report, samples);
+  add_impulses(parts, bodies.size(), dt, report);
   report.contact_energy = response.energy();
   for (const auto& w : watchers) w->substep(*self, state.time, dt);
 }
