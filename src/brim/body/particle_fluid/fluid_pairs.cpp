@@ -65,14 +65,14 @@ BRIM_INLINE WideFloats dot_of(const WideFloats& t) {
   const WideFloats pairs = t + __builtin_shufflevector(t, t, 1, 0, 3, 2, 5, 4, 7, 6);
   return pairs + __builtin_shufflevector(pairs, pairs, 2, 3, 0, 1, 6, 7, 4, 5);
 }
-BRIM_INLINE InOne::Floats dot_of(const InOne::Floats& t) {
+[[maybe_unused]] BRIM_INLINE InOne::Floats dot_of(const InOne::Floats& t) {
   const InOne::Floats pairs = t + __builtin_shufflevector(t, t, 1, 0, 3, 2, 5, 4, 7, 6, 9, 8, 11, 10, 13, 12, 15, 14);
   return pairs + __builtin_shufflevector(pairs, pairs, 2, 3, 0, 1, 6, 7, 4, 5, 10, 11, 8, 9, 14, 15, 12, 13);
 }
 BRIM_INLINE InTwo::Floats dot_of(const InTwo::Floats& t) { return {dot_of(t.low), dot_of(t.high)}; }
 BRIM_INLINE FloatLanes fourth_of(const FloatLanes& g) { return __builtin_shufflevector(g, g, 3, 3, 3, 3); }
 BRIM_INLINE WideFloats fourth_of(const WideFloats& g) { return __builtin_shufflevector(g, g, 3, 3, 3, 3, 7, 7, 7, 7); }
-BRIM_INLINE InOne::Floats fourth_of(const InOne::Floats& g) {
+[[maybe_unused]] BRIM_INLINE InOne::Floats fourth_of(const InOne::Floats& g) {
   return __builtin_shufflevector(g, g, 3, 3, 3, 3, 7, 7, 7, 7, 11, 11, 11, 11, 15, 15, 15, 15);
 }
 BRIM_INLINE InTwo::Floats fourth_of(const InTwo::Floats& g) { return {fourth_of(g.low), fourth_of(g.high)}; }
