@@ -97,9 +97,7 @@ TEST_F(Run, EndsOfAttachmentsOfAResumedRunAreThoseOfTheStraightOne) {
   World first = build_world(scene);
   record_run(first, plan(scene, at("parts")), [](const RunProgress& p) { return p.frame < 9; });
   World second = build_world(scene);
-  RunPlan p = plan(scene, at("parts"));
-  p.resume = true;
-  record_run(second, p, {});
+  record_run(second, resumed(scene, at("parts")), {});
   EXPECT_EQ(straight.hash(), second.hash());
   const RunReader a(at("straight")), b(at("parts"));
   for (std::int64_t f = 0; f < a.frames(); ++f) {

@@ -34,9 +34,7 @@ TEST_F(Run, AnOlderRunReadsZerosForWhatItsVersionDidNotRecordAndCanBeGoneOnWith)
     EXPECT_THROW(run.series("no_such_series"), InputError);
   }
   World world = build_world(scene);
-  RunPlan p = plan(scene, at("run"));
-  p.resume = true;
-  record_run(world, p, {});
+  record_run(world, resumed(scene, at("run")), {});
   const RunReader run(at("run"));
   const std::vector<double> voxels = run.series("voxels");
   ASSERT_EQ(voxels.size(), 13u);
@@ -66,9 +64,7 @@ TEST_F(Run, ARunOfTheFirstVersionReadsAlikeAndIsGoneOnWithToTheSameBits) {
       }
   }
   World world = build_world(scene);
-  RunPlan p = plan(scene, at("old"));
-  p.resume = true;
-  EXPECT_EQ(record_run(world, p, {}).end, RunEnd::Completed);
+  EXPECT_EQ(record_run(world, resumed(scene, at("old")), {}).end, RunEnd::Completed);
   EXPECT_EQ(world.hash(), straight.hash());
   const RunReader a(at("straight")), b(at("old"));
   EXPECT_EQ(b.format_version(), 2);

@@ -27,10 +27,7 @@ TEST_F(Run, ResumedRunEqualsTheStraightOneBitForBit) {
     EXPECT_EQ(r.end, RunEnd::Interrupted);
   }
   World second = build_world(scene);
-  RunPlan p = plan(scene, at("parts"));
-  p.resume = true;
-  const RunResult resumed = record_run(second, p, {});
-  EXPECT_EQ(resumed.end, RunEnd::Completed);
+  EXPECT_EQ(record_run(second, resumed(scene, at("parts")), {}).end, RunEnd::Completed);
   const RunReader a(at("straight")), b(at("parts"));
   ASSERT_EQ(a.frames(), b.frames());
   for (std::int64_t f = 0; f < a.frames(); ++f) {
@@ -59,9 +56,7 @@ TEST_F(Run, ARunThatHasNoImpulsesIsReadAndGoneOnWith) {
   const std::int64_t there = RunReader(at("old")).frames();
   EXPECT_EQ(RunReader(at("old")).samples(there - 1)[2].impulse, Vec3::Zero());
   World second = build_world(scene);
-  RunPlan p = plan(scene, at("old"));
-  p.resume = true;
-  record_run(second, p, {});
+  record_run(second, resumed(scene, at("old")), {});
   const RunReader a(at("straight")), b(at("old"));
   ASSERT_EQ(a.frames(), b.frames());
   double largest = 0.0;
@@ -87,9 +82,7 @@ TEST_F(Run, FramesThatWereNotCountedYetAreNotThereAndAreWrittenAgain) {
   EXPECT_EQ(RunReader(at("run")).frames(), 8);
   EXPECT_THROW(RunReader(at("run")).state(8), InputError);
   World again = build_world(scene);
-  RunPlan p = plan(scene, at("run"));
-  p.resume = true;
-  record_run(again, p, {});
+  record_run(again, resumed(scene, at("run")), {});
   EXPECT_TRUE(same_bits(RunReader(at("run")).state(12).q, last.q));
 }
 

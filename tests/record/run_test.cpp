@@ -119,9 +119,7 @@ TEST_F(Run, ASurfaceThatChangesIsReadBackFrameByFrameAlsoAfterResuming) {
     record_run(world, plan(scene, at("parts")), [](const RunProgress& p) { return p.frame < 3; });
   }
   World world = build_world(scene);
-  RunPlan p = plan(scene, at("parts"));
-  p.resume = true;
-  record_run(world, p, {});
+  record_run(world, resumed(scene, at("parts")), {});
   expect_all(at("parts"));
 }
 

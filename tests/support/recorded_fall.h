@@ -51,6 +51,12 @@ class Run : public ::testing::Test {
     p.expect = scene.expect;
     return p;
   }
+  /// The plan that goes on with the run in a folder.
+  static RunPlan resumed(const Scene& scene, const std::string& folder) {
+    RunPlan p = plan(scene, folder);
+    p.resume = true;
+    return p;
+  }
 
   fs::path folder_;
 };

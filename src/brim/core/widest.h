@@ -38,6 +38,8 @@ struct InTwo {
   using Doubles = TwoOf<Lanes>;
 };
 inline constexpr int kWidestLanes = 16;
+/// Bytes by which a stream is asked for ahead: a machine by itself does not look past a page of 4096.
+inline constexpr std::size_t kBytesAhead = 4096;
 
 // Two halves as one, and back.
 template <class Widest>
@@ -55,21 +57,25 @@ BRIM_INLINE WideFloats high_of(const InOne::Floats& a) {
 }
 
 // From memory at any address, and back.
-BRIM_INLINE void load(const float* at, InOne::Floats& r) { std::memcpy(&r, at, sizeof r); }
-BRIM_INLINE void load(const double* at, InOne::Doubles& r) { std::memcpy(&r, at, sizeof r); }
-BRIM_INLINE void load(const float* at, InTwo::Floats& r) { r = {load_wide(at), load_wide(at + kWideLanes)}; }
-BRIM_INLINE void load(const double* at, InTwo::Doubles& r) { r = {load_lanes(at), load_lanes(at + kLanes)}; }
 template <class Widest>
 BRIM_INLINE typename Widest::Floats load_widest(const float* at) {
-  typename Widest::Floats r;
-  load(at, r);
-  return r;
+  if constexpr (std::is_same_v<Widest, InOne>) {
+    InOne::Floats r;
+    std::memcpy(&r, at, sizeof r);
+    return r;
+  } else {
+    return {load_wide(at), load_wide(at + kWideLanes)};
+  }
 }
 template <class Widest>
 BRIM_INLINE typename Widest::Doubles load_widest(const double* at) {
-  typename Widest::Doubles r;
-  load(at, r);
-  return r;
+  if constexpr (std::is_same_v<Widest, InOne>) {
+    InOne::Doubles r;
+    std::memcpy(&r, at, sizeof r);
+    return r;
+  } else {
+    return {load_lanes(at), load_lanes(at + kLanes)};
+  }
 }
 template <class T, class Half>
 BRIM_INLINE void store_lanes(T* at, const TwoOf<Half>& r) {

@@ -12,8 +12,6 @@ namespace {
 
 /// Blocks of a stream whose squares are asked for before they are used.
 constexpr std::ptrdiff_t kAhead = 2;
-/// Bytes by which the stream itself is asked for ahead: a machine by itself does not look past a page of 4096.
-constexpr std::size_t kBytesAhead = 4096;
 constexpr std::size_t kLine = 64;
 
 /// Asks for n numbers from a place on, which need not be there.

@@ -42,8 +42,10 @@ BRIM_INLINE FloatLanes sum_of(const V& s, const FloatLanes& rest) {
   return ((s0 + rest) + s1) + (s2 + s3);
 }
 
-/// Asks for gradients a page ahead, beyond which a machine by itself does not look.
-BRIM_INLINE void prefetch(const FluidPairs::Vec4* x) { __builtin_prefetch(reinterpret_cast<const char*>(x) + 4096); }
+/// Asks for the gradients that follow some way behind these.
+BRIM_INLINE void prefetch(const FluidPairs::Vec4* x) {
+  __builtin_prefetch(reinterpret_cast<const char*>(x) + kBytesAhead);
+}
 
 BRIM_INLINE FloatLanes all_of(float x) { return FloatLanes{x, x, x, x}; }
 BRIM_INLINE FloatLanes lanes(const FluidPairs::Vec4& x) { return load_lanes(x.data()); }
