@@ -388,5 +388,53 @@ TEST(ArticulatedBody, AChainComesToRestOnASoftBlock) {
   EXPECT_LT(f.momentum_error, 1e-12);
 }
 
+TEST(ArticulatedBody, PartsTurnAsTheTreeMovesFreely) {
+  for (const unsigned seed : {1u, 2u, 3u})
+    for (const bool floating : {false, true}) {
+      ArticulatedModel m = random_tree(seed, floating);
+      for (LinkModel& l : m.links) l.shapes = {LinkShape{make_box(Vec3(0.1, 0.2, 0.3)), {}, {}, {}}};
+      ArticulatedBody body(m);
+      std::vector<double> q(body.q_size()), v(body.v_size());
+      body.initial_state(q, v);
+      body.update(0.0, q, v);
+      std::vector<Turns::Turn> turn(static_cast<std::size_t>(body.part_count()));
+      body.turns(v, turn);
+      const TreePose before = body.pose();
+      std::vector<Vec6> twist(body.tree().size());
+      body.tree().twists(before, v, twist);
+      constexpr double kStep = 1e-4;
+      std::vector<double> q_end = q, v_end = v;
+      body.advance(kStep, q_end, v);
+      body.finish_step(0.0, kStep, q_end, v_end);
+      TreePose after;
+      body.tree().place(q_end, after);
+      for (std::size_t i = 0; i < turn.size(); ++i) {
+        const Vec3 local(0.3, -0.2, 0.5), arm = before.link[i].rotation * local;
+        const Vec3 x = before.link[i].origin + arm, w = turn[i].spin, d = x - turn[i].center;
+        const Vec3 way = after.link[i].origin + after.link[i].rotation * local - x;
+        const Vec3 more = way / kStep - moved_twist(twist[i], arm).head<3>();
+        const Vec3 told = 0.5 * kStep * (turn[i].acceleration + turn[i].spin_change.cross(d) + w.cross(w.cross(d)));
+        EXPECT_LT((more - told).norm(), 5e-3 * told.norm() + 1e-9) << seed << " link " << i;
+      }
+    }
+}
+
+TEST(ArticulatedBody, RestsOnALimit) {
+  for (const JointKind kind : {JointKind::Revolute, JointKind::Ball})
+    for (const double dt : {1.0 / 60.0, 1.0 / 240.0}) {
+      ArticulatedModel m;
+      m.links = {rod(1.0, -1)};
+      JointModel& j = m.links[0].joint;
+      j.kind = kind, j.rotation = rotation_from_vector(Vec3(0, kPi / 2, 0));  // level
+      if (kind == JointKind::Revolute)
+        j.lower = -0.1, j.upper = 0.1;
+      else
+        j.upper = 0.1;
+      World w = alone(m, dt);
+      while (w.state().time < 2.0) w.step();
+      EXPECT_LT(std::abs(w.v(0)[kind == JointKind::Ball ? 1 : 0]), 1e-6) << dt;
+    }
+}
+
 }  // namespace
 }  // namespace brim::articulated_body_test

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "brim/body/points/points_body.h"
+#include "brim/world/body_motion.h"
 #include "support/soft_worlds.h"
 #include "support/solids.h"
 #include "support/worlds.h"
@@ -109,6 +110,26 @@ TEST(Friction, SheetsThatLieInEachOtherWithoutWeightPart) {
   w.add(testing::sheet("two", 0.8, Vec3(0.0, 0.0, 0.08)));
   for (int s = 0; s < 20; ++s) ASSERT_TRUE(w.step().ok) << s;
   EXPECT_GT(w.q(1)[2] - w.q(0)[2], 0.09);
+}
+
+TEST(Friction, LiftsWhatAWallThatRisesHolds) {
+  // Pressed by twice its weight in friction: it leaves the floor, which must not hold it back.
+  constexpr double kRise = 0.03;
+  for (const bool soft : {false, true}) {
+    SCOPED_TRACE(soft ? "soft" : "rigid");
+    WorldOptions o = options_at(0.01);
+    o.response = Response::Penalty;
+    o.environment.gravity = Vec3(-40.0, 0.0, -9.81);
+    World w(o);
+    w.add(ground(0.5));
+    const int wall = w.add(testing::obstacle("wall", make_box(Vec3(0.1, 0.4, 1.0)), 0.5, Vec3(-0.1, 0, 0.3)));
+    w.set_velocity(wall, Vec3(0, 0, kRise), Vec3::Zero());
+    const int b = w.add(soft ? testing::jelly("body", 0.1, Vec3(-0.05, -0.05, 0.0))
+                             : box("body", {Vec3(0, 0, 0.05)}, 0.5, 0.1, 500.0));
+    const double start = center_of_mass(w.body(b))->z();
+    run(w, 1.0);
+    EXPECT_NEAR(center_of_mass(w.body(b))->z() - start, kRise, soft ? 0.006 : 0.001);
+  }
 }
 
 }  // namespace

@@ -289,5 +289,62 @@ TEST(LinksOnRows, WhatIsResumedGoesOnBitForBit) {
   }
 }
 
+TEST(LinksOnRows, ALegNearItsDeadCentreIsNotTurnedRoundToRise) {
+  for (const double start : {0.001, 1e-5}) {
+    World w(rows_at(0.05));
+    w.add(testing::ground(0.5));
+    ArticulatedModel m;
+    LinkModel leg = link_of({make_capsule(0.07, 0.65), Vec3(0.3, 0.3, 0.02)});
+    leg.joint.kind = JointKind::Revolute, leg.joint.axis = Vec3::UnitY();
+    leg.joint.position = Vec3(0, 0, 0.794), leg.joint.start = start;
+    leg.shapes[0].pose.translation = leg.center_of_mass = Vec3(0, 0, -0.4);  // its foot is 1 mm below the floor
+    m.links = {leg};
+    auto b = std::make_unique<ArticulatedBody>(m);
+    b->set_name("leg");
+    const int body = w.add(std::move(b));
+    double before = start;
+    for (int s = 0; s < 60; ++s) {
+      w.step();
+      const double turn = std::abs(w.q(body)[0] - before);
+      EXPECT_LT(turn, 0.15) << s;  // ten times a tenth of a voxel, at 0.4 m
+      before = w.q(body)[0];
+    }
+    EXPECT_LT(std::abs(w.v(body)[0]), 1e-3);
+  }
+}
+
+LinkModel finger(double side, double force) {
+  LinkModel l = link_of({make_box(Vec3(0.02, 0.06, 0.08)), Vec3::Constant(1e-3)});
+  l.parent = 0, l.mass = 0.2;
+  l.joint.kind = JointKind::Prismatic, l.joint.axis = Vec3(-side, 0, 0), l.joint.position = Vec3(0.06 * side, 0, 0.06);
+  l.joint.drive.stiffness = 2e4, l.joint.drive.damping = 50, l.joint.drive.force_limit = force;
+  l.joint.drive.keys = {{0.1, 0.0}, {0.3, 0.2}};
+  return l;
+}
+
+TEST(LinksOnRows, FingersThatHoldABoxByALittleMoreThanItsWeightDoNotTurnIt) {
+  for (const double over : {1.03, 1.1}) {
+    WorldOptions o = rows_at(0.005);
+    o.time_step = 1.0 / 60.0;
+    World w(o);
+    w.add(testing::ground(0.5));
+    ArticulatedModel m;
+    LinkModel palm;
+    palm.mass = 1, palm.inertia = 0.01 * Mat3::Identity();
+    palm.joint.kind = JointKind::Prismatic, palm.joint.axis = Vec3::UnitZ();
+    palm.joint.drive.stiffness = 5e4, palm.joint.drive.damping = 2e3;
+    palm.joint.drive.keys = {{0.5, 0.0}, {2.0, 0.05}};
+    const double weight = 0.5 * kGravity, grip = over * weight;  // µ is a half, on two sides
+    m.links = {palm, finger(-1, grip), finger(1, grip)};
+    auto b = std::make_unique<ArticulatedBody>(m);
+    b->set_name("gripper");
+    w.add(std::move(b));
+    const int load = w.add(testing::box("load", {Vec3(0, 0, 0.04)}, 0.5, 0.08, 0.5 / (0.08 * 0.08 * 0.08)));
+    for (int s = 0; s < 120; ++s) w.step();
+    EXPECT_GT(testing::position(w, load).z(), 0.04 + 0.045);
+    EXPECT_GT(std::abs(w.q(load)[3]), std::cos(0.5 * 0.02));  // half the angle
+  }
+}
+
 }  // namespace
 }  // namespace brim::links_on_rows_test

@@ -83,8 +83,8 @@ void Constraint::take_rows(const PairRows& pair, std::span<const RowPoint> rows)
     normal_.push_back(r.normal), grip_.push_back(r.point + r.grip - r.normal * r.normal.dot(r.grip));
     const double a = radius_of(r.bend_a, pair.h), b = radius_of(r.bend_b, pair.h);
     radii_.push_back(n == 1 && a > 0.0 && b > 0.0 ? Radii{a, b} : Radii{});
+    bend_.push_back({bend_across(r.bend_a, r.normal), bend_across(r.bend_b, r.normal)});
   }
-  bend_.resize(first + n);
   friction_.resize(first + n, pair.friction), restitution_.resize(first + n, pair.restitution);
 }
 

@@ -63,7 +63,7 @@ class Constraint {
   /// Points where friction acts, [m]: the points, or places inside the patch whose corners they are (between rigid
   /// parts).
   std::span<const Vec3> grips() const { return grip_; }
-  /// Curvatures of the two surfaces at the points found by gather, [1/m].
+  /// Curvatures of the two surfaces at the points, [1/m]; of gathered rows where they are convex.
   struct Bend {
     Mat3 a = Mat3::Zero(), b = Mat3::Zero();
   };

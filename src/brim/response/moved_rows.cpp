@@ -35,6 +35,12 @@ Eigen::Matrix<double, 3, 2> tangents_of(const Vec3& n) {
   return t;
 }
 
+Mat3 bend_across(const std::array<float, 3>& packed, const Vec3& n) {
+  if (packed == std::array<float, 3>{}) return Mat3::Zero();
+  const Eigen::Matrix<double, 3, 2> t = tangents_of(n);
+  return t * tensor_of(packed) * t.transpose();
+}
+
 RowPoint moved(const RowPoint& row, const RigidMotion& a, const RigidMotion& b, double h) {
   if (a.none && b.none) return row;
   const double flat = kNearlyFlat / h;

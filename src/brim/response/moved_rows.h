@@ -42,6 +42,9 @@ RowPoint moved(const RowPoint& row, const RigidMotion& a, const RigidMotion& b, 
 /// Two unit vectors perpendicular to a unit normal, as the columns of a matrix.
 Eigen::Matrix<double, 3, 2> tangents_of(const Vec3& n);
 
+/// A curvature of RowPoint as a tensor, [1/m].
+Mat3 bend_across(const std::array<float, 3>& packed, const Vec3& n);
+
 /// Rows of a pair whose contacts are not stored in the contact set.
 struct PairRows {
   std::int32_t part_a = 0, part_b = 0;  ///< global part numbers, part_a < part_b

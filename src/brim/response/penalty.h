@@ -173,14 +173,15 @@ class Penalty {
   SlipForecast expected_slip(std::size_t p);
   /// What a solve has found of a pair's slip.
   struct SlipFound {
-    Vec3 mean = Vec3::Zero();           ///< [m/s] between rigid parts, load-weighted
+    Vec3 mean = Vec3::Zero();           ///< [m/s] load-weighted
     double speed = 0.0;                 ///< [m/s] its size; where a part deforms, the load-weighted mean of the speeds
     double friction = 0.0, most = 0.0;  ///< [N] friction that has opposed the slip, and its limit
     Vec3 beyond = Vec3::Zero();         ///< [N] friction of a rigid pair beyond its limit, along the mean slip
   };
   /// @param share  pair's net load over the sum of its loads
   SlipFound find_slip(const ContactPair& pair, std::size_t p, std::span<const Vec3> delta, double share) const;
-  /// How the friction beyond its limits, once it is gone, changes the velocities of the bodies.
+  /// How friction beyond its limits and the pull of what is let go, once they are gone, change the velocities of the
+  /// bodies.
   void push_bodies();
 
   /// Results of the step's solves for a pair's slip.
@@ -205,8 +206,11 @@ class Penalty {
     bool fits = false;                        ///< rigid solids that fit each other
     std::array<double, 2> bend = {0.0, 0.0};  ///< curvature of each part, 0 flat to 1
     SlipHistory slip;
-    double share = 0.0;  ///< in update_loads: net load over the sum of loads
-    SlipFound found;     ///< in update_loads
+    double net = 0.0;  ///< [N] load in the step's last solve in which the patch did not pull
+    // In update_loads:
+    double share = 0.0;          ///< net load over the sum of loads
+    Vec3 let_go = Vec3::Zero();  ///< [N] force on a that goes with the nodes of a pulling patch
+    SlipFound found;
   };
 
   struct Workspaces;
@@ -236,7 +240,7 @@ class Penalty {
   // Per pair:
   std::vector<PairState> pairs_;  ///< given to begin; their solids may be gone after it
   std::vector<Patch> patches_;
-  std::vector<Vec3> pushed_;  ///< [m/s] per body, by the friction beyond its limits
+  std::vector<Vec3> pushed_;  ///< [m/s] per body (push_bodies)
 };
 
 }  // namespace brim

@@ -83,7 +83,7 @@ void Penalty::start_friction_of(std::size_t p, const ContactSet& contacts) {
   }
   const auto count = static_cast<double>(std::max<std::size_t>(1, pair.end - pair.begin));
   SlipHistory& history = patches_[p].slip;
-  history = {};
+  history = {}, patches_[p].net = 0.0;
   history.stick = std::max(options_.friction_speed, kStick * speed.norm() / count);
   // A patch that overlaps already is held by the overlap: other gaps close only as far as the rate predicts.
   const bool deforms = !pairs_[p].rigid;
@@ -105,31 +105,39 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
   std::vector<double> change(contacts.pairs.size(), 0.0), total(contacts.pairs.size(), 0.0);
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
+    Patch& patch = patches_[p];
     // Pulling nodes are released; until the next solve they still carry part of the net load, and newly active ones
     // will share it, so friction is scaled to the net.
     double net = 0.0, push = 0.0, come = 0.0;
+    patch.let_go.setZero();
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const Vec3& n = normal_[c];
-      const bool was_active = active_[c];
-      const double separation = std::max(n.dot(relative_[c] + delta[c]), n.dot(relative_[c]));
       // Loads of filled pairs are given, and their friction follows only once: a fluid's is small, and its last load
       // close.
       if (!pairs_[p].filled)
         load_[c] = scale_[c] * (contacts.overlap[c] - implicit_time_[c] * rate_[c]) -
                    implicit_time_[c] * stiffness_[c] * n.dot(delta[c]);
-      if (was_active) net += load_[c];
-      if (was_active && load_[c] > 0.0) push += load_[c];
-      if (pairs_[p].filled) continue;
-      if (contacts.overlap[c] <= 0.0)
+      if (active_[c]) net += load_[c];
+      if (active_[c] && load_[c] > 0.0) push += load_[c];
+    }
+    for (std::size_t c = pair.begin; c < pair.end && !pairs_[p].filled; ++c) {
+      const Vec3& n = normal_[c];
+      const bool was_active = active_[c];
+      const double separation = std::max(n.dot(relative_[c] + delta[c]), n.dot(relative_[c]));
+      // A patch that pulls as a whole is let go, however slowly it separates.
+      if (contacts.overlap[c] <= 0.0 || !was_active)
         active_[c] = load_[c] > 0.0;  // scale 0: no load
-      else if (load_[c] < 0.0 && separation > options_.release_speed)
+      else if (load_[c] < 0.0 && (separation > options_.release_speed || net < 0.0))
         active_[c] = 0;
+      if (was_active && !active_[c] && net < 0.0) patch.let_go -= load_[c] * n;
       if (was_active != static_cast<bool>(active_[c])) change[p] += std::abs(load_[c]);
       if (!was_active && active_[c]) come += load_[c];
     }
     total[p] = push;
-    patches_[p].share = push > 0.0 ? std::max(0.0, net) / (push + come) : 1.0;
-    patches_[p].found = find_slip(pair, p, delta, patches_[p].share);
+    // A solve in which it pulls says nothing of its load.
+    if (net > 0.0) patch.net = net;
+    patch.share = push > 0.0 ? patch.net / (push + come) : 1.0;
+    patch.found = find_slip(pair, p, delta, patch.share);
   });
   push_bodies();
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
@@ -198,7 +206,7 @@ Penalty::SlipFound Penalty::find_slip(const ContactPair& pair, std::size_t p, st
                                       double share) const {
   SlipFound f;
   const PairState& state = pairs_[p];
-  if (state.rigid) f.mean = mean_slip(pair, delta);
+  f.mean = mean_slip(pair, delta);
   const double size = f.mean.norm();
   double load = 0.0, slip = 0.0;
   for (std::size_t c = pair.begin; c < pair.end; ++c) {
@@ -223,10 +231,9 @@ void Penalty::push_bodies() {
   pushed_.assign(static_cast<std::size_t>(last + 1), Vec3::Zero());
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
     const PairState& state = pairs_[p];
-    if (!state.rigid) continue;
-    const Vec3& beyond = patches_[p].found.beyond;
-    pushed_[static_cast<std::size_t>(state.body[0])] += options_.dt * state.inverse_mass[0] * beyond;
-    pushed_[static_cast<std::size_t>(state.body[1])] -= options_.dt * state.inverse_mass[1] * beyond;
+    const Vec3 gone = patches_[p].found.beyond + patches_[p].let_go;
+    pushed_[static_cast<std::size_t>(state.body[0])] += options_.dt * state.inverse_mass[0] * gone;
+    pushed_[static_cast<std::size_t>(state.body[1])] -= options_.dt * state.inverse_mass[1] * gone;
   }
 }
 
@@ -249,13 +256,13 @@ Penalty::SlipForecast Penalty::expected_slip(std::size_t p) {
   // If a part deforms and both move, masses alone underestimate b: a sheet pressed between heavy bodies would alternate
   // between sticking and slipping.
   double next = found + b * (friction - most);
-  if (state.rigid) {
+  if (const double size = f.mean.norm(); size > 0.0) {
     // What other contacts of the two bodies will give way or hold.
     const auto [a, other] = state.body;
     const auto [light_a, light_b] = state.inverse_mass;
-    const Vec3 way = f.mean / found;
-    next += way.dot(pushed_[static_cast<std::size_t>(a)] - pushed_[static_cast<std::size_t>(other)] -
-                    options_.dt * (light_a + light_b) * patches_[p].found.beyond);
+    next += (f.mean / size)
+                .dot(pushed_[static_cast<std::size_t>(a)] - pushed_[static_cast<std::size_t>(other)] -
+                     options_.dt * (light_a + light_b) * patches_[p].found.beyond);
   }
   if (tells || state.rigid || state.fixed) f.ratio = std::max(0.0, next / found);
   // If a part deforms, some nodes of a patch stick while others slide, and slip is not linear in friction.

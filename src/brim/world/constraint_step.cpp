@@ -27,6 +27,35 @@ constexpr double kWarn = 100.0;
 /// How often sweeps that end above it are continued, each time by as many: one sub-step in some thousand.
 constexpr int kMostMore = 4;
 
+/// Fastest motion of a body, relative to the largest displacement that a row of its island asks for.
+constexpr double kMostPushed = 10.0;
+
+/// Slows each island whose bodies would move much farther than their rows ask for: a leg that stands a thousandth of a
+/// radian off its dead centre would turn round to rise by a tenth of a voxel.
+/// @param asked  [m/s] by each row  @param way  [m/s] displacements over the step, changed in place
+void bound_push(std::span<const WorldPart> parts, const ContactSet& points, Islands islands,
+                std::span<const double> asked, std::span<const std::size_t> first_v, std::span<double> way) {
+  const std::size_t bodies = first_v.size() - 1;
+  std::vector<double> most(bodies, 0.0), motion(bodies, 0.0);
+  for (const ContactPair& pair : points.pairs)
+    for (const std::int32_t part : {pair.part_a, pair.part_b})
+      for (std::size_t c = pair.begin; c < pair.end && !is_fixed(parts[part]); ++c) {
+        double& m = most[static_cast<std::size_t>(islands.first_of(parts[part].body_index))];
+        m = std::max(m, asked[c]);
+      }
+  for (const WorldPart& p : parts) {
+    if (is_fixed(p)) continue;
+    double& m = motion[static_cast<std::size_t>(islands.first_of(p.body_index))];
+    m = std::max(m, speed_bound(p, velocities_of(p, way, first_v)));
+  }
+  for (std::size_t b = 0; b < bodies; ++b) {
+    const auto first = static_cast<std::size_t>(islands.first_of(static_cast<std::int32_t>(b)));
+    if (!(motion[first] > kMostPushed * most[first])) continue;
+    const double share = kMostPushed * most[first] / motion[first];
+    for (std::size_t i = first_v[b]; i < first_v[b + 1]; ++i) way[i] *= share;
+  }
+}
+
 /// Rows n, t1, t2 of a right-handed frame.
 Mat3 frame_along(const Vec3& n) {
   Eigen::Index least = 0;
@@ -118,6 +147,9 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
     complete(lambda_, change);
     position_correction_.resize(delta.size());
     for (std::size_t i = 0; i < position_correction_.size(); ++i) position_correction_[i] = way[i] - change[i];
+    std::vector<double> asked(n);
+    for (std::size_t c = 0; c < n; ++c) asked[c] = std::abs(rows_.position_targets()[c] - rows_.velocity_targets()[c]);
+    bound_push(parts_, rows_.points(), join_rows(), asked, first_v_, position_correction_);
   } else {
     complete(lambda_, change);
   }

@@ -2,6 +2,7 @@
 // last step, forces on the bodies.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "brim/core/parallel.h"
 #include "brim/response/even_loads.h"
@@ -13,6 +14,9 @@ namespace {
 
 /// Cosine of normals that count as parallel; share of its limit from which on friction counts as that of sliding.
 constexpr double kParallel = 0.9999, kSlides = 0.999;
+/// Share of their differences that the loads of a pair with a link lose before each solve, which restores what the
+/// motion needs.
+constexpr double kEvened = 0.1;
 
 }  // namespace
 
@@ -78,7 +82,8 @@ void ConstraintStep::find_start(std::span<const double> v) {
       [&](std::size_t p) {
         const ContactPair& pair = rows_.points().pairs[p];
         for (std::size_t c = pair.begin; c < pair.end; ++c)
-          offset_[c] += frame_[c] * turning_.slip(pair, rows_.grips()[c], rows_.normals()[c], start_[c]);
+          offset_[c] += frame_[c] * turning_.slip(pair, rows_.grips()[c], rows_.normals()[c], start_[c],
+                                                  rows_.bends()[c].a + rows_.bends()[c].b);
       },
       64);
 }
@@ -133,7 +138,9 @@ void ConstraintStep::even_out() {
       [&](std::size_t p) {
         const ContactPair& pair = points.pairs[p];
         const std::size_t n = pair.end - pair.begin;
-        if (n < 4 || !recall_.shared(p) || !rigid(pair)) return;
+        // What joints hold may bear any torque, and with it any place of the load.
+        const bool held = !rigid(pair) && parts_[pair.part_a].solid && parts_[pair.part_b].solid;
+        if (held ? n < 2 : n < 4 || !recall_.shared(p) || !rigid(pair)) return;
         const Vec3 normal = rows_.normals()[pair.begin];
         // Points without a load may not touch.
         std::vector<std::size_t> bears;
@@ -145,7 +152,12 @@ void ConstraintStep::even_out() {
           if (l > 0.0) bears.push_back(c), load.push_back(l), at.push_back(points.point[c]);
         }
         const std::vector<double> before = load;
-        if (!even_loads(at, normal, load)) return;
+        if (held) {
+          const double mean = std::accumulate(load.begin(), load.end(), 0.0) / static_cast<double>(load.size());
+          for (double& l : load) l += kEvened * (mean - l);
+        } else if (!even_loads(at, normal, load)) {
+          return;
+        }
         // What slides has the friction of its new load, what sticks keeps it.
         for (std::size_t i = 0; i < bears.size(); ++i) {
           Vec3& f = force_on_a_[bears[i]];

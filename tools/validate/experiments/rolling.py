@@ -177,6 +177,11 @@ def straight_disc(case):
 TABLE, AWAY = 2.0, 0.8  # [rad/s], [m]
 
 
+def table(h, radius=1.5):
+    return {"kind": "obstacle", "name": "table", "voxel_size": h, "shape": cylinder(radius, 0.3), "angular_velocity": [0, 0, TABLE],
+            "transform": {"position": [0, 0, -0.15]}}
+
+
 @experiment(law="r = r₀", source="sticking, μ g > ω² r", unit="m", tolerance=0.01, theory=AWAY, fast=True,
             cases=cases(response=BOTH, body=("box", "soft"), dt=(1 / 60, 1 / 240)),
             measure=lambda c, r: np.hypot(*r.center("body")[-1, :2]),
@@ -184,9 +189,32 @@ TABLE, AWAY = 2.0, 0.8  # [rad/s], [m]
 def turntable(case):
     """A box of 0.3 m stands on a table that turns at 2 rad/s: how far it is from the axis after 3 s, 0.8 m at first."""
     about_axis = {"velocity": [0, TABLE * AWAY, 0], "angular_velocity": [0, 0, TABLE]}
-    table = {"kind": "obstacle", "name": "table", "voxel_size": 0.04, "shape": cylinder(1.5, 0.3), "angular_velocity": [0, 0, TABLE],
-             "transform": {"position": [0, 0, -0.15]}}
     body = rigid("body", box(0.3, 0.3, 0.3), (AWAY, 0, 0.15), 0.04, **about_axis) if case.body == "box" else {
         "kind": "finite_elements", "name": "body", "shape": box(0.3, 0.3, 0.3), "voxel_size": 0.04, "lattice_spacing": 0.08, "young_modulus": 1e5,
         "density": 500, "transform": {"position": [AWAY, 0, 0.15]}, **about_axis}
-    return scene([table, body], 3.0, dt=case.dt, response=case.response, frame=round(1 / (60 * case.dt)))
+    return scene([table(0.04), body], 3.0, dt=case.dt, response=case.response, frame=round(1 / (60 * case.dt)))
+
+
+@experiment(law="r = r₀", source="sticking", unit="m", tolerance=0.001, theory=AWAY, cases=cases(response=BOTH, dt=(1 / 60, 1 / 240)), fast=True,
+            measure=lambda c, r: np.hypot(*r.center("load")[-1, :2]))
+def carried_round(case):
+    """A box of 0.1 m between two fingers of an arm that turns at 2 rad/s: how far it is from the axis after 2 s, 0.8 m at first."""
+    def finger(name, y):
+        joint = {"kind": "prismatic", "axis": [0, 1, 0], "position": [AWAY, y, 0],
+                 "drive": {"stiffness": 2e4, "damping": 100, "target": math.copysign(0.003, -y)}}
+        return {"name": name, "parent": "beam", "mass": 0.5, "shape": box(0.3, 0.04, 0.3), "joint": joint}
+
+    turn = {"kind": "revolute", "axis": [0, 0, 1], "start_velocity": TABLE, "drive": {"damping": 1e4, "target_velocity": TABLE}}
+    beam = {"name": "beam", "mass": 5, "shape": box(0.1, 0.1, 0.1), "joint": turn}
+    arm = {"kind": "articulated", "name": "arm", "base": "fixed", "voxel_size": 0.02, "links": [beam, finger("left", 0.0705), finger("right", -0.0705)]}
+    load = rigid("load", box(0.1, 0.1, 0.1), (AWAY, 0, 0), 0.02, velocity=[0, TABLE * AWAY, 0], angular_velocity=[0, 0, TABLE])
+    return scene([arm, load], 2.0, dt=case.dt, response=case.response, frame=round(1 / (60 * case.dt)))
+
+
+@experiment(law="v = v₀, round at 2/7 of the table's rate", source="Weltner 1979, Am. J. Phys. 47", unit="-", tolerance=0.005, theory=1.0,
+            cases=cases(response=BOTH, h=(0.05, 0.025)), study="h", measure=lambda c, r: np.linalg.norm(r.velocity("ball")[-1, :2]) / 0.3)
+def ball_on_turntable(case):
+    """A ball of 0.2 m rolls at 0.3 m/s on a table that turns at 2 rad/s: its speed after 7 s, relative to that of the start."""
+    spin = [(0.2 * TABLE - 0.3) / 0.1, 0, 0]  # so that it rolls
+    return scene([table(case.h), rigid("ball", ball(0.1), (0.2, 0, 0.1), case.h, velocity=[0, 0.3, 0], angular_velocity=spin)], 7.0,
+                 response=case.response)

@@ -245,6 +245,22 @@ bool ArticulatedBody::rigid_motion(const Vec3& t, const Vec3& w, std::span<doubl
   return true;
 }
 
+void ArticulatedBody::turns(std::span<const double> v, std::span<Turn> part) const {
+  // Of the free motion for which finish_step takes the velocities.
+  std::vector<Vec6> V(tree_.size()), a(tree_.size()), scratch(tree_.size());
+  std::vector<double> bias(v.size(), 0.0), rate(v.size());
+  tree_.twists(pose_, v, V);
+  tree_.add_bias(pose_, v, V, a, bias);
+  for (double& c : bias) c = -c;
+  free_inverse_.solve(bias, scratch, rate);
+  tree_.twists(pose_, v, V);
+  tree_.accelerations(pose_, v, V, rate, a);
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    const int link = parts_[p].link;
+    part[p] = {pose_.link[link].origin, V[link].tail<3>(), a[link].head<3>(), a[link].tail<3>()};
+  }
+}
+
 void ArticulatedBody::display_positions(std::span<Vec3f> x) const {
   for (const Part& p : parts_) p.solid.display_positions(x.subspan(p.first_vertex, p.solid.surface().vertices.size()));
 }

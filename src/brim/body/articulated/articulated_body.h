@@ -10,6 +10,7 @@
 #include "brim/body/posed_display.h"
 #include "brim/body/posed_shape.h"
 #include "brim/body/restless.h"
+#include "brim/body/turns.h"
 #include "brim/core/workspace_pool.h"
 
 namespace brim {
@@ -23,6 +24,7 @@ class ArticulatedBody final : public Body,
                               public DistanceBound,
                               public PosedDisplay,
                               public OuterForces,
+                              public Turns,
                               public Restless,
                               public Movable,
                               public MovableBase {
@@ -83,6 +85,8 @@ class ArticulatedBody final : public Body,
   Vec3 linear_momentum(std::span<const double> v) const override { return momentum(v).head<3>(); }
   Vec3 angular_momentum(std::span<const double> v) const override { return momentum(v).tail<3>(); }
   bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
+
+  void turns(std::span<const double> v, std::span<Turn> part) const override;
 
   const Display& display() const override { return display_; }
   void display_positions(std::span<Vec3f> x) const override;

@@ -87,7 +87,12 @@ void JointForces::add_limits(const Joint& j, double dt, double mass, const Vec3&
     if (!(beyond + dt * rate > 0.0)) return;
     t.force -= k * beyond * outwards;
     t.K += k * outwards * outwards.transpose();
-    if (beyond > 0.0) energy_ += 0.5 * k * beyond * beyond;
+    if (!(beyond > 0.0)) return;
+    // Pushed out within a step, the joint would leave the limit with that speed and fall back, for ever.
+    const double c = k * step;
+    t.force -= c * rate * outwards;
+    t.C += c * outwards * outwards.transpose();
+    energy_ += 0.5 * k * beyond * beyond;
   };
   if (ball) {
     const double angle = x.norm();

@@ -8,7 +8,8 @@ namespace brim {
 
 /// Drives, limits, damping and dry friction of all joints, with derivatives for an implicit step.
 ///   drive     τ = s (kp (target − q) + kd (target' − q')),  s = min(1, force_limit / |τ at s = 1|)
-///   limit     τ = −k (q − upper) beyond upper, likewise below lower; it already acts when q + dt q' is beyond
+///   limit     τ = −k (q − upper + dt q') beyond upper, likewise below lower; τ = −k (q − upper) already when q + dt q'
+///             is beyond
 ///   damping   τ = −d q'
 ///   friction  τ = −f q' / max(|q'|, ε),  ε = 0.01 f dt / m: a hundredth of the speed that friction stops in a step
 /// m is the inertia felt by the joint. For a ball joint they act along its rotation vector from rest.

@@ -215,24 +215,32 @@ void Tree::add_mass(const TreePose& pose, std::span<const double> x, std::span<V
     for (int k = 0; k < l.dof; ++k) y[l.v0 + k] += l.armature * x[l.v0 + k];
 }
 
-void Tree::add_bias(const TreePose& pose, std::span<const double> v, std::span<Vec6> V, std::span<Vec6> a,
-                    std::span<double> C) const {
-  // Outwards: the accelerations that turning frames make.
+void Tree::accelerations(const TreePose& pose, std::span<const double> v, std::span<const Vec6> V,
+                         std::span<const double> rate, std::span<Vec6> a) const {
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const Link& l = links_[i];
-    a[i].setZero();
-    if (l.parent < 0) continue;
     const TreePose::Link& p = pose.link[i];
+    a[i].setZero();
+    if (!rate.empty())
+      with_dof(l.dof, [&](auto k) {
+        a[i].noalias() += p.S.leftCols<k>() * Eigen::Map<const Eigen::Matrix<double, k, 1>>(rate.data() + l.v0);
+      });
+    if (l.parent < 0) continue;
+    // What turning frames make.
     Vec6 relative = Vec6::Zero();
     with_dof(l.dof, [&](auto k) {
       relative.noalias() = p.S.leftCols<k>() * Eigen::Map<const Eigen::Matrix<double, k, 1>>(v.data() + l.v0);
     });
     const Vec3 w = V[l.parent].tail<3>(), turn = a[l.parent].tail<3>();
     const Vec3 slide = relative.head<3>(), spin = relative.tail<3>();
-    a[i].head<3>() = a[l.parent].head<3>() + turn.cross(p.arm) + w.cross(w.cross(p.arm)) + 2.0 * w.cross(slide);
-    a[i].tail<3>() = turn + w.cross(spin);
+    a[i].head<3>() += a[l.parent].head<3>() + turn.cross(p.arm) + w.cross(w.cross(p.arm)) + 2.0 * w.cross(slide);
+    a[i].tail<3>() += turn + w.cross(spin);
   }
-  // The wrenches that they need.
+}
+
+void Tree::add_bias(const TreePose& pose, std::span<const double> v, std::span<Vec6> V, std::span<Vec6> a,
+                    std::span<double> C) const {
+  accelerations(pose, v, V, {}, a);
   for (std::size_t i = 0; i < links_.size(); ++i) {
     const TreePose::Link& p = pose.link[i];
     const Vec3 w = V[i].tail<3>(), turn = a[i].tail<3>();

@@ -84,6 +84,9 @@ class Tree {
   void add_wrenches(const TreePose& pose, std::span<Vec6> W, std::span<double> Q) const;
   /// y += M x, armature included. @param V  scratch, shape (links)
   void add_mass(const TreePose& pose, std::span<const double> x, std::span<Vec6> V, std::span<double> y) const;
+  /// Accelerations of the links' origins and spins, outwards. @param V  twists of v  @param rate  of v, or empty: none
+  void accelerations(const TreePose& pose, std::span<const double> v, std::span<const Vec6> V,
+                     std::span<const double> rate, std::span<Vec6> a) const;
   /// C += forces that keep all joint velocities constant: recursive Newton-Euler without joint acceleration or weight.
   /// @param V  twists of v; overwritten. @param a scratch, shape (links)
   void add_bias(const TreePose& pose, std::span<const double> v, std::span<Vec6> V, std::span<Vec6> a,

@@ -77,7 +77,9 @@ class ObstacleBody final : public Body,
   Vec3 angular_momentum(std::span<const double>) const override { return Vec3::Zero(); }
 
   Frame rigid_frame() const override { return {solid_.pose().translation, 0.0, Mat3::Zero()}; }
-  Turn turn(std::span<const double> v) const override { return {solid_.pose().translation, {v[3], v[4], v[5]}}; }
+  void turns(std::span<const double> v, std::span<Turn> part) const override {
+    part[0] = {.center = solid_.pose().translation, .spin = {v[3], v[4], v[5]}};
+  }
 
   const Display& display() const override { return display_; }
   void display_positions(std::span<Vec3f> x) const override { solid_.display_positions(x); }

@@ -103,10 +103,13 @@ void ParticleBody::update(double, std::span<const double> q, std::span<const dou
   if (pieces_) pieces_->set_name(name()), pieces_->follow(x_);
 }
 
-Turns::Turn ParticleBody::turn(std::span<const double> v) const {
-  if (!hold_together(stiffness_)) return {};
-  const MeanMotion m = mean_motion(particle_set(), flat(x_), v);
-  return {m.center, m.spin};
+void ParticleBody::turns(std::span<const double> v, std::span<Turn> part) const {
+  Turn all;
+  if (hold_together(stiffness_)) {
+    const MeanMotion m = mean_motion(particle_set(), flat(x_), v);
+    all = {.center = m.center, .spin = m.spin};
+  }
+  std::ranges::fill(part, all);
 }
 
 void ParticleBody::keep_energy(double time, std::span<const double> q, std::span<double> v) {

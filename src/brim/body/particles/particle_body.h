@@ -109,7 +109,7 @@ class ParticleBody : public Body,
   Vec3 linear_momentum(std::span<const double> v) const override;
   Vec3 angular_momentum(std::span<const double> v) const override;
   bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
-  Turn turn(std::span<const double> v) const override;
+  void turns(std::span<const double> v, std::span<Turn> part) const override;
 
   /// The particles themselves; kinds with another display override both functions.
   const Display& display() const override { return display_; }

@@ -78,7 +78,9 @@ class RigidBody final : public Body,
   Vec3 angular_momentum(std::span<const double> v) const override;
 
   Frame rigid_frame() const override;
-  Turn turn(std::span<const double> v) const override { return {center_, {v[3], v[4], v[5]}}; }
+  void turns(std::span<const double> v, std::span<Turn> part) const override {
+    part[0] = {.center = center_, .spin = {v[3], v[4], v[5]}};
+  }
   bool rigid_motion(const Vec3& t, const Vec3& w, std::span<double> v) const override;
 
   const Display& display() const override { return display_; }
