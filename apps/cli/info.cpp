@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <numbers>
+#include <string_view>
 
+#include "brim/body/changing_surface.h"
 #include "brim/core/error.h"
 #include "brim/core/printable.h"
 #include "brim/io/surface_reader.h"
@@ -35,6 +39,54 @@ std::string parameter_text(const Scene& scene) {
   return text;
 }
 
+/// Bodies with a line of their own.
+constexpr int kMostBodies = 40;
+
+/// A box around what is shown of a body, [m]; of a plane its display.
+Aabb shown_box(const Body& body) {
+  std::vector<Vec3f> x;
+  display_now(body, x);
+  Aabb box;
+  for (const Vec3f& p : x) box.extend(p.cast<double>());
+  return box;
+}
+
+/// ", 3.2 kg, 0.2 x 0.1 x 0.1 m, voxels of 0.01 m, 7 coordinates"
+std::string size_text(const Body& body) {
+  std::string text;
+  if (!body.immobile()) text += fmt::format(", {:.4g} kg", body.mass());
+  if (const Aabb box = shown_box(body); !box.empty())
+    text += fmt::format(", {:.4g} x {:.4g} x {:.4g} m", box.extent().x(), box.extent().y(), box.extent().z());
+  double finest = std::numeric_limits<double>::infinity();
+  for (int p = 0; p < body.part_count(); ++p) finest = std::min(finest, body.part(p).voxel_size);
+  if (finest > 0.0 && std::isfinite(finest)) text += fmt::format(", voxels of {:.4g} m", finest);
+  if (body.q_size() > 0) text += fmt::format(", {} coordinates", body.q_size());
+  return text;
+}
+
+/// True for two copies of a body that "repeat" makes, of which one line tells all.
+bool alike(const Body& a, const Body& b) {
+  const auto stem = [](std::string_view name) { return name.substr(0, name.rfind('.')); };
+  return a.name() != stem(a.name()) && stem(a.name()) == stem(b.name()) && a.kind() == b.kind() &&
+         a.q_size() == b.q_size() && std::abs(a.mass() - b.mass()) <= 1e-9 * std::abs(a.mass());
+}
+
+/// A line for each body: a slip of units shows in its size or mass.
+void about_bodies(const World& world) {
+  int lines = 0, last = 0;
+  for (int b = 0; b < world.body_count(); b = last + 1) {
+    const Body& body = world.body(b);
+    for (last = b; last + 1 < world.body_count() && alike(body, world.body(last + 1));) ++last;
+    if (++lines > kMostBodies) {
+      fmt::print("    and {} more\n", world.body_count() - b);
+      return;
+    }
+    const std::string copies = last > b ? fmt::format(" to {}", printable(world.body(last).name())) : "";
+    fmt::print("    {}{}: {}{}\n", printable(body.name()), copies, printable(std::string(body.kind())),
+               size_text(body));
+  }
+}
+
 void about_scene(const std::string& path) {
   const Scene scene = load_scene(path);
   const World world = build_world(scene);
@@ -44,7 +96,9 @@ void about_scene(const std::string& path) {
   for (int b = 0; b < world.body_count(); ++b) ++kinds[std::string(world.body(b).kind())];
   fmt::print("  {} bodies:", world.body_count());
   for (const auto& [kind, count] : kinds) fmt::print(" {} {}", count, printable(kind));
-  fmt::print("\n  {} coordinates, {} velocities\n", world.state().q.size(), world.state().v.size());
+  fmt::print("\n");
+  about_bodies(world);
+  fmt::print("  {} coordinates, {} velocities\n", world.state().q.size(), world.state().v.size());
   fmt::print("  {} frames of {:.6g} s, {} steps of {:.6g} s each\n", scene.frames, scene.frame_time(),
              scene.steps_per_frame, scene.world.time_step);
   fmt::print("  {} expectations\n", scene.expect.size());

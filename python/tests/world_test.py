@@ -307,6 +307,10 @@ class Arrays(unittest.TestCase):
         self.assertAlmostEqual(bone.mass / (1000 * 0.3 * 0.2 * 0.2), 1.0, delta=0.03)
         extent = np.ptp(bone.positions, axis=0)
         np.testing.assert_allclose(extent, (0.3, 0.2, 0.2), atol=0.011)
+        with self.assertRaisesRegex(brim.InputError, "no voxel has a finite intensity"):
+            world.add("image_volume", intensities=np.nan * ct, spacing=(0.01, 0.01, 0.02), window=(0, 0))
+        with self.assertRaisesRegex(brim.InputError, "only a deformable volume has \"young_modulus\""):
+            world.add("image_volume", intensities=ct, spacing=(0.01, 0.01, 0.02), window=(500, 500), young_modulus=1e5)
 
 
 class Threads(unittest.TestCase):

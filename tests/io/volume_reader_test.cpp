@@ -151,8 +151,99 @@ TEST(VolumeReader, RawFilesTakeTheirLayoutFromTheCaller) {
   const VoxelImage image = read_volume(raw_volume_info(path, layout));
   EXPECT_EQ(image.values, (std::vector<float>{1.5f, -2.0f}));
   EXPECT_EQ(image.axes(2, 2), 0.3);
-  layout.skip = 5;
-  EXPECT_THROW(raw_volume_info(path, layout), InputError);
+}
+
+TEST(VolumeReader, RawLayoutsFitTheirFileToTheByte) {
+  const test::TemporaryFolder folder;
+  const auto refused = [&](const std::string& name, const RawLayout& layout) {
+    try {
+      raw_volume_info(folder.write(name, std::string(48, 'x')).string(), layout);
+      return std::string();
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+  };
+  RawLayout layout;
+  layout.size = Vec3i(2, 3, 4);
+  layout.type = VoxelType::Int16;
+  EXPECT_EQ(refused("x.raw", layout), "");
+  EXPECT_EQ(refused("x", layout), "");
+  const auto expect = [&](const std::string& name, const RawLayout& given, const std::vector<std::string>& words) {
+    const std::string text = refused(name, given);
+    for (const std::string& word : words) EXPECT_NE(text.find(word), std::string::npos) << text << " lacks " << word;
+  };
+  RawLayout bytes = layout, thin = layout, late = layout;
+  bytes.type = VoxelType::Int8;
+  thin.size.z() = 3;
+  late.skip = 1;
+  expect("x.raw", bytes, {"x.raw", "48 bytes", "needs 24", "2 x 3 x 4 voxels of int8"});
+  expect("x.raw", thin, {"48 bytes", "needs 36"});
+  expect("x.raw", late, {"48 bytes", "needs 49", "1 to skip"});
+  // Files that say themselves how their voxels lie.
+  for (const char* name : {"x.nrrd", "x.NHDR", "x.nii", "x.nii.gz", "x.vdb"})
+    expect(name, layout, {name, "leave \"raw\" out"});
+}
+
+TEST(VolumeReader, UnitsOfNrrdAreKnownOnesOrRefused) {
+  const test::TemporaryFolder folder;
+  const auto file = [&](const std::string& units) {
+    return folder.write("u.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 1 1 1\nencoding: raw\n" + units + "\n1")
+        .string();
+  };
+  const auto unit = [&](const std::string& units) { return read_volume_info(file(units)).unit; };
+  EXPECT_EQ(unit("space units: \"mm\" \"mm\" \"mm\"\n"), 1e-3);
+  EXPECT_EQ(unit("space units: \"m\" \"m\" \"m\"\n"), 1.0);
+  EXPECT_EQ(unit("units: \"cm\" \"\" \"cm\"\n"), 1e-2);
+  EXPECT_EQ(unit("space units: \"microns\" \"um\" \"\u00b5m\"\n"), 1e-6);
+  EXPECT_FALSE(read_volume_info(file("")).unit_given);
+  EXPECT_FALSE(read_volume_info(file("space units: \"\" \"none\" \"\"\n")).unit_given);
+  for (const char* bad : {"\"furlong\" \"furlong\" \"furlong\"", "\"mm\" \"mm\" \"m\""}) {
+    const std::string text = message(file(std::string("space units: ") + bad + "\n"));
+    EXPECT_NE(text.find(bad), std::string::npos) << text;
+    EXPECT_NE(text.find("mm, um"), std::string::npos) << text;
+  }
+}
+
+TEST(VolumeReader, VolumesWithoutAFiniteIntensityAreRefused) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder.write("none.nii", "");
+  const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  VoxelImage image;
+  image.size = Vec3i(2, 2, 2);
+  image.axes = 0.01 * Mat3::Identity();
+  image.values = {nan, nan, inf, nan, nan, -inf, nan, nan};
+  write_nifti(path, image);
+  EXPECT_NE(message(path).find("none.nii: no voxel has a finite intensity"), std::string::npos) << message(path);
+  VolumeReadOptions options;
+  options.transfer = [](double) { return 1.0; };
+  EXPECT_THROW(read_volume(read_volume_info(path), options), InputError);
+  image.values[3] = 1.0f;
+  write_nifti(path, image);
+  EXPECT_EQ(message(path), "");
+}
+
+TEST(VolumeReader, SummariesTellRangeLabelsAndShare) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder.write("s.nii", "");
+  VoxelImage image;
+  image.size = Vec3i(30, 1, 2);
+  image.axes = 0.01 * Mat3::Identity();
+  for (int i = 0; i < 60; ++i) image.values.push_back(static_cast<float>(i % 3 == 0 ? 5 : i % 3 == 1 ? -2 : 0));
+  image.values[7] = std::numeric_limits<float>::quiet_NaN();
+  write_nifti(path, image);
+  const auto share = [](double v) { return v > 0 ? 0.25 : 0.0; };
+  IntensitySummary s = summarize_intensities(read_volume_info(path), share);
+  EXPECT_EQ(s.least, -2.0);
+  EXPECT_EQ(s.most, 5.0);
+  EXPECT_EQ(s.fullest, 0.25);
+  EXPECT_EQ(s.labels, (std::vector<int>{-2, 0, 5}));
+  EXPECT_FALSE(s.more_labels);
+  for (int i = 0; i < 60; ++i) image.values[i] = static_cast<float>(60 - i);
+  write_nifti(path, image);
+  s = summarize_intensities(read_volume_info(path), share);
+  EXPECT_EQ(s.labels.size(), IntensitySummary::kMostLabels);
+  EXPECT_EQ(s.labels.back(), 20);
+  EXPECT_TRUE(s.more_labels);
 }
 
 TEST(VolumeReader, WhatIsWrittenIsReadBack) {

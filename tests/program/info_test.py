@@ -1,4 +1,6 @@
-"""brim info of a volume: histogram, windows that part what is in it, and a picture of its slices. BRIM_PROGRAM names the program."""
+"""brim info of a volume: histogram, windows that part what is in it, and a picture of its slices; of a scene: mass and size of
+its bodies. BRIM_PROGRAM names the program."""
+import json
 import os
 import pathlib
 import re
@@ -88,6 +90,22 @@ class Info(unittest.TestCase):
         self.assertIn("Hounsfield", out)
         shares = [float(m) for m in re.findall(r"# +([\d.e+-]+) %", out)]
         self.assertAlmostEqual(sum(shares), 100, delta=2)
+
+    def test_a_scene_tells_mass_and_size_of_each_body(self):
+        box = {"kind": "rigid", "shape": {"kind": "box", "size": [0.1, 0.2, 0.4]}, "density": 500}
+        scene = {"brim": 1, "name": "s", "frames": 1, "bodies": [
+            {"kind": "obstacle", "name": "floor", "shape": {"kind": "plane", "display_size": 2}},
+            {**box, "name": "box", "voxel_size": 0.02},
+            {**box, "name": "brick", "repeat": {"count": [1, 1, 3], "spacing": [1, 1, 1]}},
+            {"kind": "image_volume", "name": "slip", "file": "head.nrrd", "window": [-500, -500], "unit": 1}]}
+        (self.root / "s.json").write_text(json.dumps(scene))
+        lines = [line.strip() for line in self.brim(file="s.json").splitlines()]
+        self.assertIn("box: rigid, 4 kg, 0.1 x 0.2 x 0.4 m, voxels of 0.02 m, 7 coordinates", lines)
+        self.assertTrue(any(line.startswith("floor: obstacle, 2 x 2 x 0 m") for line in lines), lines)
+        self.assertTrue(any(line.startswith("brick.0 to brick.2: rigid, 4 kg") for line in lines), lines)
+        slip = re.search(r"slip: image_volume, ([\d.e+]+) kg, ([\d.]+) x ", "\n".join(lines))
+        self.assertGreater(float(slip[1]), 1e8)     # metres for millimetres
+        self.assertAlmostEqual(float(slip[2]), 80, delta=6)
 
     def test_the_sheet_is_a_picture_of_the_slices(self):
         self.brim("--sheet", "sheet.png")

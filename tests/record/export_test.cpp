@@ -2,12 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include "brim/core/error.h"
 #include "brim/record/export/format.h"
+#include "brim/record/runner.h"
+#include "brim/scene/scene.h"
 #include "support/made_run.h"
 
 namespace brim::export_test {
@@ -103,6 +107,32 @@ TEST(Export, RefusesWhatItCannotDoAndLeavesNothingBehind) {
                           [](std::int64_t done, std::int64_t) { return done < 2; }),
                InputError);
   EXPECT_EQ(names_in(made.path), std::vector<std::string>{"run"});
+}
+
+TEST(Export, GrainsHaveTheVelocitiesOfTheirCentres) {
+  const MadeRun lends(1);  // a folder
+  const Scene scene = parse_scene(R"({"brim": 1, "name": "grains", "frames": 2,
+    "world": {"gravity": [0, 0, 0], "time_step": 0.01}, "bodies": [
+    {"kind": "points", "name": "sand", "radius": 0.1, "grid": {"count": [2, 1, 1]}, "velocity": [1, 2, -3]}]})");
+  World world = build_world(scene);
+  RunPlan plan;
+  plan.folder = (lends.path / "sand").string();
+  plan.info = {scene.name, scene.text, scene.frame_time(), scene.steps_per_frame};
+  plan.scene_file = scene.file;
+  plan.frames = plan.scene_frames = scene.frames;
+  record_run(world, plan, [](const RunProgress&) { return true; });
+  export_run(RunReader(plan.folder), {.format = "ply", .folder = (lends.path / "out").string(), .frames = "1"});
+  const std::string ply = text_of(lends.path / "out/sand_00001.ply");
+  EXPECT_NE(ply.find("property float vx\nproperty float vy\nproperty float vz\n"), std::string::npos) << ply;
+  const std::size_t data = ply.find("end_header\n") + 11;
+  for (std::size_t grain = 0; grain < 2; ++grain) {
+    std::array<float, 7> row{};  // x y z vx vy vz pscale
+    ASSERT_EQ(ply.size(), data + 2 * sizeof row);
+    std::memcpy(row.data(), ply.data() + data + grain * sizeof row, sizeof row);
+    EXPECT_EQ(row[3], 1.0f);
+    EXPECT_EQ(row[4], 2.0f);
+    EXPECT_EQ(row[5], -3.0f);
+  }
 }
 
 TEST(Export, AnOlderExportIsReplacedOnlyWithForceAndStrangersFilesNever) {

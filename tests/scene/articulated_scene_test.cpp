@@ -61,6 +61,28 @@ TEST(ArticulatedScene, LinksChainAndFileBecomeBodies) {
   EXPECT_TRUE(w.step().ok);
 }
 
+TEST(ArticulatedScene, DrivesThatCannotReachTheirTargetAreRefused) {
+  const auto with = [](const std::string& drive) {
+    std::string text = kGood;
+    const std::string find = "\"drive\": {\"stiffness\": 10}";
+    return message(text.replace(text.find(find), find.size(), "\"drive\": " + drive));
+  };
+  const char* const keys = R"("keyframes": [{"time": 0, "target": 0}, {"time": 1, "target": 1}])";
+  for (const std::string& good :
+       {std::string("{}"), std::string(R"({"force_limit": 2})"), std::string(R"({"stiffness": 5, "target": 1})"),
+        std::string(R"({"damping": 5, "target_velocity": 1})"), fmt::format(R"({{"damping": 5, {}}})", keys)})
+    EXPECT_EQ(with(good), "") << good;
+  const auto refused = [&](const std::string& drive, const char* has, const char* lacks) {
+    const std::string text = with(drive);
+    for (const char* word : {"/bodies/0/links/2/joint/drive", has, lacks})
+      EXPECT_NE(text.find(word), std::string::npos) << drive << ": " << text;
+  };
+  refused(R"({"target": 1})", "\"target\"", "no \"stiffness\"");
+  refused(R"({"target": 1, "damping": 3})", "\"target\"", "no \"stiffness\"");
+  refused(R"({"target_velocity": 1, "stiffness": 3})", "\"target_velocity\"", "no \"damping\"");
+  refused(fmt::format("{{{}}}", keys), "\"keyframes\"", "no \"stiffness\" or \"damping\"");
+}
+
 TEST(ArticulatedScene, MistakesAreRefusedWithTheirPlace) {
   struct Case {
     const char *find, *replace, *place, *word;

@@ -244,17 +244,61 @@ TEST_F(ImageVolumes, BadInputIsRefusedWithAMessage) {
   expect(R"("shape": {"kind": "plane"}, "image_spacing": 0.1)", {"no finite volume"});
   expect(
       R"("file": "ball.raw", "window": [0, 1], "raw": {"size": [25, 25, 26], "spacing": [1, 1, 1], "type": "float32"})",
-      {"/bodies/0/file", "cut short"});
+      {"/bodies/0/file", "62500 bytes", "needs 65000"});
+  expect(good + R"(, "raw": {"size": [25, 25, 25], "spacing": [1, 1, 1], "type": "float32"})",
+         {"/bodies/0/file", "leave \"raw\" out"});
   expect(
       R"("file": "ball.raw", "window": [0, 1], "raw": {"size": [25, 25, 25], "spacing": [1, 0, 1], "type": "float32"})",
       {"/bodies/0/raw/spacing/1", "above 0"});
   expect(R"("file": "ball.raw", "window": [0, 1])", {"must end in .nii"});
   expect(good + R"(, "lattice_spacing": 0.1)", {"lattice_spacing", "deformable"});
+  for (const char* key :
+       {R"("young_modulus": 1e5)", R"("young_modulus": {"table": [[0, 1], [9, 2]]})", R"("poisson_ratio": 0.3)",
+        R"("law": "corotational")", R"("averaging": 0.5)", R"("stiffness_damping": 0.1)", R"("mass_damping": 0)"})
+    expect(good + ", " + key,
+           {std::string(key).substr(1, std::string(key).find('"', 1) - 1), "only a deformable volume"});
+  EXPECT_EQ(message(good + R"(, "preset": "bone")"), "") << "presets may know more than the body needs";
   const std::string soft = good + R"(, "motion": "deformable")";
   expect(soft, {"\"lattice_spacing\" is missing"});
   expect(soft + R"(, "lattice_spacing": 9)", {"/bodies/0/lattice_spacing", "largest extent"});
   expect(soft + R"(, "lattice_spacing": 1e-4)", {"/bodies/0/lattice_spacing", "memory_limit"});
   expect(soft + R"(, "lattice_spacing": 0.1, "mass": 2)", {"/bodies/0/mass", "\"density\""});
+}
+
+TEST_F(ImageVolumes, WhereNoMatterIsLeftTheMessageNamesTheCause) {
+  const auto expect = [](const std::string& body, const std::vector<std::string>& words) {
+    const std::string text = message(body);
+    for (const std::string& word : words) EXPECT_NE(text.find(word), std::string::npos) << text << " lacks " << word;
+    return text;
+  };
+  std::string values;
+  for (int i = 0; i < 1000; ++i) values += static_cast<char>(i % 100 < 11 ? 0 : i < 500 ? 3 : 5);
+  std::ofstream(folder_ / "organs.nrrd", std::ios::binary)
+      << "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 10 10 10\nspacings: 10 10 10\nencoding: raw\n\n"
+      << values;
+  const std::string organs = R"("file": "organs.nrrd", "labels": )";
+  EXPECT_EQ(message(organs + "[3]"), "");
+  EXPECT_EQ(expect(organs + "[4, 6]", {"/bodies/0/labels", "labels [4,6]", "the image holds 0, 3, 5"}).find("window"),
+            std::string::npos);
+  // Voxels in millimetres: shares of such voxels say nothing of the intensities.
+  const std::string text = expect(R"("file": "ball.nii", "window": [50, 50], "voxel_size": 2)",
+                                  {"/bodies/0/voxel_size", "2 m, are larger than the volume, 0.25 x 0.25 x 0.25 m"});
+  EXPECT_EQ(text.find("image holds"), std::string::npos) << text;
+  expect(organs + R"([3], "voxel_size": 1)", {"/bodies/0/voxel_size", "larger than the volume"});
+  expect(R"("shape": {"kind": "sphere", "radius": 0.1}, "image_spacing": 0.01, "voxel_size": 2)",
+         {"/bodies/0/voxel_size", "larger than the volume"});
+  expect(R"("file": "ball.nii", "window": [500, 600], "voxel_size": 2)", {"/bodies/0/window", "0 to 100"});
+  expect(R"("file": "ball.nii", "window": [500, 600])", {"/bodies/0/window", "[500,600]", "0 to 100"});
+}
+
+TEST_F(ImageVolumes, ASeedLiesInTheVolume) {
+  const std::string ball = R"("file": "ball.nii", "window": [0, 100], "keep": {"seed": )";
+  EXPECT_EQ(message(ball + "[0.01, 0, 0]}"), "");
+  EXPECT_EQ(message(ball + R"([0.1, -0.1, 0.1]}, "transform": {"scale": 0.1})"), "") << "lengths are those of the file";
+  const std::string text = message(ball + R"([10, 0, 0]}, "transform": {"scale": 3})");
+  for (const char* word :
+       {"/bodies/0/keep/seed", "[10,0,0] m lies outside", "[-0.125, -0.125, -0.125] to [0.125, 0.125, 0.125] m"})
+    EXPECT_NE(text.find(word), std::string::npos) << text;
 }
 
 }  // namespace

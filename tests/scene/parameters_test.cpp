@@ -172,6 +172,19 @@ TEST(Presets, OfAnotherKindAreRefused) {
   EXPECT_NE(message_of(text).find("did you mean \"bone\"?; there are: bone, rubber, steel"), std::string::npos);
 }
 
+TEST(Presets, OfTheNameOfAMissingMaterialAreHintedAt) {
+  const auto text = [](const char* material) {
+    return message_of(fmt::format(R"({{"brim": 1, "name": "p", "frames": 1, "bodies": [
+      {{"kind": "rigid", "name": "a", "material": "{}", "shape": {{"kind": "sphere", "radius": 0.1}}}}]}})",
+                                  material));
+  };
+  for (const char* word : {"/bodies/0/material", "must be one of: default, fluid",
+                           R"("materials": {"rubber": {"preset": "rubber"}})", "presets: cotton, rubber, steel"})
+    EXPECT_NE(text("rubber").find(word), std::string::npos) << text("rubber");
+  EXPECT_NE(text("rubbr").find("\"preset\": \"rubber\""), std::string::npos) << text("rubbr");
+  EXPECT_EQ(text("water").find("preset"), std::string::npos) << "water is a preset, but of no material";
+}
+
 TEST(Errors, OfAFileAreToldAllAtOnce) {
   const char* const text = R"({"brim": 1, "name": "p", "frames": 1,
     "world": {"time_step": -1},

@@ -114,6 +114,33 @@ Fields read_fields(const std::string& path) {
   return f;
 }
 
+/// Units of length, [m].
+const std::map<std::string, double> kUnits = {
+    {"m", 1.0},           {"meter", 1.0},        {"meters", 1.0},       {"metre", 1.0},       {"metres", 1.0},
+    {"cm", 1e-2},         {"centimeter", 1e-2},  {"centimeters", 1e-2}, {"centimetre", 1e-2}, {"centimetres", 1e-2},
+    {"mm", 1e-3},         {"millimeter", 1e-3},  {"millimeters", 1e-3}, {"millimetre", 1e-3}, {"millimetres", 1e-3},
+    {"um", 1e-6},         {"\u00b5m", 1e-6},     {"\u03bcm", 1e-6},     {"micrometer", 1e-6}, {"micrometers", 1e-6},
+    {"micrometre", 1e-6}, {"micrometres", 1e-6}, {"micron", 1e-6},      {"microns", 1e-6},    {"nm", 1e-9},
+    {"nanometer", 1e-9},  {"nanometers", 1e-9},  {"nanometre", 1e-9},   {"nanometres", 1e-9}};
+
+/// The unit of length, if the header says one; the same on all axes.
+void read_unit(const Fields& f, VolumeInfo& info) {
+  const char* const key = f.has("space units") ? "space units" : "units";
+  std::string text = lower(f.get(key));
+  std::replace(text.begin(), text.end(), '"', ' ');
+  std::istringstream words(text);
+  for (std::string w; words >> w;) {
+    if (w == "none" || w == "unknown" || w == "???") continue;
+    const auto unit = kUnits.find(w);
+    if (unit == kUnits.end() || (info.unit_given && unit->second != info.unit))
+      throw InputError(
+          fmt::format("{}: the {} {} are not read; they must be one of m, cm, mm, um, nm, the same on all axes", f.path,
+                      key, f.get(key)));
+    info.unit = unit->second;
+    info.unit_given = true;
+  }
+}
+
 void read_place(const Fields& f, VolumeInfo& info) {
   if (f.has("space directions")) {
     const auto d = f.numbers("space directions");
@@ -135,9 +162,7 @@ void read_place(const Fields& f, VolumeInfo& info) {
   if (space.find("posterior") != std::string::npos || space == "lps") sign.y() = -1.0;
   info.axes = sign.asDiagonal() * info.axes;
   info.origin = sign.cwiseProduct(info.origin);
-  const std::string units = lower(f.get("space units", f.get("units")));
-  for (const auto& [word, metres] : {std::pair{"\"mm\"", 1e-3}, {"\"cm\"", 1e-2}, {"\"m\"", 1.0}, {"\"um\"", 1e-6}})
-    if (units.find(word) != std::string::npos) info.unit = metres, info.unit_given = true;
+  read_unit(f, info);
 }
 
 /// First byte of the data in their file, after the lines and bytes that the header wants skipped.

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <limits>
+#include <set>
 
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
@@ -25,8 +27,8 @@ struct TypeWord {
 constexpr TypeWord kTypeWords[] = {{"uint8", 1}, {"int8", 1},   {"uint16", 2}, {"int16", 2},   {"uint32", 4},
                                    {"int32", 4}, {"uint64", 8}, {"int64", 8},  {"float32", 4}, {"float64", 8}};
 
-/// What the formats cannot say: sizes, axes, and that the bytes are there.
-void check(const VolumeInfo& info) {
+/// What the formats cannot say: sizes and axes.
+void check_geometry(const VolumeInfo& info) {
   if (static_cast<std::size_t>(info.type) >= std::size(kTypeWords))
     throw InputError(info.path + ": the file is damaged: its numbers are of no known type");
   if ((info.size.array() < 1).any())
@@ -41,10 +43,19 @@ void check(const VolumeInfo& info) {
                     info.path, steps.x(), steps.y(), steps.z()));
   if (!(std::abs(info.axes.determinant()) > 1e-6 * steps.prod()))
     throw InputError(info.path + ": the axes of the volume lie in one plane");
+}
+
+/// Bytes of a file of plain voxels with what stands before them.
+double bytes_needed(const VolumeInfo& info) {
+  return static_cast<double>(info.file_offset) + static_cast<double>(info.data_offset) +
+         info.count() * static_cast<double>(voxel_bytes(info.type));
+}
+
+/// That the bytes are there.
+void check_length(const VolumeInfo& info) {
   need_regular_file(info.data_path);
   const std::size_t size = file_size(info.data_path);
-  const double needed = static_cast<double>(info.file_offset + info.data_offset) +
-                        info.count() * static_cast<double>(voxel_bytes(info.type));
+  const double needed = bytes_needed(info);
   if (info.encoding == VolumeInfo::Encoding::Plain && static_cast<double>(size) < needed)
     throw InputError(fmt::format("{}: the file is cut short: {} bytes are there where {:.0f} are needed",
                                  info.data_path, size, needed));
@@ -123,14 +134,56 @@ class TextNumbers {
 /// Largest magnitude of an intensity: infinite ones become this.
 constexpr double kLargest = 1e30;
 
+double intensity_of(const VolumeInfo& info, double stored) {
+  return std::clamp(info.slope * stored + info.intercept, -kLargest, kLargest);
+}
+
 /// Gives voxels without a number the lowest intensity of all: that of air in scans.
 void fill_unmeasured(std::vector<float>& values) {
   float lowest = std::numeric_limits<float>::infinity();
   for (const float v : values)
     if (v < lowest) lowest = v;
-  if (!std::isfinite(lowest)) lowest = 0.0f;
   for (float& v : values)
     if (std::isnan(v)) v = lowest;
+}
+
+/// Calls f(k) for each slice, in order, with the stored values in `value`, shape (size.y, size.x).
+template <class F>
+void each_slice(const VolumeInfo& info, std::vector<double>& value, const F& f) {
+  const bool text_of_numbers = info.encoding == VolumeInfo::Encoding::Text;
+  std::optional<ByteSource> source;
+  std::optional<TextNumbers> text;
+  if (!info.slices) {
+    source.emplace(info.data_path, info.file_offset, info.encoding == VolumeInfo::Encoding::Gzip);
+    source->skip(info.data_offset);
+    text.emplace(info.data_path, *source);
+  }
+  const std::size_t nx = static_cast<std::size_t>(info.size.x()), ny = static_cast<std::size_t>(info.size.y());
+  const std::size_t slice = nx * ny, width = voxel_bytes(info.type);
+  std::vector<char> raw(text_of_numbers || info.slices ? 0 : slice * width);
+  value.resize(slice);
+  for (int k = 0; k < info.size.z(); ++k) {
+    if (info.slices) {
+      info.slices->read(k, value);
+    } else if (text_of_numbers) {
+      text->read(slice, value.data());
+    } else {
+      source->read(raw.data(), raw.size());
+      parallel_for(
+          ny,
+          [&](std::size_t j) {
+            convert(info.type, raw.data() + j * nx * width, nx, info.big_endian, value.data() + j * nx);
+          },
+          32);
+    }
+    f(k);
+  }
+}
+
+std::string lower_case(std::string name) {
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return name;
 }
 
 }  // namespace
@@ -144,9 +197,7 @@ std::optional<VoxelType> voxel_type(const std::string& word) {
 }
 
 VolumeInfo read_volume_info(const std::string& path, const std::string& grid, const std::string& series) {
-  std::string name = path;
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string name = lower_case(path);
   std::error_code error;
   const bool folder = std::filesystem::is_directory(path, error);
   if (!folder) need_regular_file(path);
@@ -170,11 +221,19 @@ VolumeInfo read_volume_info(const std::string& path, const std::string& grid, co
     throw InputError(fmt::format("{}: a grid ('{}') can be chosen of .vdb files only", path, grid));
   if (!series.empty() && !dicom)
     throw InputError(fmt::format("{}: a series ('{}') can be chosen of DICOM files only", path, series));
-  check(info);
+  check_geometry(info);
+  check_length(info);
   return info;
 }
 
 VolumeInfo raw_volume_info(const std::string& path, const RawLayout& layout) {
+  const std::string name = lower_case(path);
+  for (const char* end : {".nii", ".nii.gz", ".nrrd", ".nhdr", ".vdb"})
+    if (name.ends_with(end))
+      throw InputError(fmt::format(
+          "{}: a \"raw\" layout is for files without a header, and a {} file has one; leave \"raw\" out", path, end));
+  if (holds_dicom(path))
+    throw InputError(path + ": a \"raw\" layout is for files without a header, and DICOM has one; leave \"raw\" out");
   VolumeInfo info;
   info.path = info.data_path = path;
   info.format = "raw";
@@ -185,7 +244,13 @@ VolumeInfo raw_volume_info(const std::string& path, const RawLayout& layout) {
   info.unit_given = true;
   info.axes = layout.spacing.asDiagonal();
   info.data_offset = layout.skip;
-  check(info);
+  check_geometry(info);
+  need_regular_file(path);
+  const std::size_t size = file_size(path);
+  if (static_cast<double>(size) != bytes_needed(info))
+    throw InputError(fmt::format(
+        "{}: the file has {} bytes, and the layout needs {:.0f}: {} to skip, and {} x {} x {} voxels of {}", path, size,
+        bytes_needed(info), layout.skip, info.size.x(), info.size.y(), info.size.z(), voxel_word(info.type)));
   return info;
 }
 
@@ -202,33 +267,11 @@ VoxelImage read_volume(const VolumeInfo& info, const VolumeReadOptions& options)
   image.origin = info.unit * (info.origin + info.axes * (0.5 * (cd - Vec3::Ones())));
   image.values.assign(image.count(), 0.0f);
 
-  const bool text_of_numbers = info.encoding == VolumeInfo::Encoding::Text;
-  std::optional<ByteSource> source;
-  std::optional<TextNumbers> text;
-  if (!info.slices) {
-    source.emplace(info.data_path, info.file_offset, info.encoding == VolumeInfo::Encoding::Gzip);
-    source->skip(info.data_offset);
-    text.emplace(info.data_path, *source);
-  }
   const std::size_t nx = static_cast<std::size_t>(info.size.x()), ny = static_cast<std::size_t>(info.size.y());
-  const std::size_t slice = nx * ny, width = voxel_bytes(info.type);
-  std::vector<char> raw(text_of_numbers || info.slices ? 0 : slice * width);
-  std::vector<double> value(slice), sum(static_cast<std::size_t>(image.size.x()) * image.size.y(), 0.0);
+  std::vector<double> value, sum(static_cast<std::size_t>(image.size.x()) * image.size.y(), 0.0);
   std::vector<double> count(sum.size(), 0.0);
-  for (int k = 0; k < info.size.z(); ++k) {
-    if (info.slices) {
-      info.slices->read(k, value);
-    } else if (text_of_numbers) {
-      text->read(slice, value.data());
-    } else {
-      source->read(raw.data(), raw.size());
-      parallel_for(
-          ny,
-          [&](std::size_t j) {
-            convert(info.type, raw.data() + j * nx * width, nx, info.big_endian, value.data() + j * nx);
-          },
-          32);
-    }
+  std::vector<char> finite(static_cast<std::size_t>(image.size.y()), 0);  // rows that hold a finite intensity
+  each_slice(info, value, [&](int k) {
     // Rows of one coarse row belong together, so that no two threads write to it.
     parallel_for(
         static_cast<std::size_t>(image.size.y()),
@@ -236,8 +279,9 @@ VoxelImage read_volume(const VolumeInfo& info, const VolumeReadOptions& options)
           const std::size_t first = row * c.y(), last = std::min(ny, first + c.y());
           for (std::size_t j = first; j < last; ++j)
             for (std::size_t i = 0; i < nx; ++i) {
-              double v = std::clamp(info.slope * value[j * nx + i] + info.intercept, -kLargest, kLargest);
+              double v = intensity_of(info, value[j * nx + i]);
               if (std::isnan(v)) continue;  // nothing was measured: no matter
+              if (std::abs(v) < kLargest) finite[row] = 1;
               if (options.transfer) v = options.transfer(v);
               const std::size_t at =
                   row * static_cast<std::size_t>(image.size.x()) + i / static_cast<std::size_t>(c.x());
@@ -255,9 +299,33 @@ VoxelImage read_volume(const VolumeInfo& info, const VolumeReadOptions& options)
       std::fill(sum.begin(), sum.end(), 0.0);
       std::fill(count.begin(), count.end(), 0.0);
     }
-  }
+  });
+  if (std::find(finite.begin(), finite.end(), 1) == finite.end())
+    throw InputError(info.path + ": no voxel has a finite intensity; all are not-a-number or infinite");
   fill_unmeasured(image.values);
   return image;
+}
+
+IntensitySummary summarize_intensities(const VolumeInfo& info, const std::function<double(double)>& share) {
+  IntensitySummary s;
+  std::set<int> labels;
+  std::vector<double> value;
+  each_slice(info, value, [&](int) {
+    for (const double stored : value) {
+      const double v = intensity_of(info, stored);
+      if (std::isnan(v)) continue;
+      s.least = std::min(s.least, v);
+      s.most = std::max(s.most, v);
+      s.fullest = std::max(s.fullest, share(v));
+      if (std::abs(v) > 1e9) continue;
+      labels.insert(static_cast<int>(std::lround(v)));
+      if (labels.size() <= IntensitySummary::kMostLabels) continue;
+      labels.erase(std::prev(labels.end()));
+      s.more_labels = true;
+    }
+  });
+  s.labels.assign(labels.begin(), labels.end());
+  return s;
 }
 
 }  // namespace brim

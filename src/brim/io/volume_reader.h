@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "brim/mesh/voxel_image.h"
 
@@ -75,6 +77,7 @@ struct RawLayout {
 VolumeInfo read_volume_info(const std::string& path, const std::string& grid = {}, const std::string& series = {});
 /// True for a DICOM file, or a folder that contains one, by the letters DICM at byte 128.
 bool holds_dicom(const std::string& path);
+/// @throws InputError  likewise, when the file's size is not that of the layout, and for files of the formats above
 VolumeInfo raw_volume_info(const std::string& path, const RawLayout& layout);
 
 struct VolumeReadOptions {
@@ -84,8 +87,21 @@ struct VolumeReadOptions {
 };
 
 /// Reads the voxels slice by slice: memory holds the result and one slice. NaN counts as zero.
-/// @throws InputError  when the data are truncated or corrupt, or the image would exceed max_bytes
+/// @throws InputError  when the data are truncated or corrupt, no intensity is finite, or the image would exceed
+///                     max_bytes
 VoxelImage read_volume(const VolumeInfo& info, const VolumeReadOptions& options = {});
+
+/// Intensities of a volume, for messages.
+struct IntensitySummary {
+  static constexpr std::size_t kMostLabels = 20;
+  double least = std::numeric_limits<double>::infinity(), most = -least;  ///< without NaN; infinite ones count as 1e30
+  double fullest = 0.0;                                                   ///< largest share of matter of a voxel
+  std::vector<int> labels;   ///< lowest distinct values, rounded, ascending; at most kMostLabels
+  bool more_labels = false;  ///< there are others
+};
+
+/// Reads the voxels once more, slice by slice. @param share  of matter by intensity
+IntensitySummary summarize_intensities(const VolumeInfo& info, const std::function<double(double)>& share);
 
 /// Writes an image as NIfTI-1, float32, little-endian, in millimetres with its axes as sform; for tools and tests.
 /// @throws InputError  when the file cannot be written

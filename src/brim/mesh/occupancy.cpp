@@ -83,7 +83,7 @@ OccupancyGrid sample_occupancy(const VoxelImage& image, const IntensityWindow& w
       });
   if (std::none_of(grid.share.begin(), grid.share.end(), [](std::uint8_t s) { return s >= 128; })) {
     const auto [least, most] = std::minmax_element(image.values.begin(), image.values.end());
-    throw InputError(fmt::format(
+    throw NoMatter(fmt::format(
         "volume: no matter is left: no cell of {:.3g} m is half filled by intensities of the window {:.6g} to {:.6g}; "
         "the image holds {:.6g} to {:.6g}",
         spacing, window.lo, window.hi, *least, *most));

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "brim/core/error.h"
 #include "brim/mesh/mass_properties.h"
 #include "brim/mesh/voxel_image.h"
 
@@ -28,12 +29,17 @@ struct OccupancyGrid {
   Aabb matter_box() const;
 };
 
+/// No cell of a volume is half filled.
+struct NoMatter : InputError {
+  using InputError::InputError;
+};
+
 /// Samples the matter of an image on cells along its frame's axes. Each cell is the mean of at least 2x2x2 trilinear
 /// values mapped through the window, two or more per image voxel: antialiased, and with sub-voxel accuracy if the
 /// window spans the image's own ramp.
 /// @param spacing    [m] of the cells
 /// @param max_cells  largest number of cells
-/// @throws InputError  when the grid would exceed max_cells or no cell is half filled
+/// @throws InputError  when the grid would exceed max_cells  @throws NoMatter
 /// Same bits for any number of threads.  Tests: tests/mesh/occupancy_test.cpp
 OccupancyGrid sample_occupancy(const VoxelImage& image, const IntensityWindow& window, double spacing,
                                std::size_t max_cells = std::size_t{1} << 30);

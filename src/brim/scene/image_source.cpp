@@ -67,12 +67,20 @@ VoxelImage image_of_shape(const Node& n, double limit) {
   return image;
 }
 
-/// What "keep" says. @param scale  of the body: lengths are those of the file
-void keep_pieces(const Node& keep, OccupancyGrid& grid, double scale) {
+std::string place_text(const Vec3& x) { return fmt::format("[{:.4g}, {:.4g}, {:.4g}]", x.x(), x.y(), x.z()); }
+
+/// What "keep" says. @param image  the volume  @param scale  of the body: lengths are those of the file
+void keep_pieces(const Node& keep, const VoxelImage& image, OccupancyGrid& grid, double scale) {
   if (keep.json().is_string()) {
     if (keep.string() == "largest") keep_largest_piece(grid);
   } else if (keep.has("seed")) {
-    keep_piece_at(grid, scale * keep.vec3("seed"));
+    const Aabb box = image.box();
+    const Vec3 seed = scale * keep.vec3("seed");
+    if (!box.inflated(image.axes.colwise().norm().maxCoeff()).overlaps({seed, seed}))
+      throw keep.at("seed").error(fmt::format("{} m lies outside the volume, which goes from {} to {} m",
+                                              shown(keep.at("seed").json()), place_text(box.lo / scale),
+                                              place_text(box.hi / scale)));
+    keep_piece_at(grid, seed);
   } else {
     keep_pieces_above(grid, keep.number("above") * scale * scale * scale);
     if (std::none_of(grid.share.begin(), grid.share.end(), [](std::uint8_t s) { return s >= 128; }))
@@ -109,6 +117,39 @@ std::function<double(double)> share_of(const Node& n) {
   const Node given = n.at("window");
   const IntensityWindow window{given.at(std::size_t{0}).number(), given.at(std::size_t{1}).number()};
   return [window](double v) { return window.share(v); };
+}
+
+/// The error of a file of which no voxel is half filled.
+InputError no_voxel_counts(const Node& n, const IntensitySummary& held) {
+  if (n.has("labels")) {
+    std::string labels;
+    for (const int label : held.labels) labels += fmt::format("{}{}", labels.empty() ? "" : ", ", label);
+    return n.at("labels").error(
+        fmt::format("no matter is left: no voxel has one of the labels {}; the image holds {}{}",
+                    shown(n.at("labels").json()), labels, held.more_labels ? " and higher ones" : ""));
+  }
+  return n.at("window").error(fmt::format(
+      "no matter is left: no voxel is half filled by intensities of the window {}; the image holds {:.6g} to "
+      "{:.6g}",
+      shown(n.at("window").json()), held.least, held.most));
+}
+
+/// The error of a body of whose cells none is half filled, at the key that is the cause.
+/// @param extent  [m] of the volume  @param cell  [m]
+InputError nothing_left(const Node& n, const VolumeInfo& info, const Vec3& extent, double voxel_size, double cell) {
+  if (n.has("file")) {
+    const IntensitySummary held = summarize_intensities(info, share_of(n));
+    if (!(held.fullest >= 0.5)) return no_voxel_counts(n, held);
+  }
+  const Node at = voxel_size == n.number("voxel_size") ? n.at("voxel_size") : n;
+  if (voxel_size > extent.maxCoeff())
+    return at.error(
+        fmt::format("the voxels of the scene, {:.6g} m, are larger than the volume, {:.4g} x {:.4g} x {:.4g} m",
+                    voxel_size, extent.x(), extent.y(), extent.z()));
+  return at.error(
+      fmt::format("no matter is left: no cell of {:.3g} m is half filled; the voxels of the scene, {:.6g} m, "
+                  "are too large for this matter",
+                  cell, voxel_size));
 }
 
 }  // namespace
@@ -197,10 +238,13 @@ ImageSolid read_image_solid(const Node& n, double scale, double cells_per_voxel,
   } else {
     window = {0.0, 1.0};
   }
-  solid.grid = (n.has("window")   ? n.at("window")
-                : n.has("labels") ? n.at("labels")
-                                  : n)
-                   .placed([&] { return sample_occupancy(image, window, spacing); });
+  solid.grid = n.placed([&] {
+    try {
+      return sample_occupancy(image, window, spacing);
+    } catch (const NoMatter&) {
+      throw nothing_left(n, info, box.extent(), solid.voxel_size, spacing);
+    }
+  });
   const auto on_cells = [&](const char* key) {
     const auto of_matter = [share = share_of(n), table = read_table(n.at(key).at("table"))](double v) {
       const double s = share(v);
@@ -213,7 +257,7 @@ ImageSolid read_image_solid(const Node& n, double scale, double cells_per_voxel,
   };
   if (is_table(n, "density")) solid.density = on_cells("density");
   if (is_table(n, "young_modulus") && n.string("motion") == "deformable") solid.young = on_cells("young_modulus");
-  keep_pieces(n.at("keep"), solid.grid, scale);
+  keep_pieces(n.at("keep"), image, solid.grid, scale);
   if (n.boolean("center")) solid.grid.origin -= solid.grid.matter_box().center();
   return solid;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "brim/scene/presets.h"
+
 namespace brim {
 
 Response read_response(const Node& n) {
@@ -26,6 +28,21 @@ std::string material_of_kind(const std::string& kind) {
   return kind == "particle_fluid" || kind == "grid_fluid" ? "fluid" : "default";
 }
 
+namespace {
+
+/// How a scene gets a material from a preset of about that name; "" where there is none.
+std::string preset_hint(const std::string& name) {
+  const std::vector<std::string> presets = material_preset_names();
+  const std::string preset = nearest_word(name, presets);
+  if (preset.empty()) return "";
+  std::string list;
+  for (const std::string& p : presets) list += (list.empty() ? "" : ", ") + p;
+  return fmt::format("; there is a preset: \"materials\": {{\"{}\": {{\"preset\": \"{}\"}}}} (presets: {})", preset,
+                     preset, list);
+}
+
+}  // namespace
+
 void need_material(const Node& n, const std::string& name, const std::map<std::string, Material>& materials) {
   if (materials.contains(name)) return;
   std::vector<std::string> known;
@@ -36,7 +53,7 @@ void need_material(const Node& n, const std::string& name, const std::map<std::s
   }
   const std::string near = nearest_word(name, known);
   throw n.error(fmt::format("\"{}\" is not a material; must be one of: {}{}", name, list,
-                            near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
+                            near.empty() ? preset_hint(name) : fmt::format("; did you mean \"{}\"?", near)));
 }
 
 void read_pair(const Node& pair, const std::map<std::string, Material>& materials, WorldOptions& world) {

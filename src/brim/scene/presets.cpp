@@ -48,6 +48,8 @@ const Json& material_presets() {
   return presets;
 }
 
+std::vector<std::string> material_preset_names() { return names_with("material", ""); }
+
 void apply_presets(Document& document, ErrorList& errors) {
   Json& root = document.root;
   if (!root.is_object()) return;

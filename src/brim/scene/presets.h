@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "brim/scene/document.h"
 
 namespace brim {
@@ -12,6 +15,9 @@ class ErrorList;
 /// Unknown presets, and presets without data for the kind of body, are collected in `errors`.
 /// Tests: tests/scene/parameters_test.cpp
 void apply_presets(Document& document, ErrorList& errors);
+
+/// Names of the presets for "materials".
+std::vector<std::string> material_preset_names();
 
 /// The presets, as in the file.
 const Json& material_presets();

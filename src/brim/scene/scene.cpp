@@ -6,6 +6,7 @@
 
 #include "brim/core/printable.h"
 #include "brim/scene/errors.h"
+#include "brim/scene/idle_keys.h"
 #include "brim/scene/include.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/links.h"
@@ -170,6 +171,7 @@ Scene check_scene(Document read, const SceneSettings& settings) {
   whole = whole && !errors.touches("/include");
   if (settings.seed) errors.attempt("", [&] { apply_seed(*document, *settings.seed); });
   if (included || !settings.empty()) document->text = whole_text(document->root);
+  refuse_idle_keys(*document, errors);
   apply_presets(*document, errors);
   // Where not all files could be read, the list of bodies may be empty, and names may be theirs.
   if (!whole && (!document->root.contains("bodies") || document->root.at("bodies").empty())) errors.raise();

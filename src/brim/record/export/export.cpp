@@ -47,14 +47,15 @@ const Format& format_named(const std::string& name) {
 }
 
 /// Velocities are recorded per generalised coordinate. They are those of the display's vertices where the coordinates
-/// are the vertices' positions; for any other body the run has none.
+/// are the vertices' positions; for any other body the run has none. Grains have their spin behind each velocity.
 std::vector<Vec3f> vertex_velocities(const RecordedBody& body, const State& state, const std::vector<Vec3f>& x) {
-  if (body.q_size != 3 * x.size() || body.v_size != body.q_size) return {};
+  const std::size_t stride = body.kind == "points" ? 6 : 3;
+  if (body.q_size != 3 * x.size() || body.v_size != stride * x.size()) return {};
   const double *q = state.q.data() + body.q_offset, *v = state.v.data() + body.v_offset;
   std::vector<Vec3f> velocities(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (Vec3f(Vec3(q + 3 * i).cast<float>()) != x[i]) return {};
-    velocities[i] = Vec3(v + 3 * i).cast<float>();
+    velocities[i] = Vec3(v + stride * i).cast<float>();
   }
   return velocities;
 }

@@ -61,6 +61,20 @@ void read_matter(const Node& n, double scale, const Node& body, const BuildConte
   link.shapes.push_back(std::move(s));
 }
 
+/// @throws InputError  for a drive that cannot reach what it aims at
+void need_gains(const Node& d) {
+  const bool stiff = d.number("stiffness") > 0.0, damped = d.number("damping") > 0.0;
+  const auto refuse = [&](const char* key, const char* gain) {
+    return d.error(fmt::format(
+        "the drive has \"{}\" but no {} above 0; force = stiffness (target - q) + damping (target_velocity - "
+        "q'), so nothing drives the joint there",
+        key, gain));
+  };
+  if (d.has("keyframes") && !stiff && !damped) throw refuse("keyframes", "\"stiffness\" or \"damping\"");
+  if (d.number("target") != 0.0 && !stiff) throw refuse("target", "\"stiffness\"");
+  if (d.number("target_velocity") != 0.0 && !damped) throw refuse("target_velocity", "\"damping\"");
+}
+
 JointModel read_joint(const Node& n, double scale) {
   JointModel j;
   j.kind = joint_kind(n.string("kind"));
@@ -143,6 +157,7 @@ void read_joint_actions(const Node& n, JointModel& j) {
   if (d.has("force_limit")) j.drive.force_limit = d.number("force_limit");
   j.drive.target = d.number("target");
   j.drive.target_velocity = d.number("target_velocity");
+  need_gains(d);
   if (!d.has("keyframes")) return;
   const Node keys = d.at("keyframes");
   for (std::size_t i = 0; i < keys.size(); ++i) {
