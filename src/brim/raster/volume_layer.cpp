@@ -105,7 +105,7 @@ void VolumeLayer::set(std::span<const Vec3> x, std::span<const double> volume, s
   BRIM_CHECK(volume.size(), ==, x.size());
   BRIM_CHECK(mass.size(), ==, x.size());
   BRIM_CHECK((radius.size() == 1 || radius.size() == x.size()), ==, true);
-  BRIM_CHECK(x.size(), <, (std::size_t{1} << 31) / kWidths);
+  BRIM_CHECK(x.size(), <, (std::size_t{1} << 31) / (2 * kWidths));
   x_ = x, volume_ = volume, mass_ = mass, radius_ = radius;
   box_ = Aabb();
   for (const Vec3& p : x) box_.extend(p);
@@ -163,7 +163,7 @@ void VolumeLayer::rasterize(double h, double w, std::span<const TileKey> tiles, 
             if (q <= 0.0) continue;
             const int node = block_index(a, b, c);
             block.rho[node] += scale * q * q;
-            if (d2 < nearest[node]) nearest[node] = d2, block.source[node] = id * kWidths + slot;
+            if (d2 < nearest[node]) nearest[node] = d2, block.source[node] = id * 2 * kWidths + slot;
           }
         }
     }
@@ -172,7 +172,7 @@ void VolumeLayer::rasterize(double h, double w, std::span<const TileKey> tiles, 
     for (int node = 0; node < kBlockNodes; ++node) {
       double& rho = block.rho[node];
       if (rho == 0.0) continue;
-      const auto i = static_cast<std::size_t>(block.source[node] / kWidths);
+      const auto i = static_cast<std::size_t>(particle_of(block.source[node]));
       const double R = influence(i, w), edge = std::cbrt(volume_[i]) / R, s4 = rho * rho * rho * rho;
       rho = ramp(R * plane.of_cubes(rho * (1.0 + kLift * s4 * s4 * s4), edge * edge), w);
     }
@@ -190,8 +190,8 @@ WeightRows VolumeLayer::weights(std::span<const Vec3> points, std::span<const st
     width = width_;
   }
   const double widest = *std::max_element(width.begin(), width.end());
-  const bool affine = kind != LayerWeights::Mass;
-  const double wider = affine ? kCornerReach : 1.0;
+  const auto is_affine = [&](std::int32_t source) { return kind != LayerWeights::Mass || is_matter(source); };
+  const double wider = std::any_of(sources.begin(), sources.end(), is_affine) ? kCornerReach : 1.0;
   double most = 0.0;
   for (std::size_t i = 0; i < x_.size(); ++i) most = std::max(most, wider * influence(i, widest));
 
@@ -220,7 +220,8 @@ WeightRows VolumeLayer::weights(std::span<const Vec3> points, std::span<const st
       [&](std::size_t p) {
         std::vector<Neighbour>& near = made[p];
         const Vec3& r = points[p];
-        const double w = width[sources[p] % kWidths];
+        const double w = width[static_cast<std::size_t>(width_of(sources[p]))];
+        const bool affine = is_affine(sources[p]);
         const TileKey key = tile_of(r);
         const auto around = workspace->bins.of(static_cast<std::size_t>(workspace->index.find(key.x, key.y, key.z)));
         Vec3 gradient = collect(around, r, w, affine ? kAffineReach : 1.0, near);
@@ -229,12 +230,12 @@ WeightRows VolumeLayer::weights(std::span<const Vec3> points, std::span<const st
           correct(x_, r, near);
         }
         if (near.empty()) {
-          near.assign(1, {sources[p] / kWidths, 1.0, Vec3::Zero()});
+          near.assign(1, {particle_of(sources[p]), 1.0, Vec3::Zero()});
           return;
         }
-        // Deep inside the density does not say where it goes; there is no rate to follow.
+        // Matter has none, and deep inside the density does not say where it goes: there is no rate to follow.
         const double slope = gradient.norm();
-        if (rate && slope * w > 0.1) {
+        if (rate && !is_matter(sources[p]) && slope * w > 0.1) {
           normal[p] = gradient / slope;
           for (Neighbour& n : near) n.gradient = n.gradient / slope - n.weight * normal[p];
         } else {

@@ -46,15 +46,21 @@ class VolumeLayer {
   const Aabb& centers() const { return box_; }
 
   void presence(double h, double w, const Aabb& region, std::vector<TileKey>& out) const;
-  /// The source of a node encodes its nearest particle and w.
+  /// The source of a node encodes its nearest particle and w, particle 2 kWidths + slot of w.
   void rasterize(double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const;
   /// Weights over particles at points near nodes with these sources. If few particles are in reach and the affine
   /// correction would exceed Σ|w| = 8, the weights are those of Mass; if none is in reach, the source's particle has
   /// weight 1.
   WeightRows weights(std::span<const Vec3> points, std::span<const std::int32_t> sources, LayerWeights kind) const;
+  /// Source of the matter at a point near a node: its weights are Affine whatever kind is asked for, so that they
+  /// reproduce the place, which those of Mass and DensityRate do not. @param source  of the node
+  static std::int32_t source_of_matter(std::int32_t source) { return source | kWidths; }
 
  private:
-  static constexpr int kWidths = 8;
+  static constexpr int kWidths = 8;  // a power of two
+  static int particle_of(std::int32_t source) { return source / (2 * kWidths); }
+  static int width_of(std::int32_t source) { return source % kWidths; }
+  static bool is_matter(std::int32_t source) { return (source & kWidths) != 0; }
   /// A particle in reach of a point.
   struct Neighbour {
     std::int32_t particle;

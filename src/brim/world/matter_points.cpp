@@ -8,6 +8,7 @@
 
 #include "brim/body/loose_nodes.h"
 #include "brim/body/material_points.h"
+#include "brim/body/matter_sources.h"
 #include "brim/body/posed_shape.h"
 #include "brim/body/solid_of.h"
 #include "brim/body/spinning_balls.h"
@@ -24,8 +25,10 @@ constexpr double kMatter = 0.05;
 constexpr int kRounds = 120;
 /// Offset relative to the step at which it counts as on the middle.
 constexpr double kOnMiddle = 1e-10;
-/// [voxels] distance within which a point of a region replaces the requested one.
+/// [voxels] distance from the requested point within which a place is held instead of it.
 constexpr double kBeside = 2.0;
+/// [voxels] error of the vertices shown, which are single precision.
+constexpr double kVertexError = 1e-3;
 
 /// The sources of the nodes nearest to points, −1 without material nearby.
 std::vector<std::int32_t> nearest_sources(const WorldPart& part, double w, std::span<const Vec3> x) {
@@ -80,23 +83,82 @@ Vec3 nearest_vertex(const Body& body, const Vec3& x) {
   return best;
 }
 
-/// Replacement of each point: itself if it was found within two voxels of the requested place, else the found point
-/// whose request is nearest; itself if there are none.
-/// @param lost  nonzero when nothing was found; or empty
-std::vector<std::size_t> stand_ins(std::span<const Vec3> wanted, std::span<const Vec3> found,
-                                   std::span<const std::uint8_t> lost, double h) {
-  const auto good = [&](std::size_t i) {
-    return (lost.empty() || lost[i] == 0) && (found[i] - wanted[i]).norm() <= kBeside * h;
-  };
+/// Replacement of each point: itself if it is held, else the held point whose request is nearest; itself if there are
+/// none.
+std::vector<std::size_t> stand_ins(std::span<const Vec3> wanted, std::span<const std::uint8_t> is_held) {
   std::vector<std::size_t> held, out(wanted.size());
   for (std::size_t i = 0; i < wanted.size(); ++i)
-    if (good(i)) held.push_back(i);
+    if (is_held[i] != 0) held.push_back(i);
   std::iota(out.begin(), out.end(), 0);
   for (std::size_t i = 0; i < wanted.size() && !held.empty(); ++i)
-    if (!good(i))
+    if (is_held[i] == 0)
       out[i] = *std::min_element(held.begin(), held.end(), [&](std::size_t c, std::size_t d) {
         return (wanted[c] - wanted[i]).squaredNorm() < (wanted[d] - wanted[i]).squaredNorm();
       });
+  return out;
+}
+
+InputError holds_nothing(const WorldPart& part) {
+  return InputError(fmt::format("'{}' ({}) has no points that a link can hold", part.body->name(), part.body->kind()));
+}
+
+/// Places of a body of nodes that its map reproduces, J q = x, one per requested point.
+struct HeldPlaces {
+  std::vector<Vec3> x;
+  std::vector<std::int32_t> source;
+  std::vector<std::uint8_t> is_held;  ///< 0 where no place was found near the request
+
+  bool most_held() const {
+    return 2 * std::count(is_held.begin(), is_held.end(), 1) >= static_cast<std::ptrdiff_t>(x.size());
+  }
+};
+
+/// The sources of the material nearest to points. Those without are moved to the nearest vertex.
+std::vector<std::int32_t> find_sources(const WorldPart& part, double w, std::vector<Vec3>& x) {
+  std::vector<std::int32_t> source = nearest_sources(part, w, x);
+  if (std::count(source.begin(), source.end(), -1) > 0) {
+    for (std::size_t i = 0; i < x.size(); ++i)
+      if (source[i] < 0) x[i] = nearest_vertex(*part.body, x[i]);
+    source = nearest_sources(part, w, x);
+    if (std::count(source.begin(), source.end(), -1) > 0) throw holds_nothing(part);
+  }
+  if (const auto* matter = dynamic_cast<const MatterSources*>(part.body))
+    for (std::int32_t& s : source) s = matter->source_of_matter(s);
+  return source;
+}
+
+/// Maps of volumes reproduce the requested point. One with an offset, of sheets, rods and grains, gives J q beside it;
+/// without offset, on the middle, it gives the point itself. A place counts as held within two voxels of the request,
+/// or if no vertex is nearer to it, as for the middle of what is thick.
+/// @param q  in the layout of velocities
+HeldPlaces places_near(const WorldPart& part, double w, std::span<const double> q, std::vector<Vec3> wanted) {
+  HeldPlaces out;
+  out.source = find_sources(part, w, wanted);
+  out.x = wanted;
+  out.is_held.assign(wanted.size(), 0);
+  std::unique_ptr<Map> map;
+  std::vector<std::size_t> moving(wanted.size());
+  std::iota(moving.begin(), moving.end(), 0);
+  for (int round = 0; round < kRounds && !moving.empty(); ++round) {
+    std::vector<Vec3> at(moving.size()), next(moving.size());
+    std::vector<std::int32_t> source(moving.size());
+    for (std::size_t k = 0; k < moving.size(); ++k) at[k] = out.x[moving[k]], source[k] = out.source[moving[k]];
+    part.body->make_map(part.index, at, source, map);
+    map->apply(q, next);
+    std::vector<std::size_t> still;
+    for (std::size_t k = 0; k < moving.size(); ++k) {
+      if (!next[k].allFinite()) throw holds_nothing(part);
+      const Vec3 offset = next[k] - at[k];
+      out.is_held[moving[k]] = offset.norm() <= kOnMiddle * part.h ? 1 : 0;
+      if (out.is_held[moving[k]] != 0) continue;
+      out.x[moving[k]] += offset / 3.0;
+      still.push_back(moving[k]);
+    }
+    moving = std::move(still);
+  }
+  for (std::size_t i = 0; i < wanted.size(); ++i)
+    if (const double d = (out.x[i] - wanted[i]).norm(); out.is_held[i] != 0 && d > kBeside * part.h)
+      out.is_held[i] = d <= (nearest_vertex(*part.body, wanted[i]) - wanted[i]).norm() + kVertexError * part.h ? 1 : 0;
   return out;
 }
 
@@ -156,7 +218,10 @@ MatterPoints MatterPoints::of_part(const WorldPart& part, double w, std::span<co
     const std::vector<Vec3> wanted = m.x_;
     for (const Vec3& p : m.x_) m.node_.push_back(loose->nearest_node(p));
     m.follow(part, q);
-    const std::vector<std::size_t> stand_in = stand_ins(wanted, m.x_, {}, part.h);
+    std::vector<std::uint8_t> is_held;
+    for (std::size_t i = 0; i < wanted.size(); ++i)
+      is_held.push_back((m.x_[i] - wanted[i]).norm() <= kBeside * part.h ? 1 : 0);
+    const std::vector<std::size_t> stand_in = stand_ins(wanted, is_held);
     const std::vector<std::int32_t> nearest = m.node_;
     for (std::size_t i = 0; i < nearest.size(); ++i) {
       m.node_[i] = nearest[stand_in[i]];
@@ -166,50 +231,23 @@ MatterPoints MatterPoints::of_part(const WorldPart& part, double w, std::span<co
     return m;
   }
   m.means_ = Means::Nodes;
-  const auto refuse = [&] {
-    return InputError(
-        fmt::format("'{}' ({}) has no points that a link can hold", part.body->name(), part.body->kind()));
-  };
   const bool nodes = q.size() % 3 == 0 && part.body->v_size() == velocities_per_node(*part.body) * (q.size() / 3);
-  if (part.info.conforming || !nodes) throw refuse();
-  m.source_ = nearest_sources(part, w, m.x_);
-  if (std::count(m.source_.begin(), m.source_.end(), -1) > 0) {
+  if (part.info.conforming || !nodes) throw holds_nothing(part);
+  const std::vector<double> positions = as_velocities(*part.body, q);
+  HeldPlaces found = places_near(part, w, positions, m.x_);
+  if (!found.most_held()) {
     for (std::size_t i = 0; i < m.x_.size(); ++i)
-      if (m.source_[i] < 0) m.x_[i] = nearest_vertex(*part.body, m.x_[i]);
-    m.source_ = nearest_sources(part, w, m.x_);
-    if (std::count(m.source_.begin(), m.source_.end(), -1) > 0) throw refuse();
+      if (found.is_held[i] == 0) m.x_[i] = nearest_vertex(*part.body, m.x_[i]);
+    found = places_near(part, w, positions, m.x_);
+    if (!found.most_held()) throw holds_nothing(part);
   }
-  // A map with an offset gives J q beside the point; without offset, on the middle, it gives the point itself.
-  const std::vector<Vec3> wanted = m.x_;
-  std::vector<Vec3> there(m.x_.size());
+  // At the rim of a scan's material some points have no such place: their neighbours replace them.
+  const std::vector<std::size_t> stand_in = stand_ins(m.x_, found.is_held);
+  for (std::size_t i = 0; i < stand_in.size(); ++i)
+    m.x_[i] = found.x[stand_in[i]], m.source_[i] = found.source[stand_in[i]];
   std::unique_ptr<Map> map;
-  std::vector<std::size_t> loose(m.x_.size());
-  std::iota(loose.begin(), loose.end(), 0);
-  for (int round = 0; round < kRounds && !loose.empty(); ++round) {
-    std::vector<Vec3> at(loose.size()), next(loose.size());
-    std::vector<std::int32_t> source(loose.size());
-    for (std::size_t k = 0; k < loose.size(); ++k) at[k] = m.x_[loose[k]], source[k] = m.source_[loose[k]];
-    part.body->make_map(part.index, at, source, map);
-    map->apply(as_velocities(*part.body, q), next);
-    std::vector<std::size_t> still;
-    for (std::size_t k = 0; k < loose.size(); ++k) {
-      if (!next[k].allFinite()) throw refuse();
-      const Vec3 offset = next[k] - at[k];
-      if (offset.norm() <= kOnMiddle * part.h) continue;
-      m.x_[loose[k]] += offset / 3.0;
-      still.push_back(loose[k]);
-    }
-    loose = std::move(still);
-  }
-  // At the rim of a scan's material some points have no such place, or a distant one: their neighbours replace them.
-  std::vector<std::uint8_t> is_loose(m.x_.size(), 0);
-  for (const std::size_t i : loose) is_loose[i] = 1;
-  if (2 * loose.size() > m.x_.size()) throw refuse();
-  const std::vector<std::size_t> stand_in = stand_ins(wanted, m.x_, is_loose, part.h);
-  for (std::size_t i = 0; i < stand_in.size(); ++i) m.x_[i] = m.x_[stand_in[i]], m.source_[i] = m.source_[stand_in[i]];
   part.body->make_map(part.index, m.x_, m.source_, map);
-  map->apply(as_velocities(*part.body, q), there);
-  m.x_ = there;
+  map->apply(positions, m.x_);
   m.map_ = std::move(map);
   return m;
 }

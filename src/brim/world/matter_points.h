@@ -30,11 +30,11 @@ class MatterPoints {
   static std::size_t nearest_part(std::span<const WorldPart> parts, const Vec3& x);
   /// Points of space. @param x  [m]
   static MatterPoints of_space(std::vector<Vec3> x);
-  /// Takes the points of a part at its present position. Solids and own bodies accept any point. Other bodies must have
-  /// material within two voxels of it, else the nearest vertex of their display is taken; for sheets, rods and grains
-  /// the point is projected onto their middle; for loose nodes the nearest node is taken. With several points, those
-  /// more than two voxels from material are replaced by the nearest that is not. @param part  its h must be known
-  /// @param w  [m] ramp  @param q  of the body
+  /// Takes the points of a part at its present position. Solids and own bodies accept any point. Other bodies hold it
+  /// where they have material, else at the material within two voxels of it, else at the nearest vertex of their
+  /// display; for sheets, rods and grains the point is projected onto their middle; for loose nodes the nearest node is
+  /// taken. If most of several points are held within two voxels, the others are replaced by the nearest that is.
+  /// @param part  its h must be known  @param w  [m] ramp  @param q  of the body
   /// @throws InputError for fluids on a grid and bodies that have no points to hold
   static MatterPoints of_part(const WorldPart& part, double w, std::span<const double> q, std::vector<Vec3> x);
 

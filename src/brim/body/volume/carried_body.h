@@ -1,5 +1,6 @@
 #pragma once
 
+#include "brim/body/matter_sources.h"
 #include "brim/body/particles/particle_body.h"
 #include "brim/body/volume/carried_volume.h"
 #include "brim/mesh/tri_mesh.h"
@@ -14,7 +15,7 @@ struct CarriedSurface {
 
 /// Elastic body whose nodes move particles of matter (the volume layer), from which density and map are made. Derived
 /// kinds define the nodes and their forces.
-class CarriedBody : public ParticleBody {
+class CarriedBody : public ParticleBody, public MatterSources {
  public:
   void update(double time, std::span<const double> q, std::span<const double> v) override;
   PartInfo part(int) const override { return part_; }
@@ -24,6 +25,7 @@ class CarriedBody : public ParticleBody {
   void rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
   void make_map(int, std::span<const Vec3> points, std::span<const std::int32_t> sources,
                 std::unique_ptr<Map>& map) const override;
+  std::int32_t source_of_matter(std::int32_t source) const override { return VolumeLayer::source_of_matter(source); }
   const Display& display() const override { return display_; }
   void display_positions(std::span<Vec3f> x) const override;
 
