@@ -424,6 +424,7 @@ TEST(ArticulatedBody, RestsOnALimit) {
     for (const double dt : {1.0 / 60.0, 1.0 / 240.0}) {
       ArticulatedModel m;
       m.links = {rod(1.0, -1)};
+      m.links[0].inertia = 0.01 * Mat3::Identity();
       JointModel& j = m.links[0].joint;
       j.kind = kind, j.rotation = rotation_from_vector(Vec3(0, kPi / 2, 0));  // level
       if (kind == JointKind::Revolute)

@@ -65,9 +65,10 @@ TEST(JointForces, DriveAndLimitByHand) {
   EXPECT_NEAR(Still(m).force()[0], 4.0, 1e-14);
   m.links[0].joint.drive = {};
   m.links[0].joint.upper = 0.4, m.links[0].joint.limit_stiffness = 100.0;
-  EXPECT_NEAR(Still(m).force()[0], -10.0, 1e-13);
+  const double limit = -100.0 * (0.5 - 0.4 + 2.0 / 60.0);  // k (q − upper + dt q')
+  EXPECT_NEAR(Still(m).force()[0], limit, 1e-13);
   m.links[0].joint.damping = 1.5;
-  EXPECT_NEAR(Still(m).force()[0], -13.0, 1e-13);
+  EXPECT_NEAR(Still(m).force()[0], limit - 3.0, 1e-13);
 }
 
 TEST(JointForces, ForceWithoutVelocityIsMinusTheDerivativeOfTheEnergy) {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "brim/body/points/points_body.h"
+#include "brim/world/applied_force.h"
 #include "brim/world/body_motion.h"
 #include "support/soft_worlds.h"
 #include "support/solids.h"
@@ -119,13 +120,18 @@ TEST(Friction, LiftsWhatAWallThatRisesHolds) {
     SCOPED_TRACE(soft ? "soft" : "rigid");
     WorldOptions o = options_at(0.01);
     o.response = Response::Penalty;
-    o.environment.gravity = Vec3(-40.0, 0.0, -9.81);
     World w(o);
     w.add(ground(0.5));
-    const int wall = w.add(testing::obstacle("wall", make_box(Vec3(0.1, 0.4, 1.0)), 0.5, Vec3(-0.1, 0, 0.3)));
-    w.set_velocity(wall, Vec3(0, 0, kRise), Vec3::Zero());
+    ObstacleModel wall;
+    wall.shape = make_box(Vec3(0.1, 0.4, 1.0));
+    const Vec3 at(-0.1, 0, 0.3);
+    wall.keys = {{0.0, at}, {1.0, at + Vec3(0, 0, kRise)}};
+    w.add(testing::named<ObstacleBody>("wall", wall));
     const int b = w.add(soft ? testing::jelly("body", 0.1, Vec3(-0.05, -0.05, 0.0))
                              : box("body", {Vec3(0, 0, 0.05)}, 0.5, 0.1, 500.0));
+    AppliedForce press;
+    press.name = "press", press.bodies = {"body"}, press.acceleration = Vec3(-40.0, 0.0, 0.0);
+    w.apply(press);
     const double start = center_of_mass(w.body(b))->z();
     run(w, 1.0);
     EXPECT_NEAR(center_of_mass(w.body(b))->z() - start, kRise, soft ? 0.006 : 0.001);

@@ -206,7 +206,6 @@ class Penalty {
     bool fits = false;                        ///< rigid solids that fit each other
     std::array<double, 2> bend = {0.0, 0.0};  ///< curvature of each part, 0 flat to 1
     SlipHistory slip;
-    double net = 0.0;  ///< [N] load in the step's last solve in which the patch did not pull
     // In update_loads:
     double share = 0.0;          ///< net load over the sum of loads
     Vec3 let_go = Vec3::Zero();  ///< [N] force on a that goes with the nodes of a pulling patch

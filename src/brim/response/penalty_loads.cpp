@@ -83,7 +83,7 @@ void Penalty::start_friction_of(std::size_t p, const ContactSet& contacts) {
   }
   const auto count = static_cast<double>(std::max<std::size_t>(1, pair.end - pair.begin));
   SlipHistory& history = patches_[p].slip;
-  history = {}, patches_[p].net = 0.0;
+  history = {};
   history.stick = std::max(options_.friction_speed, kStick * speed.norm() / count);
   // A patch that overlaps already is held by the overlap: other gaps close only as far as the rate predicts.
   const bool deforms = !pairs_[p].rigid;
@@ -120,23 +120,22 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
       if (active_[c]) net += load_[c];
       if (active_[c] && load_[c] > 0.0) push += load_[c];
     }
+    // A patch that pulls as a whole is let go, however slowly it separates: it may hold back what friction lifts.
+    const bool pulls = net < -push;
     for (std::size_t c = pair.begin; c < pair.end && !pairs_[p].filled; ++c) {
       const Vec3& n = normal_[c];
       const bool was_active = active_[c];
       const double separation = std::max(n.dot(relative_[c] + delta[c]), n.dot(relative_[c]));
-      // A patch that pulls as a whole is let go, however slowly it separates.
       if (contacts.overlap[c] <= 0.0 || !was_active)
         active_[c] = load_[c] > 0.0;  // scale 0: no load
-      else if (load_[c] < 0.0 && (separation > options_.release_speed || net < 0.0))
+      else if (load_[c] < 0.0 && (pulls || separation > options_.release_speed))
         active_[c] = 0;
-      if (was_active && !active_[c] && net < 0.0) patch.let_go -= load_[c] * n;
+      if (net < 0.0 && was_active && !active_[c]) patch.let_go -= load_[c] * n;
       if (was_active != static_cast<bool>(active_[c])) change[p] += std::abs(load_[c]);
       if (!was_active && active_[c]) come += load_[c];
     }
     total[p] = push;
-    // A solve in which it pulls says nothing of its load.
-    if (net > 0.0) patch.net = net;
-    patch.share = push > 0.0 ? patch.net / (push + come) : 1.0;
+    patch.share = push > 0.0 ? std::max(0.0, net) / (push + come) : 1.0;
     patch.found = find_slip(pair, p, delta, patch.share);
   });
   push_bodies();

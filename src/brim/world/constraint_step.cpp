@@ -30,7 +30,7 @@ constexpr int kMostMore = 4;
 /// Fastest motion of a body, relative to the largest displacement that a row of its island asks for.
 constexpr double kMostPushed = 10.0;
 
-/// Slows each island whose bodies would move much farther than their rows ask for: a leg that stands a thousandth of a
+/// Slows bodies that would move much farther than the rows of their island ask for: a leg that stands a thousandth of a
 /// radian off its dead centre would turn round to rise by a tenth of a voxel.
 /// @param asked  [m/s] by each row  @param way  [m/s] displacements over the step, changed in place
 void bound_push(std::span<const WorldPart> parts, const ContactSet& points, Islands islands,
@@ -44,15 +44,13 @@ void bound_push(std::span<const WorldPart> parts, const ContactSet& points, Isla
         m = std::max(m, asked[c]);
       }
   for (const WorldPart& p : parts) {
-    if (is_fixed(p)) continue;
-    double& m = motion[static_cast<std::size_t>(islands.first_of(p.body_index))];
-    m = std::max(m, speed_bound(p, velocities_of(p, way, first_v)));
+    double& m = motion[static_cast<std::size_t>(p.body_index)];
+    if (!is_fixed(p)) m = std::max(m, speed_bound(p, velocities_of(p, way, first_v)));
   }
   for (std::size_t b = 0; b < bodies; ++b) {
-    const auto first = static_cast<std::size_t>(islands.first_of(static_cast<std::int32_t>(b)));
-    if (!(motion[first] > kMostPushed * most[first])) continue;
-    const double share = kMostPushed * most[first] / motion[first];
-    for (std::size_t i = first_v[b]; i < first_v[b + 1]; ++i) way[i] *= share;
+    const double limit = kMostPushed * most[static_cast<std::size_t>(islands.first_of(static_cast<std::int32_t>(b)))];
+    if (!(motion[b] > limit)) continue;
+    for (std::size_t i = first_v[b]; i < first_v[b + 1]; ++i) way[i] *= limit / motion[b];
   }
 }
 
