@@ -87,8 +87,11 @@ void Turning::add_slips(const ContactSet& contacts, std::span<const Vec3> normal
                         std::span<const Vec3> velocity_b) const {
   parallel_for(contacts.first_link_pair(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
+    const bool rolls =
+        turn_[static_cast<std::size_t>(pair.part_a)].spin != turn_[static_cast<std::size_t>(pair.part_b)].spin;
     for (std::size_t c = pair.begin; c < pair.end; ++c)
-      velocity_a[c] += slip(pair, contacts.point[c], normals[c], velocity_a[c] - velocity_b[c], bend_of(contacts, c));
+      velocity_a[c] += slip(pair, contacts.point[c], normals[c], velocity_a[c] - velocity_b[c],
+                            rolls ? bend_of(contacts, c) : Mat3(Mat3::Zero()));
   });
 }
 
