@@ -3,11 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <random>
 #include <vector>
 
 #include "brim/body/particles/line_contact.h"
 #include "brim/body/particles/sheet_contact.h"
+#include "brim/core/error.h"
 #include "brim/mesh/primitives.h"
 #include "support/soft_worlds.h"
 
@@ -96,6 +99,84 @@ TEST(BodyPieces, NothingMeetsBeforeTheBodyComesBackToItself) {
   const std::vector<Vec3> x = bent(mesh, 2.0 * std::numbers::pi);
   pieces.follow(x);
   EXPECT_TRUE(any_meet(pieces));
+}
+
+/// A sheet in a zigzag: it turns by 130° at each line of its grid.
+std::vector<Vec3> creased(const TriMesh& mesh, double cell) {
+  constexpr double kSlope = 65.0 / 180.0 * std::numbers::pi;
+  std::vector<Vec3> x = mesh.vertices;
+  for (Vec3& v : x) {
+    const double s = v.x() / cell, down = std::abs(s - 2.0 * std::round(0.5 * s));  // 0 to 1
+    v = Vec3(std::cos(kSlope) * v.x(), v.y(), std::sin(kSlope) * cell * down);
+  }
+  return x;
+}
+
+TEST(BodyPieces, CreasesOfCoarseCellsMeetNowhere) {
+  const double cell = 3.3 * kThickness;
+  const TriMesh mesh = shapes::grid(12, 6, 12 * cell, 6 * cell);
+  const SheetContact whole(mesh.triangles, kThickness);
+  BodyPieces pieces(mesh.vertices, whole, part());
+  const std::vector<Vec3> x = creased(mesh, cell);
+  pieces.follow(x);
+  std::size_t near = 0;
+  for (int p = 0; p < pieces.part_count(); ++p)
+    for (int q = 0; q < p; ++q) {
+      if (!pieces.parts_collide(p, q)) continue;
+      near += pieces.bounds(p).overlaps(pieces.bounds(q));
+      EXPECT_TRUE(pieces.meeting_region(p, q, 0.5 * kRamp, 0.3 * kRamp).empty()) << p << " " << q;
+    }
+  EXPECT_GT(near, 300u) << "neither boxes nor directions tell them apart";
+}
+
+TEST(BodyPieces, AllPlacesOfContactAreInTheRegion) {
+  // A crumpled sheet; every node at which two pieces sum to 1 by elements of their own that may touch.
+  constexpr double kGap = 0.3 * kRamp;
+  for (const double cell : {0.35, 0.12}) {
+    const TriMesh mesh = shapes::grid(static_cast<int>(std::lround(2.8 / cell)), 4, 2.8, 4 * cell);
+    const SheetContact whole(mesh.triangles, kThickness);
+    BodyPieces pieces(mesh.vertices, whole, part());
+    std::vector<Vec3> x = mesh.vertices;
+    std::mt19937 random(7);
+    std::uniform_real_distribution<double> unit(0.0, 0.3 * cell);
+    for (Vec3& v : x) {
+      v = Vec3(0.6 * std::sin(2.5 * v.x()), 0.6 * v.y(), 0.3 * std::cos(2.5 * v.x()) + 0.2 * v.y());
+      for (double& c : v) c += unit(random);
+    }
+    pieces.follow(x);
+    std::vector<TileKey> tiles;
+    whole.presence(x, kStep, kRamp, Aabb{Vec3::Constant(-10.0), Vec3::Constant(10.0)}, tiles);
+    sort_unique(tiles);
+    const int n = pieces.part_count();
+    std::vector<std::vector<DensityBlock>> of(n, std::vector<DensityBlock>(tiles.size()));
+    for (int p = 0; p < n; ++p) pieces.rasterize(p, kStep, kRamp, tiles, of[p]);
+    std::size_t found = 0;
+    for (std::size_t t = 0; t < tiles.size(); ++t)
+      for (int k = 0; k < kTileSize; ++k)
+        for (int j = 0; j < kTileSize; ++j)
+          for (int i = 0; i < kTileSize; ++i) {
+            const int node = block_index(i + kHalo, j + kHalo, k + kHalo);
+            const int octant = i / 4 + 2 * (j / 4) + 4 * (k / 4);
+            const Vec3 place = tile_box(tiles[t], kStep).lo + kStep * Vec3(i, j, k);
+            const auto own = [&](int p) {
+              const DensityBlock& b = of[p][t];
+              return b.rho[node] > 0.0 ? pieces.source_of(p, b.source[node]) : -1;
+            };
+            for (int p = 0; p < n; ++p) {
+              if (own(p) < 0) continue;
+              for (int q = 0; q < p; ++q) {
+                if (own(q) < 0 || of[p][t].rho[node] + of[q][t].rho[node] <= 1.0 || !pieces.may_meet(own(p), own(q)))
+                  continue;
+                if (!pieces.parts_collide(p, q)) continue;  // neighbours that are nearly flat
+                ++found;
+                const Aabb region = pieces.meeting_region(p, q, 0.5 * kRamp + 1e-6, kGap);
+                EXPECT_TRUE(region.overlaps(Aabb{place, place})) << p << " " << q;
+                EXPECT_TRUE((of[p][t].octants & of[q][t].octants) >> octant & 1) << p << " " << q;
+              }
+            }
+          }
+    EXPECT_GT(found, 100u) << cell;
+  }
 }
 
 TEST(BodyPieces, ALineThatTurnsBackMeetsItself) {

@@ -54,17 +54,33 @@ TEST(ElementPieces, BesideIsWhatLessOfALineLiesBetween) {
     for (const std::int32_t e : pieces.of(p)) of[e] = p;
   for (std::size_t p = 0; p < pieces.size(); ++p)
     for (std::size_t q = 0; q < pieces.size(); ++q) {
-      bool beside = false;
+      std::size_t beside = 0;
       for (int i = 0; i < 30; ++i)
-        for (int j = 0; j < 30; ++j)
-          beside = beside || (p != q && of[i] == p && of[j] == q && pieces.elements_beside(i, j));
-      EXPECT_EQ(pieces.pieces_beside(static_cast<std::int32_t>(p), static_cast<std::int32_t>(q)), beside);
+        for (int j = 0; j < 30; ++j) beside += p != q && of[i] == p && of[j] == q && pieces.elements_beside(i, j);
+      using enum ElementPieces::Beside;
+      EXPECT_EQ(pieces.pieces_beside(static_cast<std::int32_t>(p), static_cast<std::int32_t>(q)),
+                beside == 0                                           ? None
+                : beside == pieces.of(p).size() * pieces.of(q).size() ? All
+                                                                      : Some);
     }
   for (std::size_t p = 0; p < pieces.size(); ++p)
     for (int j = 0; j < 30; ++j) {
       bool around = false;
       for (const std::int32_t i : pieces.of(p)) around = around || (of[j] != p && 0.1 * (std::abs(i - j) - 1) < 0.15);
       EXPECT_EQ(std::ranges::count(pieces.border(p), j), around);
+    }
+}
+
+TEST(ElementPieces, CoarseCellsAreBesideTheirNeighboursAltogether) {
+  // Cells of five reaches: each triangle is a piece.
+  const TriMesh mesh = shapes::grid(6, 5, 6.0, 5.0);
+  const SheetContact sheet(mesh.triangles, 0.1);
+  const ElementPieces pieces(mesh.vertices, sheet.elements(), {0.2, 0.3, 0.1});
+  ASSERT_EQ(pieces.size(), mesh.triangles.size());
+  for (std::int32_t p = 0; p < static_cast<std::int32_t>(pieces.size()); ++p)
+    for (std::int32_t q = 0; q < p; ++q) {
+      const bool beside = pieces.elements_beside(p, q);
+      EXPECT_EQ(pieces.pieces_beside(p, q), beside ? ElementPieces::Beside::All : ElementPieces::Beside::None);
     }
 }
 

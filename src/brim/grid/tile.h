@@ -69,7 +69,9 @@ inline constexpr Octants kAllOctants = 0xff;
 
 /// One part's samples on a tile and its halo.
 struct DensityBlock {
-  /// Octants requested of the part, each with a ring of nodes around it; elsewhere rho = 0, source 0 are allowed.
+  /// Octants requested of the part, each with a ring of nodes around it; elsewhere rho = 0, source 0 are allowed. A
+  /// part may take those back in whose own nodes it cannot touch anything; their densities are then only read in
+  /// stencils.
   Octants octants = kAllOctants;
   double rho[kBlockNodes];  ///< fraction of space filled, in [0, 1]
   /// Index of the part's primitive that the node belongs to, meaningful where rho > 0; handed back to the part when its

@@ -2,7 +2,9 @@
 #include <atomic>
 #include <cmath>
 
+#include "brim/body/meeting_region.h"
 #include "brim/core/error.h"
+#include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
 #include "brim/world/contact_parameters.h"
 #include "brim/world/contact_stage.h"
@@ -58,6 +60,17 @@ void require_few(const WorldPart& part, const Aabb& region, double h) {
         "world: what touches '{}' lies up to {:.3g} m apart, {:.1g} tiles at steps of {} m (at most {:.0g}); "
         "look for a speed or a position that is too large, or use a larger voxel_size",
         part.body->name(), region.extent().maxCoeff(), tiles.prod(), h, kMostTiles));
+}
+
+/// Limits the region of two parts of one body to what the body knows of it. False when they do not touch.
+bool narrow(const WorldPart& a, const WorldPart& b, double ramp, double margin, int level, double h, Aabb& region) {
+  const auto* body = interface_of<MeetingRegion>(*a.body);
+  if (body == nullptr) return true;
+  // The ramp of an averaged density is no ramp of the distance.
+  const double beyond = 0.5 * ramp * h, gap = level > 0 ? 2.0 * beyond : widest_gap(margin) * ramp * h;
+  const Aabb known = body->meeting_region(a.index, b.index, beyond + kDensityRounding * h, gap + kDensityRounding * h);
+  region = region.intersection(known);
+  return !region.empty();
 }
 
 }  // namespace
@@ -165,6 +178,7 @@ ContactStage::Meeting ContactStage::meet(std::span<const WorldPart> parts, std::
   if (least == 0.0 && !one_conforms(a, b)) speed = std::max({speed, blow_[pa], blow_[pb]});
   m.margin = std::clamp(1.5 * (speed + fall) * dt / (ramp * m.h), least,
                         rigid_rows && !held_before.contains(pa, pb) ? kMostRowMargin : kMostMargin);
+  if (!held && a.body == b.body && !narrow(a, b, ramp, m.margin, m.level, m.h, m.region)) return m;
   require_near(a, b, m.region, m.h);
   if (!held)
     m.how = Meeting::kSearched;

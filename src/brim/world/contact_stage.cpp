@@ -49,6 +49,21 @@ Octants octants_on(const std::vector<OctantTile>& sorted, const TileKey& tile) {
   return at != sorted.end() && at->tile == tile ? at->octants : Octants{0};
 }
 
+/// Octants of a tile with own nodes in a box.
+Octants octants_meeting(const Aabb& box, const TileKey& tile, double h) {
+  // The lower half along each axis, in the bits of octants.
+  constexpr Octants kLower[3] = {0x55, 0x33, 0x0f};
+  constexpr int kHalf = kTileSize / 2;
+  const int first[3] = {kTileSize * tile.x, kTileSize * tile.y, kTileSize * tile.z};
+  Octants found = kAllOctants;
+  for (int a = 0; a < 3; ++a) {
+    const double lo = box.lo[a] / h - first[a], hi = box.hi[a] / h - first[a];
+    if (hi < 0.0 || lo > kHalf - 1) found &= static_cast<Octants>(~kLower[a]);
+    if (hi < kHalf || lo > kTileSize - 1) found &= kLower[a];
+  }
+  return found;
+}
+
 /// Own nodes of an octant.
 constexpr std::int64_t kOctantNodes = std::int64_t{kTileSize} * kTileSize * kTileSize / 8;
 
@@ -147,12 +162,14 @@ void ContactStage::refine(const WorldOptions& options) {
     if (c.level > 0 && pa.body != nullptr) pb.body = nullptr;
     const std::vector<OctantTile>& one = layers_[c.layer_a >= 0 ? c.layer_a : c.layer_b].present;
     const std::vector<OctantTile>& other = layers_[c.layer_b >= 0 ? c.layer_b : c.layer_a].present;
-    const TileRange range = tiles_meeting(c.region.inflated(c.pair.h), c.pair.h);
+    const Aabb region = c.region.inflated(kDensityRounding * c.pair.h);
+    const TileRange range = tiles_meeting(region, c.pair.h);
     const std::vector<OctantTile>& few = one.size() < other.size() ? one : other;
     const std::vector<OctantTile>& many = one.size() < other.size() ? other : one;
     for (const OctantTile& t : few) {
       if (!inside(t.tile, range)) continue;
       Octants octants = &few != &many ? t.octants & octants_on(many, t.tile) : t.octants;
+      if (octants != 0) octants &= octants_meeting(region, t.tile, c.pair.h);
       if (octants != 0) octants &= octants_with_room(pa, pb, c.pair, t.tile);
       if (octants != 0) c.tiles.push_back(t.tile), c.octants.push_back(octants);
     }
@@ -229,14 +246,16 @@ void ContactStage::search(Work& work) const {
     return;
   }
   CubeSide a = side_of(c.pair.part_a, c), b = side_of(c.pair.part_b, c);
-  const auto take_block = [&](std::int32_t l, const TileKey& tile, CubeSide& side) {
+  const auto take_block = [&](std::int32_t l, const TileKey& tile, CubeSide& side, Octants& octants) {
     if (l < 0) return;
     side.tile = tile;
     side.block = &blocks_[layers_[l].first_block + index_of(layers_[l].needed, tile)];
+    octants &= side.block->octants;
   };
   for (std::size_t t = work.begin; t < work.end; ++t) {
-    take_block(c.layer_a, c.tiles[t], a), take_block(c.layer_b, c.tiles[t], b);
-    find_in_tile(a, b, c.pair, c.tiles[t], c.octants[t], work.finds);
+    Octants octants = c.octants[t];
+    take_block(c.layer_a, c.tiles[t], a, octants), take_block(c.layer_b, c.tiles[t], b, octants);
+    find_in_tile(a, b, c.pair, c.tiles[t], octants, work.finds);
   }
 }
 

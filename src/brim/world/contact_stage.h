@@ -18,6 +18,9 @@
 
 namespace brim {
 
+/// [voxels] by which places of contact are searched farther, for the rounding of densities.
+inline constexpr double kDensityRounding = 1e-3;
+
 /// Finds the contacts of all parts of a world (paper, section 6). Solids are sampled pair by pair, only at the nodes
 /// that a contact needs. Other parts are rasterized tile by tile, once for all their pairs: presence, refinement,
 /// rasterization. Memory is kept from step to step.

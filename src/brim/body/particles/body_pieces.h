@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "brim/body/meeting_region.h"
 #include "brim/body/octant_presence.h"
 #include "brim/body/particles/element_pieces.h"
 #include "brim/body/stand_in.h"
@@ -15,12 +17,15 @@ namespace brim {
 /// are searched only where their directions deviate by more than 60° from their common mean: up to that, points 2.5 t
 /// apart along the body are t apart in space (Volino and Magnenat-Thalmann 1994, with a cone of 90°). Within a piece,
 /// at most 3 t wide, nothing touches. The density of a piece includes a border around it, so that its slope at the rim
-/// is that of the whole; points nearest to the border are left to the piece that owns it.
+/// is that of the whole; points nearest to the border are left to the piece that owns it, and octants with no other
+/// points are taken back (DensityBlock::octants). Of two pieces only the region is searched in which some of their
+/// elements, not neighbours along the body, are near each other: a cell wider than the thickness is a piece by itself,
+/// and at every fold many of them overlap with the neighbours of their neighbours.
 /// Tests: tests/body/body_pieces_test.cpp
-class BodyPieces final : public StandIn, public OctantPresence {
+class BodyPieces final : public StandIn, public OctantPresence, public MeetingRegion {
  public:
   /// @param rest   [m] of the particles
-  /// @param whole  the body's contact, of elements that are triangles or segments
+  /// @param whole  the body's contact, of elements that are triangles or segments; kept by reference
   /// @param part   contact parameters of the body; its thickness is finite
   BodyPieces(std::span<const Vec3> rest, const ParticleContact& whole, PartInfo part);
 
@@ -34,6 +39,7 @@ class BodyPieces final : public StandIn, public OctantPresence {
   int part_count() const override { return static_cast<int>(piece_.size()); }
   PartInfo part(int) const override { return part_; }
   bool parts_collide(int p, int q) const override;
+  Aabb meeting_region(int p, int q, double beyond, double gap) const override;
   Aabb bounds(int p) const override { return piece_[p].box; }
   Vec3 mean_velocity(int p, std::span<const double> v) const override;
   double relative_speed_bound(int p, std::span<const double> v) const override;
@@ -54,11 +60,19 @@ class BodyPieces final : public StandIn, public OctantPresence {
     Vec3 axis = Vec3::Zero();          ///< mean direction of its elements
     double turn = 0.0;                 ///< [rad] largest deviation of an element's direction from it
   };
+  /// True when a node of the octant's own is nearest to an element of the piece.
+  bool owns_any(int p, const DensityBlock& block, int octant) const;
+  using Corners = std::array<Vec3, 3>;
+  /// Those of an element of the body. @param x  where they are put
+  std::span<const Vec3> corners_of(std::int32_t e, Corners& x) const;
   /// Normal of a triangle, or direction of a segment; zero when degenerate.
   Vec3 direction(const ParticleContact::Elements& elements, std::size_t e) const;
 
   ElementPieces cut_;
   std::vector<Piece> piece_;
+  std::vector<Aabb> element_box_;  ///< [m] of the corners of each element
+  double reach_;                   ///< [m] of matter beyond them
+  ParticleContact::Elements all_;  ///< of the body
   PartInfo part_;
   std::span<const Vec3> x_;
 };

@@ -136,7 +136,16 @@ ElementPieces::ElementPieces(std::span<const Vec3> rest, const ParticleContact::
     for (const std::int32_t f : near[e])
       if (piece[f] != piece[e]) around[piece[e]].push_back(f);
   }
-  for (auto& list : touching) sort_unique(list);
+  for (std::size_t p = 0; p < members.size(); ++p) {
+    // Others are listed once per pair of elements beside each other.
+    std::vector<std::int32_t>& list = touching[p];
+    std::sort(list.begin(), list.end());
+    for (std::size_t i = 0, next = 0; i < list.size(); i = next) {
+      while (next < list.size() && list[next] == list[i]) ++next;
+      how_.push_back(next - i == members[p].size() * members[list[i]].size() ? Beside::All : Beside::Some);
+    }
+    sort_unique(list);
+  }
   for (auto& list : around) sort_unique(list);
   join(members, first_, element_);
   join(touching, first_touching_, touching_);
@@ -147,8 +156,10 @@ bool ElementPieces::elements_beside(std::int32_t e, std::int32_t f) const {
   return std::ranges::binary_search(list(first_beside_, beside_, static_cast<std::size_t>(e)), f);
 }
 
-bool ElementPieces::pieces_beside(std::int32_t p, std::int32_t q) const {
-  return std::ranges::binary_search(list(first_touching_, touching_, static_cast<std::size_t>(p)), q);
+ElementPieces::Beside ElementPieces::pieces_beside(std::int32_t p, std::int32_t q) const {
+  const auto others = list(first_touching_, touching_, static_cast<std::size_t>(p));
+  const auto at = std::ranges::lower_bound(others, q);
+  return at == others.end() || *at != q ? Beside::None : how_[static_cast<std::size_t>(&*at - touching_.data())];
 }
 
 }  // namespace brim

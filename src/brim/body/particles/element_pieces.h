@@ -27,8 +27,9 @@ class ElementPieces {
   /// Elements of others in the border of a piece, ascending.
   std::span<const std::int32_t> border(std::size_t piece) const { return list(first_border_, border_, piece); }
   bool elements_beside(std::int32_t e, std::int32_t f) const;
-  /// True for pieces with some elements beside each other.
-  bool pieces_beside(std::int32_t p, std::int32_t q) const;
+  enum class Beside : std::uint8_t { None, Some, All };
+  /// How many pairs of elements of two pieces are beside each other.
+  Beside pieces_beside(std::int32_t p, std::int32_t q) const;
 
  private:
   using List = std::vector<std::int32_t>;
@@ -39,6 +40,7 @@ class ElementPieces {
   List first_, element_;            ///< elements by piece
   List first_beside_, beside_;      ///< elements beside each element, ascending
   List first_touching_, touching_;  ///< pieces beside each piece, ascending
+  std::vector<Beside> how_;         ///< Some or All, of each entry of `touching_`
   List first_border_, border_;      ///< elements around each piece
 };
 
