@@ -77,14 +77,10 @@ void GridFluidBody::velocity_places(std::span<Vec3> x) const {
 }
 
 void GridFluidBody::display_surface(std::vector<Vec3f>& x, std::vector<Triangle>& triangles) const {
-  const MacGrid& g = model_.grid;
+  std::vector<double> shown = phi_;
   // Without what solids take: where half of a cell is left, about, their surface is.
-  std::vector<double> within(left_.size());
-  for (std::size_t c = 0; c < left_.size(); ++c) within[c] = (0.5 - left_[c]) * g.dx;
-  fluid_surface(
-      g,
-      [&](const Vec3& p) { return within.empty() ? distance(p) : std::max(distance(p), sample_cells(g, within, p)); },
-      x, triangles);
+  for (std::size_t c = 0; c < left_.size(); ++c) shown[c] = std::max(shown[c], (0.5 - left_[c]) * model_.grid.dx);
+  fluid_surface(model_.grid, shown, x, triangles);
 }
 
 bool GridFluidBody::meets_air(const Vec3& x) const {
