@@ -46,5 +46,38 @@ TEST(RoundImpact, NoneWherePartingOrTouching) {
   EXPECT_FALSE(find_round_impact(Vec3(0.19, 0, 0), Vec3(-1, 0, 0), kRadii, kDt));
 }
 
+/// Curvature of a ball, or of a side with an axis, as a row holds it.
+std::array<float, 3> bend_of(double radius, const Vec3& n, const Vec3& axis = Vec3::Zero()) {
+  const Eigen::Vector2d flat = tangents_of(n).transpose() * axis;
+  const Eigen::Matrix2d m = (Eigen::Matrix2d::Identity() - flat * flat.transpose()) / radius;
+  return {float(m(0, 0)), float(m(0, 1)), float(m(1, 1))};
+}
+
+TEST(RoundImpact, CurvaturesTellBallsAndSides) {
+  constexpr double kStep = 0.05;
+  const Vec3 n = Vec3(0.3, -0.5, 0.7).normalized(), axis = n.cross(Vec3(1, 2, 3)).normalized(), other = n.cross(axis);
+  RowPoint row;
+  row.normal = n, row.bend_a = bend_of(0.2, n), row.bend_b = bend_of(0.1, n);
+  RoundContact r = round_contact(row, kStep);
+  EXPECT_NEAR(r.radius_a, 0.2, 1e-7);
+  EXPECT_NEAR(r.radius_b, 0.1, 1e-7);
+  EXPECT_EQ(r.flat, Vec3::Zero());
+  for (const bool swapped : {false, true}) {
+    (swapped ? row.bend_a : row.bend_b) = bend_of(0.1, n, axis), (swapped ? row.bend_b : row.bend_a) = bend_of(0.2, n);
+    r = round_contact(row, kStep);
+    EXPECT_NEAR(r.radius_a + r.radius_b, 0.3, 1e-7);
+    EXPECT_NEAR(std::abs(r.flat.dot(axis)), 1.0, 1e-7);
+    EXPECT_EQ(r.side_b, !swapped);
+  }
+  row.bend_a = bend_of(0.2, n, axis), row.bend_b = bend_of(0.1, n, axis);
+  EXPECT_TRUE(round_contact(row, kStep).any()) << "sides that lie along each other";
+  row.bend_b = bend_of(0.1, n, other);
+  EXPECT_FALSE(round_contact(row, kStep).any()) << "crossed sides: the normal stays";
+  row.bend_b = {};
+  EXPECT_FALSE(round_contact(row, kStep).any()) << "a plane";
+  row.bend_b = bend_of(kStep, n);
+  EXPECT_FALSE(round_contact(row, kStep).any()) << "an edge has at most this curvature";
+}
+
 }  // namespace
 }  // namespace brim::round_impact_test

@@ -70,7 +70,8 @@ TEST(ArticulatedScene, DrivesThatCannotReachTheirTargetAreRefused) {
   const char* const keys = R"("keyframes": [{"time": 0, "target": 0}, {"time": 1, "target": 1}])";
   for (const std::string& good :
        {std::string("{}"), std::string(R"({"force_limit": 2})"), std::string(R"({"stiffness": 5, "target": 1})"),
-        std::string(R"({"damping": 5, "target_velocity": 1})"), fmt::format(R"({{"damping": 5, {}}})", keys)})
+        std::string(R"({"damping": 5, "target_velocity": 1})"), std::string(R"({"damping": 5, "target": 0})"),
+        fmt::format(R"({{"damping": 5, {}}})", keys)})
     EXPECT_EQ(with(good), "") << good;
   const auto refused = [&](const std::string& drive, const char* has, const char* lacks) {
     const std::string text = with(drive);
@@ -78,6 +79,8 @@ TEST(ArticulatedScene, DrivesThatCannotReachTheirTargetAreRefused) {
       EXPECT_NE(text.find(word), std::string::npos) << drive << ": " << text;
   };
   refused(R"({"target": 1})", "\"target\"", "no \"stiffness\"");
+  refused(R"({"target": 0})", "\"target\"", "no \"stiffness\"");
+  refused(R"({"target_velocity": 0})", "\"target_velocity\"", "no \"damping\"");
   refused(R"({"target": 1, "damping": 3})", "\"target\"", "no \"stiffness\"");
   refused(R"({"target_velocity": 1, "stiffness": 3})", "\"target_velocity\"", "no \"damping\"");
   refused(fmt::format("{{{}}}", keys), "\"keyframes\"", "no \"stiffness\" or \"damping\"");

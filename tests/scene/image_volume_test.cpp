@@ -278,6 +278,9 @@ TEST_F(ImageVolumes, WhereNoMatterIsLeftTheMessageNamesTheCause) {
       << values;
   const std::string organs = R"("file": "organs.nrrd", "labels": )";
   EXPECT_EQ(message(organs + "[3]"), "");
+  EXPECT_EQ(message(organs + "[3, 5, 3]"), "");
+  expect(organs + "[3, 6, 4, 6]", {"/bodies/0/labels", "no voxel has the labels 6, 4; the image holds 0, 3, 5"});
+  expect(organs + "[5, 6]", {"/bodies/0/labels", "no voxel has the label 6; the image holds 0, 3, 5"});
   EXPECT_EQ(expect(organs + "[4, 6]", {"/bodies/0/labels", "labels [4,6]", "the image holds 0, 3, 5"}).find("window"),
             std::string::npos);
   // Voxels in millimetres: shares of such voxels say nothing of the intensities.

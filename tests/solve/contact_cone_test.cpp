@@ -54,5 +54,30 @@ TEST(ContactCone, AllSolutionsOfAContactThatMayJamHaveNoResidual) {
   EXPECT_LT((solve_contact(W, invert_response(W), mu, q, Vec3::Zero()) - stick).norm(), 1e-9) << "finds one of them";
 }
 
+TEST(ContactCone, WhatJamsIsHeldByTheSmallestImpulse) {
+  // A leg under a hinge, θ off upright, on a platform that rises: its foot moves along w alone, and cannot get out of
+  // the way while friction holds it, tan θ < μ.
+  std::mt19937 rng(5);
+  std::uniform_real_distribution<double> share(0.01, 0.95), speed(-0.3, 0.3);
+  for (int i = 0; i < 500; ++i) {
+    const double mu = 0.1 + share(rng), theta = share(rng) * std::atan(mu), turn = 6.0 * share(rng);
+    const Vec3 side(0.0, std::cos(turn), std::sin(turn)),
+        w = std::sin(theta) * Vec3::UnitX() + std::cos(theta) * side,
+        along = std::cos(theta) * Vec3::UnitX() - std::sin(theta) * side;
+    const Mat3 W = 0.3 * w * w.transpose();
+    const Vec3 q = speed(rng) * w - Vec3(0.4, 0.0, 0.0);
+    const Vec3 found = solve_contact(W, invert_response(W), mu, q, Vec3::Zero());
+    const Vec3 u = q + W * found;
+    EXPECT_LE(found.tail<2>().norm(), mu * found.x() * (1.0 + 1e-12));
+    EXPECT_NEAR(u.dot(w), 0.0, 1e-6) << "what can be stopped is";
+    EXPECT_NEAR((u - q.dot(along) * along).norm(), 0.0, 1e-6) << "the rest nothing can";
+    // The smallest: with less along d it leaves the cone, unless none is needed.
+    const double alpha = found.dot(along);
+    const Vec3 less = found - 1e-3 * alpha * along;
+    EXPECT_TRUE(alpha < 1e-9 || less.tail<2>().norm() > mu * less.x());
+    EXPECT_LT(found.norm(), 1e3 * q.norm() / 0.3);
+  }
+}
+
 }  // namespace
 }  // namespace brim::contact_cone_test

@@ -2,6 +2,7 @@
 
 #include "brim/body/articulated/articulated_body.h"
 #include "brim/core/parallel.h"
+#include "brim/world/attachment.h"
 #include "support/worlds.h"
 
 /// Links of articulated bodies on rows: what they do that rigid bodies do too, and the mechanics of trees.
@@ -310,6 +311,112 @@ TEST(LinksOnRows, ALegNearItsDeadCentreIsNotTurnedRoundToRise) {
       before = w.q(body)[0];
     }
     EXPECT_LT(std::abs(w.v(body)[0]), 1e-3);
+  }
+}
+
+TEST(LinksOnRows, BallsStrikeEachOtherAlongTheLineOfCentresOfTheImpact) {
+  // Beside the middle by 0.6 of both radii: normals at the start of the step are off by up to three degrees.
+  constexpr double kSpeed = 2.0;
+  const Vec3 line(0.8, -0.6, 0);
+  for (const bool both : {false, true})
+    for (const double e : {0.0, 0.5, 1.0})
+      for (const double ahead : {0.1, 0.111, 0.122}) {
+        SCOPED_TRACE(::testing::Message() << both << " " << e << " " << ahead);
+        WorldOptions o = weightless(0.05);
+        o.time_step = 1.0 / 60.0;
+        World w(o);
+        Solid solid = ball(0.2);
+        solid.friction = 0.0, solid.restitution = e;
+        Start s;
+        s.x = Vec3(-0.32 - ahead, 0.24, 0), s.v = Vec3(kSpeed, 0, 0);
+        w.add(both ? lone_link(solid, s) : rigid_body(solid, s));
+        auto struck = lone_link(solid, {Vec3::Zero()});
+        struck->set_name("struck");
+        w.add(std::move(struck));
+        double angular = 0.0;
+        for (int i = 0; i < 20; ++i) {
+          const StepReport r = w.step();
+          ASSERT_TRUE(r.ok);
+          angular = std::max(angular, r.angular_error);
+        }
+        const Vec3 given = 0.5 * (1.0 + e) * kSpeed * 0.8 * line;
+        EXPECT_LT((Eigen::Map<const Vec3>(w.v(1).data()) - given).norm(), 2e-3);
+        EXPECT_LT((Eigen::Map<const Vec3>(w.v(0).data()) - (s.v - given)).norm(), 2e-3);
+        EXPECT_LT(Eigen::Map<const Vec3>(w.v(1).data() + 3).norm(), 1e-4) << "without friction";
+        EXPECT_LT(angular, 1e-12);
+      }
+}
+
+/// A leg under a hinge above a platform that rises, and a box tied to it at its side, whose weight turns it.
+struct TiedLeg {
+  World w;
+  int leg = 0, box = 0;
+
+  explicit TiedLeg(double friction, double rise) : w(options()) {
+    ObstacleModel lift;
+    lift.shape = make_box(Vec3(1, 1, 0.1));
+    lift.part.material.friction = friction;
+    lift.keys.resize(2);
+    lift.keys[0].position = Vec3(0, 0, -0.055);
+    lift.keys[1].time = 10.0, lift.keys[1].position = lift.keys[0].position + Vec3(0, 0, 10.0 * rise);
+    auto platform = std::make_unique<ObstacleBody>(lift);
+    platform->set_name("lift");
+    w.add(std::move(platform));
+    Solid solid{make_capsule(0.07, 0.65), Vec3(0.3, 0.3, 0.02)};
+    solid.friction = friction;
+    ArticulatedModel m;
+    LinkModel l = link_of(solid);
+    l.mass = 8.0;
+    l.joint = hinge(Vec3(0, 0, 0.795));
+    l.shapes[0].pose.translation = l.center_of_mass = Vec3(0, 0, -0.4);
+    m.links = {l};
+    leg = w.add(tree("leg", std::move(m)));
+    RigidModel load;
+    load.shape = make_box(Vec3::Constant(0.1));
+    load.mass = 0.5, load.inertia = 0.5 / 600.0 * Mat3::Identity();
+    load.position = Vec3(0.3, 0, 0.55);
+    auto b = std::make_unique<RigidBody>(load);
+    b->set_name("box");
+    box = w.add(std::move(b));
+    Attachment clasp;
+    clasp.name = "clasp", clasp.body = "box", clasp.to = "leg", clasp.point = Vec3(0.3, 0, 0.6);
+    w.attach(clasp);
+  }
+  static WorldOptions options() {
+    WorldOptions o = testing::options_at(0.05);
+    o.response = Response::Constraint;
+    o.time_step = 1.0 / 60.0;
+    return o;
+  }
+  double energy() {
+    double sum = 0.0;
+    for (const int b : {leg, box})
+      sum += w.body(b).kinetic_energy(w.v(b)) + w.body(b).potential_energy(options().environment);
+    return sum;
+  }
+};
+
+TEST(LinksOnRows, AMechanismThatFrictionJamsStaysJammedAndGainsNoEnergy) {
+  // The foot comes down 0.09 rad off upright: friction of 0.3 and more holds it, and nothing can lift the leg. Impulses
+  // along the leg move nothing; rows answered with 1e14 N, and the run failed.
+  for (const double friction : {0.3, 0.5, 1.0}) {
+    SCOPED_TRACE(friction);
+    constexpr double kRise = 0.01;
+    TiedLeg t(friction, kRise);
+    const double before = t.energy();
+    double largest = 0.0, lifted = 0.0, jammed = 0.0;
+    for (int s = 0; s < 120; ++s) {
+      const StepReport r = t.w.step();
+      ASSERT_TRUE(r.ok);
+      EXPECT_TRUE(r.warnings.empty()) << r.warnings[0].message;
+      for (const PairReport& p : r.pairs) largest = std::max(largest, p.force_on_a.norm());
+      if (s == 60) jammed = t.w.q(t.leg)[0], lifted = t.energy();
+    }
+    EXPECT_GT(largest, 1.0);
+    EXPECT_LT(largest, 1e3) << "some ten times the weight of what it holds";
+    EXPECT_NEAR(t.w.q(t.leg)[0], jammed, 0.01) << "rad in a second: it stays";
+    EXPECT_LT(t.energy() - lifted, 2 * 8.5 * 9.81 * kRise) << "what the platform may have lifted";
+    EXPECT_LT(lifted - before, 2 * 8.5 * 9.81 * kRise);
   }
 }
 

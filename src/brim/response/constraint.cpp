@@ -24,8 +24,6 @@ constexpr double kEdgeBend = 0.1, kFace = 0.02, kForetold = 0.02;
 /// [voxels] largest excess of a node's gap over that of a face at its rim; smallest cosine there between the two
 /// normals, of which the stencil turns one towards the side face.
 constexpr double kRim = 0.1, kTurned = 0.5;
-/// [1/h] curvatures of a ball; largest relative difference between directions.
-constexpr double kLeastRound = 1e-3, kMostRound = 0.95, kUneven = 0.05;
 
 /// At an edge the point moves with the material of the sharper surface, as for a curvature radius of one voxel; the
 /// other is flat.
@@ -37,13 +35,6 @@ Constraint::Bend sharp_bend(const ContactSet& s, std::size_t c, double h) {
   return bend;
 }
 
-/// [m] radius of a surface that is curved alike in all directions, and no edge; else zero.
-double radius_of(const std::array<float, 3>& bend, double h) {
-  const double mean = 0.5 * (double{bend[0]} + bend[2]),
-               spread = std::hypot(0.5 * (double{bend[0]} - bend[2]), bend[1]);
-  return mean * h > kLeastRound && mean * h < kMostRound && spread < kUneven * mean ? 1.0 / mean : 0.0;
-}
-
 }  // namespace
 
 void Constraint::gather(const ContactSet& contacts, std::span<const Vec3> normals,
@@ -51,7 +42,7 @@ void Constraint::gather(const ContactSet& contacts, std::span<const Vec3> normal
                         const GatheredRows& gathered) {
   points_.resize(0);
   points_.pairs.clear(), off_nodes_.clear();
-  normal_.clear(), grip_.clear(), friction_.clear(), restitution_.clear(), bend_.clear(), radii_.clear();
+  normal_.clear(), grip_.clear(), friction_.clear(), restitution_.clear(), bend_.clear(), round_.clear();
   std::size_t next = 0;
   for (std::size_t p = 0; p <= contacts.pairs.size(); ++p) {
     const bool last = p == contacts.pairs.size();
@@ -81,8 +72,7 @@ void Constraint::take_rows(const PairRows& pair, std::span<const RowPoint> rows)
     points_.point[first + i] = r.point;
     points_.depth[first + i] = static_cast<float>(-r.gap);
     normal_.push_back(r.normal), grip_.push_back(r.point + r.grip - r.normal * r.normal.dot(r.grip));
-    const double a = radius_of(r.bend_a, pair.h), b = radius_of(r.bend_b, pair.h);
-    radii_.push_back(n == 1 && a > 0.0 && b > 0.0 ? Radii{a, b} : Radii{});
+    round_.push_back(n == 1 ? round_contact(r, pair.h) : RoundContact{});
     bend_.push_back({bend_across(r.bend_a, r.normal), bend_across(r.bend_b, r.normal)});
   }
   friction_.resize(first + n, pair.friction), restitution_.resize(first + n, pair.restitution);
@@ -279,13 +269,13 @@ void Constraint::place(std::size_t c, const Vec3& point, const Vec3& normal, dou
 void Constraint::remove_point(std::size_t i) {
   const auto drop = [i](auto& v) { v.erase(v.begin() + static_cast<std::ptrdiff_t>(i)); };
   points_.erase(i);
-  drop(normal_), drop(grip_), drop(friction_), drop(restitution_), drop(bend_), drop(radii_);
+  drop(normal_), drop(grip_), drop(friction_), drop(restitution_), drop(bend_), drop(round_);
 }
 
 void Constraint::add_point(const ContactSet& contacts, std::size_t c, const Vec3& x, const Vec3& n, double gap,
                            const ConstraintPair& law, const Bend& bend) {
   points_.append(contacts, c, x, -gap);
-  bend_.push_back(bend), radii_.push_back({});
+  bend_.push_back(bend), round_.push_back({});
   normal_.push_back(n), grip_.push_back(x), friction_.push_back(law.friction), restitution_.push_back(law.restitution);
 }
 

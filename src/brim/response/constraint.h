@@ -12,6 +12,7 @@
 #include "brim/response/moved_rows.h"
 #include "brim/response/node_places.h"
 #include "brim/response/patch_model.h"
+#include "brim/response/round_impact.h"
 
 namespace brim {
 
@@ -46,6 +47,7 @@ struct ConstraintPair {
 ///   no bounce   u >= −max(0, φ − 0.005 h)/dt; overlap beyond 0.005 h is removed by position correction
 ///               (rigid parts with gaps read at nodes: 0.05 h, and overlap beyond 0.1 h)
 ///   bounce      u >= e |u0 + a τ| + a (dt − τ), at least 0; the displacement of the step follows the broken parabola
+///   two round surfaces: as a bounce, with e = 0 too, as their normal is that of the moment τ
 class Constraint {
  public:
   /// Gathers the contacts into points.
@@ -68,9 +70,8 @@ class Constraint {
     Mat3 a = Mat3::Zero(), b = Mat3::Zero();
   };
   std::span<const Bend> bends() const { return bend_; }
-  /// Radii of two balls, [m], where the two surfaces are round at a point of gathered rows; else zero.
-  using Radii = std::array<double, 2>;
-  std::span<const Radii> radii() const { return radii_; }
+  /// Where the two surfaces are round, at the only point of a gathered pair.
+  std::span<const RoundContact> round() const { return round_; }
   /// Places a point where its surfaces will touch: friction acts there too.
   void place(std::size_t c, const Vec3& point, const Vec3& normal, double gap);
 
@@ -85,6 +86,8 @@ class Constraint {
   std::span<const double> restitution() const { return restitution_; }
   /// True when some contact bounces within the step.
   bool bounces() const { return bounces_; }
+  /// True when some contact is hit within the step, and its displacement is that of a path with a bend.
+  bool breaks() const { return breaks_; }
   /// True when the targets of position and velocity differ.
   bool targets_differ() const { return targets_differ_; }
 
@@ -133,10 +136,10 @@ class Constraint {
   std::vector<double> friction_, restitution_;
   std::vector<std::uint8_t> off_nodes_;  ///< per pair of points_: nonzero when its gaps are read at grid nodes
   std::vector<Bend> bend_;
-  std::vector<Radii> radii_;
+  std::vector<RoundContact> round_;
   std::vector<double> velocity_target_, position_target_;
   std::vector<double> touch_time_;  ///< [s] from the start of the step to the contact; 0 when already in contact
-  bool targets_differ_ = false, bounces_ = false;
+  bool targets_differ_ = false, bounces_ = false, breaks_ = false;
   std::vector<std::size_t> order_, patch_, rest_, around_, flat_;
   std::vector<std::uint8_t> taken_;
   PatchFitter fitter_;

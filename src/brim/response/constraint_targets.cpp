@@ -29,7 +29,7 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
   const double dt = options.dt;
   velocity_target_.resize(points_.size()), position_target_.resize(points_.size());
   touch_time_.assign(points_.size(), 0.0);
-  targets_differ_ = bounces_ = false;
+  targets_differ_ = bounces_ = breaks_ = false;
   for (std::size_t p = 0; p < points_.pairs.size(); ++p) {
     const ContactPair& pair = points_.pairs[p];
     const double slop = off_nodes_[p] != 0 ? kSlopOffNodes : kSlop,
@@ -41,20 +41,23 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
       const double gap = -points_.depth[c], open = std::max(0.0, gap);
       const double u0 = normal_[c].dot(start[c]), u1 = normal_[c].dot(free[c]), a = (u1 - u0) / dt;
       const double push = std::min(kShare * std::max(0.0, -gap - slop * pair.h), kPush * pair.h) / dt;
+      // Round surfaces that do not part again meet at a moment of the step too, with the normal of that moment.
+      const bool hits = restitution_[c] > 0.0 || (round_[c].any() && -u0 > options.bounce_speed);
       // A point that will bounce is not slowed down by the margin in the step before contact.
-      const bool flies = restitution_[c] > 0.0 && -u1 > options.bounce_speed;
+      const bool flies = hits && -u1 > options.bounce_speed;
       const double closing = -std::max(0.0, gap - (flies ? 0.0 : touch * pair.h)) / dt;
       velocity_target_[c] = closing;
       position_target_[c] = closing + push;
       const bool touches = open + dt * u1 < 0.0;
-      if (touches && restitution_[c] > 0.0 && gap <= least + together * pair.h) {
+      if (touches && hits && gap <= least + together * pair.h) {
         // The parabola of free flight (FreeFlight): open + u0 t + a t²/2 = 0.
         const double speed = std::sqrt(std::max(0.0, u0 * u0 - 2.0 * a * open));
         const double before = open > 0.0 && speed > u0 ? std::min(dt, 2.0 * open / (speed - u0)) : 0.0;
         const double hit = u0 + a * before, left = dt - before;
         touch_time_[c] = before;
         if (-hit > options.bounce_speed) {
-          bounces_ = true;
+          breaks_ = true;
+          bounces_ = bounces_ || restitution_[c] > 0.0;
           const double after = -restitution_[c] * hit;
           velocity_target_[c] = std::max(0.0, after + a * left);
           position_target_[c] = std::max(push, (after * left + 0.5 * a * left * left) / dt) - open / dt;

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <optional>
 
 #include "brim/core/parallel.h"
 #include "brim/io/volume_reader.h"
 #include "brim/mesh/intensity_table.h"
 #include "brim/scene/given_arrays.h"
+#include "brim/scene/image_labels.h"
 #include "brim/scene/limits.h"
 #include "brim/scene/solid_store.h"
 
@@ -121,13 +123,9 @@ std::function<double(double)> share_of(const Node& n) {
 
 /// The error of a file of which no voxel is half filled.
 InputError no_voxel_counts(const Node& n, const IntensitySummary& held) {
-  if (n.has("labels")) {
-    std::string labels;
-    for (const int label : held.labels) labels += fmt::format("{}{}", labels.empty() ? "" : ", ", label);
-    return n.at("labels").error(
-        fmt::format("no matter is left: no voxel has one of the labels {}; the image holds {}{}",
-                    shown(n.at("labels").json()), labels, held.more_labels ? " and higher ones" : ""));
-  }
+  if (n.has("labels"))
+    return n.at("labels").error(fmt::format("no matter is left: no voxel has one of the labels {}; the image holds {}",
+                                            shown(n.at("labels").json()), listed_labels(held)));
   return n.at("window").error(fmt::format(
       "no matter is left: no voxel is half filled by intensities of the window {}; the image holds {:.6g} to "
       "{:.6g}",
@@ -234,7 +232,13 @@ ImageSolid read_image_solid(const Node& n, double scale, double cells_per_voxel,
       options.transfer = share_of(n);
       window = {0.0, 1.0};
     }
+    std::optional<ImageLabels> labels;
+    if (n.has("labels")) {
+      labels.emplace(n);
+      options.transfer = [&](double v) { return labels->share(v); };
+    }
     image = n.at("file").placed([&] { return read_volume(info, options); });
+    if (labels) labels->check(info);
   } else {
     window = {0.0, 1.0};
   }

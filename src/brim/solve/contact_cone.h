@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "brim/math/types.h"
+#include "brim/solve/jammed_contact.h"
 
 namespace brim {
 
@@ -39,10 +40,11 @@ inline Vec3 relax_contact(const Mat3& W, const Mat3& inverse, double friction, c
 /// and a rate s > 0 such that u_n = 0, u_t = −s λ_t, |λ_t| = μ λ_n. Under strong coupling of tangents and normal (μ
 /// |W_nt| > W_nn) relax_contact, one direction after the other, diverges; this does not.
 ///   λ_t(s) = −(S + s)⁻¹ (q_t − W_tn q_n / W_nn),   S = W_tt − W_tn W_nt / W_nn,   s by bracketing
+/// Where no impulse can do so, because W is singular and friction holds what moves, hold_jammed.
 /// Arguments as for relax_contact.
 inline Vec3 solve_contact(const Mat3& W, const Mat3& inverse, double friction, const Vec3& u, const Vec3& impulse) {
   constexpr int kMost = 60;
-  constexpr double kClose = 1e-13, kLeast = 1e-12;
+  constexpr double kClose = 1e-13, kLeast = 1e-12, kSlip = 1e-6;
   const Vec3 q = u - W * impulse;  // at zero impulse
   if (!(friction > 0.0)) return {std::max(0.0, -q.x() / W(0, 0)), 0.0, 0.0};
   if (inverse(0, 0) > 0.0) {
@@ -62,7 +64,11 @@ inline Vec3 solve_contact(const Mat3& W, const Mat3& inverse, double friction, c
     return std::sqrt(found.y() * found.y() + found.z() * found.z()) - friction * found.x();
   };
   double lo = kLeast * W.trace(), at_lo = miss(lo);
-  if (!(at_lo > 0.0)) return found;
+  if (!(at_lo > 0.0)) {
+    // Friction that stops no slip however slow: the contact jams.
+    const bool jams = inverse(0, 0) == 0.0 && lo * std::hypot(found.y(), found.z()) > kSlip * q.norm();
+    return jams ? hold_jammed(W, friction, q, found) : found;
+  }
   double hi = W.trace(), at_hi = miss(hi);
   for (int i = 0; i < kMost && at_hi > 0.0; ++i) lo = hi, at_lo = at_hi, hi *= 8.0, at_hi = miss(hi);
   // Regula falsi, Illinois.

@@ -84,7 +84,7 @@ void ConstraintStep::begin(std::span<const std::unique_ptr<Body>> bodies, std::s
 
   mark_bodies(contacts, pairs, gathered);
   ways_.assign(points.pairs.size(), {});
-  if (!mapped_) find_round_impacts(v);
+  find_round_impacts(v);
   most_sweeps_ = find_most_sweeps();
   if (mapped_) build_maps();
   frame_.resize(n), offset_.resize(n);
@@ -136,7 +136,7 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
     std::vector<Vec3> lambda = lambda_;
     std::vector<double> way = change;
     const double worst = report.row_residual;
-    if (solids_ && exact_ && !rows_.bounces())
+    if (solids_ && exact_ && !rows_.breaks())
       push_apart(lambda, way, report);
     else
       solve_rows(solve, rows_.position_targets(), kPositionRefinements, lambda, way, residual, report);

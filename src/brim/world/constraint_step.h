@@ -80,9 +80,11 @@ class ConstraintStep {
   void for_arms(const F& f) const;
   void build_maps();
   void find_start(std::span<const double> v);
-  /// Places the rows of balls that will bounce off each other where they touch (find_round_impact), with the bodies
-  /// where they are then.
+  /// Places the rows of balls that will hit each other where they touch (find_round_impact), with the bodies where they
+  /// are then.
   void find_round_impacts(std::span<const double> v);
+  /// Velocity of a part's material at x, [m/s].
+  Vec3 velocity_of(std::int32_t part, const Vec3& x, std::span<const double> v) const;
   /// Velocity of a rigid part, [m/s]. @param arm  [m] from its centre
   Vec3 velocity_at(std::int32_t part, const Vec3& arm, std::span<const double> v) const;
   /// Calls f(pair, contact, offset of the friction point) for points whose friction acts elsewhere, when all pairs are
@@ -109,10 +111,10 @@ class ConstraintStep {
   /// Calls f(body, side a, side b) for the bodies that have rows at the pair's contacts.
   template <class F>
   void for_bodies(const ContactPair& pair, const F& f) const;
-  /// Forces of the body for unit impulses along the rows of contact c, filtered, into force_.
-  void find_forces(const ContactPair& pair, std::size_t c, std::size_t body, bool side_a, bool side_b);
-  void add_row(const ContactPair& pair, std::size_t c);
-  /// The same of a rigid pair p, in the general form.
+  /// Forces of the body for unit impulses along the rows of contact c of pair p, filtered, into force_.
+  void find_forces(std::size_t p, std::size_t c, std::size_t body, bool side_a, bool side_b);
+  void add_row(std::size_t p, std::size_t c);
+  /// The same of a rigid pair, in the general form.
   void add_rigid_row(std::size_t p, std::size_t c);
   /// Lets impacts follow each other within the step: a bouncing body passes its speed on to those it touches.
   /// @param v  velocity changes of the motion without contacts

@@ -44,7 +44,17 @@ void ConstraintStep::mark_bodies(const ContactSet& contacts, std::span<const Con
 
 void ConstraintStep::build_maps() {
   const ContactSet& points = rows_.points();
-  maps_.build(parts_, points, first_v_);
+  if (std::ranges::all_of(ways_, [](const Ways& w) { return w.a == Vec3::Zero() && w.b == Vec3::Zero(); })) {
+    maps_.build(parts_, points, first_v_);
+  } else {
+    // The bodies stand where they are now: what they will touch then is back along their ways.
+    ContactSet now = points;
+    now.link_point_b = now.point;
+    for (std::size_t p = 0; p < points.pairs.size(); ++p)
+      for (std::size_t c = points.pairs[p].begin; c < points.pairs[p].end; ++c)
+        now.point[c] -= ways_[p].a, now.link_point_b[c] -= ways_[p].b;
+    maps_.build(parts_, now, first_v_);
+  }
   gripped_.resize(0), gripped_.pairs.clear(), grip_of_.clear();
   for (ContactPair pair : points.pairs) {
     const std::size_t first = grip_of_.size();
@@ -114,21 +124,23 @@ void ConstraintStep::for_bodies(const ContactPair& pair, const F& f) const {
   if (touched_[b] && a != b) f(b, false, true);
 }
 
-void ConstraintStep::find_forces(const ContactPair& pair, std::size_t c, std::size_t body, bool side_a, bool side_b) {
+void ConstraintStep::find_forces(std::size_t p, std::size_t c, std::size_t body, bool side_a, bool side_b) {
   const ContactSet& points = rows_.points();
+  const ContactPair& pair = points.pairs[p];
   const std::size_t n = first_v_[body + 1] - first_v_[body];
   for (int axis = 0; axis < 3; ++axis) {
     force_[axis].assign(n, 0.0), answer_[axis].resize(n);
     const Vec3& at = axis > 0 && apart_[c] ? rows_.grips()[c] : points.point[c];
     const bool anew = axis == 0 || (axis == 1 && apart_[c]) || (side_a && side_b);
-    const auto add_side = [&](std::int32_t part, std::int32_t source, double sign) {
+    const auto add_side = [&](std::int32_t part, std::int32_t source, const Vec3& way, double sign) {
       std::unique_ptr<Map>& map = map_[part];
-      if (anew) parts_[part].body->make_map(parts_[part].index, std::span(&at, 1), std::span(&source, 1), map);
+      const Vec3 now = at - way;
+      if (anew) parts_[part].body->make_map(parts_[part].index, std::span(&now, 1), std::span(&source, 1), map);
       const Vec3 f = sign * frame_[c].row(axis).transpose();
       map->apply_transpose(std::span(&f, 1), force_[axis]);
     };
-    if (side_a) add_side(pair.part_a, points.source_a[c], 1.0);
-    if (side_b) add_side(pair.part_b, points.source_b[c], -1.0);
+    if (side_a) add_side(pair.part_a, points.source_a[c], ways_[p].a, 1.0);
+    if (side_b) add_side(pair.part_b, points.source_b[c], ways_[p].b, -1.0);
     bodies_[body]->filter(force_[axis]);
   }
 }
@@ -143,13 +155,15 @@ void ConstraintStep::assemble() {
   map_.resize(parts_.size());
   direct_.begin(bodies_.size(), first_mode_.back());
   const ContactSet& points = rows_.points();
-  for (const ContactPair& pair : points.pairs)
+  for (std::size_t p = 0; p < points.pairs.size(); ++p) {
+    const ContactPair& pair = points.pairs[p];
     for (std::size_t c = pair.begin; c < pair.end && !rigid(pair); ++c)
       for_bodies(pair, [&](std::size_t b, bool side_a, bool side_b) {
         if (!inverses_.factored(b)) return;
-        find_forces(pair, c, b, side_a, side_b);
+        find_forces(p, c, b, side_a, side_b);
         direct_.add(b, c, force_);
       });
+  }
   direct_.solve(inverses_, first_v_);
   width_ = first_mode_.back() + direct_.size();
   for (std::size_t p = 0; p < points.pairs.size(); ++p) {
@@ -161,7 +175,7 @@ void ConstraintStep::assemble() {
                       std::span(points.point).subspan(pair.begin, n), rows_.grips().subspan(pair.begin, n),
                       std::span<const Mat3>(frame_).subspan(pair.begin, n), rows_.friction()[pair.begin]);
     else
-      for (std::size_t c = pair.begin; c < pair.end; ++c) rigid(pair) ? add_rigid_row(p, c) : add_row(pair, c);
+      for (std::size_t c = pair.begin; c < pair.end; ++c) rigid(pair) ? add_rigid_row(p, c) : add_row(p, c);
   }
   if (exact_) return;
   sweep_.begin_learning(width_);
@@ -191,11 +205,11 @@ void ConstraintStep::add_rigid_row(std::size_t p, std::size_t c) {
   sweep_.add(entries_, rows_.friction()[c]);
 }
 
-void ConstraintStep::add_row(const ContactPair& pair, std::size_t c) {
+void ConstraintStep::add_row(std::size_t p, std::size_t c) {
   entries_.clear();
-  for_bodies(pair, [&](std::size_t b, bool side_a, bool side_b) {
+  for_bodies(rows_.points().pairs[p], [&](std::size_t b, bool side_a, bool side_b) {
     if (inverses_.factored(b)) return direct_.append(b, c, entries_);
-    find_forces(pair, c, b, side_a, side_b);
+    find_forces(p, c, b, side_a, side_b);
     for (int axis = 0; axis < 3; ++axis) inverses_.local(b, force_[axis], answer_[axis]);
     for (std::size_t i = 0; i < force_[0].size(); ++i) {
       const Vec3 row(force_[0][i], force_[1][i], force_[2][i]), answer(answer_[0][i], answer_[1][i], answer_[2][i]);

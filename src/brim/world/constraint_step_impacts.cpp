@@ -18,28 +18,43 @@ constexpr int kStrikeRounds = 50, kMostStrikes = 100;
 
 }  // namespace
 
+Vec3 ConstraintStep::velocity_of(std::int32_t part, const Vec3& x, std::span<const double> v) const {
+  if (const RigidFrame* frame = frame_of(part)) return velocity_at(part, x - frame->rigid_frame().center, v);
+  const WorldPart& p = parts_[part];
+  const std::int32_t source = 0;
+  std::unique_ptr<Map> map;
+  p.body->make_map(p.index, std::span(&x, 1), std::span(&source, 1), map);
+  Vec3 u = Vec3::Zero();
+  map->apply(velocities_of(p, v, first_v_), std::span(&u, 1));
+  return u;
+}
+
 void ConstraintStep::find_round_impacts(std::span<const double> v) {
   const ContactSet& points = rows_.points();
   for (std::size_t p = 0; p < points.pairs.size(); ++p) {
     const ContactPair& pair = points.pairs[p];
     if (pair.end != pair.begin + 1) continue;
     const std::size_t c = pair.begin;
-    const Constraint::Radii radii = rows_.radii()[c];
+    const RoundContact& round = rows_.round()[c];
     const double gap = -points.depth[c];
-    if (!(radii[0] > 0.0) || !(rows_.restitution()[c] > 0.0) || !(gap > 0.0)) continue;
-    const Vec3 n = rows_.normals()[c], ball_a = points.point[c] + (radii[0] + 0.5 * gap) * n,
-               ball_b = points.point[c] - (radii[1] + 0.5 * gap) * n;
-    const Vec3 center_a = frame_of(pair.part_a)->rigid_frame().center,
-               center_b = frame_of(pair.part_b)->rigid_frame().center;
-    const Vec3 velocity_a = velocity_at(pair.part_a, ball_a - center_a, v),
-               velocity_b = velocity_at(pair.part_b, ball_b - center_b, v), u = velocity_a - velocity_b;
-    // What does not bounce closes its gap over the whole step, and has no moment of impact.
+    if (!round.any() || !(gap > 0.0)) continue;
+    const Vec3 n = rows_.normals()[c], ball_a = points.point[c] + (round.radius_a + 0.5 * gap) * n,
+               ball_b = points.point[c] - (round.radius_b + 0.5 * gap) * n;
+    const Vec3 velocity_a = velocity_of(pair.part_a, ball_a, v), velocity_b = velocity_of(pair.part_b, ball_b, v),
+               u = velocity_a - velocity_b;
+    // What comes slower closes its gap over the whole step, and has no moment of impact.
     if (!(-u.dot(n) > settings_.rows.bounce_speed)) continue;
-    const auto impact = find_round_impact(ball_a - ball_b, u, radii[0] + radii[1], settings_.rows.dt);
+    const Vec3 across = u - round.flat * round.flat.dot(u);
+    const auto impact = find_round_impact(ball_a - ball_b, across, round.radius_a + round.radius_b, settings_.rows.dt);
     if (!impact) continue;
-    ways_[p] = {impact->time * velocity_at(pair.part_a, Vec3::Zero(), v),
-                impact->time * velocity_at(pair.part_b, Vec3::Zero(), v)};
-    const Vec3 at = ball_b + impact->time * velocity_b + radii[1] * impact->normal;
+    // A rigid body moves with its centre, a link with that of its ball.
+    const auto way = [&](std::int32_t part, const Vec3& ball) {
+      return Vec3(impact->time * (frame_of(part) != nullptr ? velocity_at(part, Vec3::Zero(), v) : ball));
+    };
+    ways_[p] = {way(pair.part_a, velocity_a), way(pair.part_b, velocity_b)};
+    // Along the axis of a side they touch where the ball is then.
+    const Vec3 along = round.side_b ? Vec3(u - across) : Vec3(Vec3::Zero());
+    const Vec3 at = ball_b + impact->time * (velocity_b + along) + round.radius_b * impact->normal;
     rows_.place(c, at, impact->normal, impact->gap);
   }
 }

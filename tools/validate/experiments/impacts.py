@@ -37,12 +37,50 @@ def billiards(case):
     return two_balls([2, 0, 0], (0, case.offset, 0), 1.0)
 
 
-@experiment(law="what is struck leaves along the line of centres of the impact, at asin (b / 2 R)", source="no friction", unit="degrees", tolerance=0.005, scale=90.0, fast=True,
-            cases=cases(offset=(0.1, 0.2, 0.3), start=(0.0, 0.011, 0.022)), theory=lambda c: math.degrees(math.asin(c.offset / 0.4)),
-            measure=lambda c, r: -math.degrees(math.atan2(*r.velocity("two")[-1, [1, 0]])))
+STRIKER, STARTS = 2.0, (0.1, 0.111, 0.122)
+
+
+def beside_middle(case):
+    """Three such pairs far apart, whose gaps close at other moments of a step."""
+    bodies = []
+    for i, ahead in enumerate(STARTS):
+        x, y = 0.4 * math.sqrt(1 - case.aside**2) + ahead, 2.0 * i
+        bodies += [rigid(f"one{i}", ball(0.2), (-x, y, 0), 0.05, velocity=[STRIKER, 0, 0]), rigid(f"two{i}", ball(0.2), (0, y - 0.4 * case.aside, 0), 0.05)]
+    return scene(bodies, 0.4, dt=case.dt, friction=0.0, restitution=case.e, response=ROWS, gravity=[0, 0, 0])
+
+
+def farthest(values, theory):
+    return max(values, key=lambda v: abs(v - theory))
+
+
+def struck(run):
+    """[m/s] the balls that were at rest, (starts, 2)"""
+    return [run.velocity(f"two{i}")[-1, :2] for i in range(len(STARTS))]
+
+
+BESIDE = cases(e=(0.0, 0.5, 1.0), aside=(0.0, 0.3, 0.6, 0.9), dt=(1 / 60, 1 / 240))
+
+
+def struck_angle(case):
+    return math.degrees(math.asin(case.aside))
+
+
+@experiment(law="what is struck leaves along the line of centres of the impact, at asin (b / 2 R)", source="no friction", unit="degrees", tolerance=0.0005, scale=90.0, fast=True,
+            cases=BESIDE, theory=struck_angle, measure=lambda c, r: farthest([-math.degrees(math.atan2(v[1], v[0])) for v in struck(r)], struck_angle(c)))
 def line_of_centres(case):
-    """The same with steps of a sixtieth of a second, in which the balls turn about each other by up to ten degrees before they touch, from several starts: the direction of the struck one."""
-    return two_balls([2, 0, 0], (case.start, -case.offset, 0), 1.0, dt=1 / 60)
+    """A ball at 2 m/s hits an equal one beside its middle, by a share `aside` of the sum of their radii, with restitution and without, in steps in which they turn about each other by up to four degrees before they touch, at three moments of the step: the direction of the struck one, where it is farthest off."""
+    return beside_middle(case)
+
+
+def struck_speed(case):
+    return 0.5 * (1 + case.e) * STRIKER * math.sqrt(1 - case.aside**2)
+
+
+@experiment(law="v₂' = (1 + e) v₁ cos α / 2 along it, sin α = b / 2 R", source="Newton", unit="m/s", tolerance=0.001, scale=STRIKER, fast=True,
+            cases=BESIDE, theory=struck_speed, measure=lambda c, r: farthest([np.hypot(*v) for v in struck(r)], struck_speed(c)))
+def blow_beside_middle(case):
+    """The speed of the struck ball in the same blows, where it is farthest off."""
+    return beside_middle(case)
 
 
 def angle_between(a, b):

@@ -71,8 +71,10 @@ void need_gains(const Node& d) {
         key, gain));
   };
   if (d.has("keyframes") && !stiff && !damped) throw refuse("keyframes", "\"stiffness\" or \"damping\"");
-  if (d.number("target") != 0.0 && !stiff) throw refuse("target", "\"stiffness\"");
-  if (d.number("target_velocity") != 0.0 && !damped) throw refuse("target_velocity", "\"damping\"");
+  // An aim at zero is one too, where nothing drives the joint at all.
+  const auto aims = [&](const char* key) { return d.has(key) && (d.number(key) != 0.0 || (!stiff && !damped)); };
+  if (aims("target") && !stiff) throw refuse("target", "\"stiffness\"");
+  if (aims("target_velocity") && !damped) throw refuse("target_velocity", "\"damping\"");
 }
 
 JointModel read_joint(const Node& n, double scale) {
@@ -155,8 +157,8 @@ void read_joint_actions(const Node& n, JointModel& j) {
   j.drive.stiffness = d.number("stiffness");
   j.drive.damping = d.number("damping");
   if (d.has("force_limit")) j.drive.force_limit = d.number("force_limit");
-  j.drive.target = d.number("target");
-  j.drive.target_velocity = d.number("target_velocity");
+  if (d.has("target")) j.drive.target = d.number("target");
+  if (d.has("target_velocity")) j.drive.target_velocity = d.number("target_velocity");
   need_gains(d);
   if (!d.has("keyframes")) return;
   const Node keys = d.at("keyframes");
