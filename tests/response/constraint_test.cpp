@@ -253,5 +253,33 @@ TEST(Constraint, OverlapThatNodesCannotTellIsLeftAlone) {
   EXPECT_NEAR(push(false, 3.0 * h), 0.1 * h, 1e-6 * h) << "a tenth of a voxel at most";
 }
 
+TEST(Constraint, FrictionOfAFaceThatSlidesHasTheCentreOfItsLoad) {
+  const double h = 0.1;
+  const auto box = make_box(Vec3(1.0, 0.8, 0.4));
+  Constraint rows =
+      rows_of(*box, {Mat3::Identity(), Vec3(0.03, 0.01, 0.2)}, plane_pose(Vec3::UnitZ(), Vec3::Zero()), h);
+  const std::size_t n = rows.points().size();
+  ASSERT_GE(n, 4u);
+  std::vector<Vec3> force(n), way;
+  for (std::size_t c = 0; c < n; ++c) {
+    const double load = 1.0 + static_cast<double>(c);
+    force[c] = load * (rows.normals()[c] + 0.5 * Vec3(0.6, 0.8, 0.0));
+  }
+  const std::vector<std::uint8_t> movable(rows.points().pairs.size(), 1), fixed(rows.points().pairs.size(), 0);
+  EXPECT_FALSE(rows.center_friction(force, fixed, way));
+  const std::vector<Vec3> before(rows.grips().begin(), rows.grips().end());
+  ASSERT_TRUE(rows.center_friction(force, movable, way));
+  Vec3 of_load = Vec3::Zero(), of_friction = Vec3::Zero();
+  for (std::size_t c = 0; c < n; ++c) {
+    EXPECT_LT((rows.grips()[c] - before[c] - way[c]).norm(), 1e-12);
+    const double load = force[c].dot(rows.normals()[c]);
+    of_load += load * rows.points().point[c], of_friction += load * rows.grips()[c];
+  }
+  EXPECT_LT((of_load - of_friction).head<2>().norm(), 1e-9);
+  EXPECT_FALSE(rows.center_friction(force, movable, way)) << "once there, it stays";
+  for (Vec3& f : force) f = Vec3(0.0, 0.0, f.z());  // sticks
+  EXPECT_FALSE(rows.center_friction(force, movable, way));
+}
+
 }  // namespace
 }  // namespace brim::constraint_test

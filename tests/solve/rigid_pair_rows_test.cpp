@@ -123,5 +123,24 @@ TEST(RigidPairRows, AVisitLeavesVelocitiesAndImpulsesInStepAndMomentumWhereItWas
   EXPECT_LT((spin(r.a) + spin(r.b)).norm(), 1e-12);
 }
 
+TEST(RigidPairRows, WhereFrictionMovesTheyAreThoseOfRowsAddedThere) {
+  const RandomPairs r(5);
+  const Vec3 way(0.3, -0.2, 0.5);
+  std::vector<Vec3> moved = r.grips;
+  for (Vec3& g : moved) g += way;
+  RigidPairRows rows, there;
+  rows.add(r.a, r.b, r.points, r.grips, r.frames, 0.4);
+  there.add(r.a, r.b, r.points, moved, r.frames, 0.4);
+  const Vec3 impulse(1.3, -0.2, 0.7);
+  std::vector<double> v(12, 0.0), wanted(12, 0.0);
+  for (std::size_t i = 0; i < 8; ++i) {
+    rows.add_response(i, impulse, v);
+    rows.move_friction(i, way, impulse, v);
+    there.add_response(i, impulse, wanted);
+  }
+  for (std::size_t i = 0; i < 12; ++i) EXPECT_NEAR(v[i], wanted[i], 1e-12);
+  for (std::size_t i = 0; i < 8; ++i) EXPECT_LT((rows.velocity(i, v) - there.velocity(i, v)).norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace brim::rigid_pair_rows_test

@@ -65,6 +65,13 @@ class Constraint {
   /// Points where friction acts, [m]: the points, or places inside the patch whose corners they are (between rigid
   /// parts).
   std::span<const Vec3> grips() const { return grip_; }
+  /// Moves the points g of friction of flat faces that slide so that, loaded as the corners x are, they have the same
+  /// centre: Σ N_i g_i = Σ N_i x_i. Friction then turns no body that slides straight, wherever its weight lies on its
+  /// base. (What sticks is held alike at any points.)
+  /// @param force  force or impulse on a; shape (points)  @param pairs  nonzero for those whose friction may move
+  /// @param way    [m] by which each point of friction moves, shape (points)
+  /// @return false when friction has its centre already: no point moves
+  bool center_friction(std::span<const Vec3> force, std::span<const std::uint8_t> pairs, std::vector<Vec3>& way);
   /// Curvatures of the two surfaces at the points, [1/m]; of gathered rows where they are convex.
   struct Bend {
     Mat3 a = Mat3::Zero(), b = Mat3::Zero();

@@ -1,6 +1,9 @@
 // Corners of the flat part of a patch, which carry its torque.
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <limits>
+#include <vector>
 
 #include "brim/contact/face_corner.h"
 #include "brim/response/constraint.h"
@@ -13,6 +16,9 @@ namespace {
 constexpr double kFlat = 0.05;
 /// [voxels] from the outermost node of a face inwards, from where its corner is searched.
 constexpr double kInwards = 1.0;
+/// Cosine of normals that count as those of one face; share of its limit from which on friction counts as that of
+/// sliding; largest lever of friction about the centre of the load that is left, relative to the size of the face.
+constexpr double kParallel = 0.9999, kSlides = 0.999, kLever = 1e-4;
 
 }  // namespace
 
@@ -89,6 +95,54 @@ void Constraint::place_friction(const ContactSet& contacts, const PatchModel& mo
   if (!(mean > radius)) return;
   for (std::size_t i = first; i < points_.size(); ++i)
     grip_[i] += (radius / mean - 1.0) * across(points_.point[i] - middle);
+}
+
+bool Constraint::center_friction(std::span<const Vec3> force, std::span<const std::uint8_t> pairs,
+                                 std::vector<Vec3>& way) {
+  way.assign(points_.size(), Vec3::Zero());
+  std::vector<std::uint8_t> taken(points_.size(), 0);
+  std::vector<std::size_t> face;
+  bool any = false;
+  for (std::size_t p = 0; p < points_.pairs.size(); ++p) {
+    const ContactPair& pair = points_.pairs[p];
+    for (std::size_t first = pair.begin; first < pair.end && pairs[p]; ++first) {
+      if (taken[first]) continue;
+      const Vec3 n = normal_[first];
+      face.clear();
+      double load = 0.0;
+      Vec3 along = Vec3::Zero(), center = Vec3::Zero(), off = Vec3::Zero();
+      bool slides = true, apart = false;
+      for (std::size_t c = first; c < pair.end; ++c) {
+        if (taken[c] || normal_[c].dot(n) < kParallel) continue;
+        taken[c] = 1, face.push_back(c);
+        apart = apart || grip_[c] != points_.point[c];
+        const double l = force[c].dot(n);
+        if (!(l > 0.0)) continue;
+        const Vec3 t = force[c] - l * n;
+        slides = slides && t.norm() > kSlides * friction_[c] * l;
+        load += l, along += t, center += l * points_.point[c], off += l * (points_.point[c] - grip_[c]);
+      }
+      if (!apart || face.size() < 2 || !slides || !(load > 0.0)) continue;
+      center /= load, off /= load;
+      // Equal shares of the distances from the centre: however the points share the load, its centre is that of
+      // friction.
+      Vec3 middle_x = Vec3::Zero(), middle_g = Vec3::Zero();
+      for (const std::size_t c : face) middle_x += points_.point[c], middle_g += grip_[c];
+      middle_x /= static_cast<double>(face.size()), middle_g /= static_cast<double>(face.size());
+      double size_x = 0.0, size_g = 0.0;
+      for (const std::size_t c : face)
+        size_x += (points_.point[c] - middle_x).squaredNorm(), size_g += (grip_[c] - middle_g).squaredNorm();
+      const double size = std::sqrt(size_x / static_cast<double>(face.size())), share = std::sqrt(size_g / size_x);
+      if (!(std::abs(n.dot(off.cross(along))) > kLever * size * along.norm())) continue;
+      for (const std::size_t c : face) {
+        const Vec3 in = (share - 1.0) * (points_.point[c] - center);
+        const Vec3 grip = points_.point[c] + in - normal_[c] * normal_[c].dot(in);
+        way[c] = grip - grip_[c], grip_[c] = grip;
+      }
+      any = true;
+    }
+  }
+  return any;
 }
 
 }  // namespace brim

@@ -10,6 +10,7 @@
 #include "brim/contact/contact_set.h"
 #include "brim/contact/cube_contacts.h"
 #include "brim/math/types.h"
+#include "brim/response/friction_share.h"
 
 namespace brim {
 
@@ -207,7 +208,7 @@ class Penalty {
     std::array<double, 2> bend = {0.0, 0.0};  ///< curvature of each part, 0 flat to 1
     SlipHistory slip;
     // In update_loads:
-    double share = 0.0;          ///< net load over the sum of loads
+    FrictionShare share;         ///< of the loads, for friction
     Vec3 let_go = Vec3::Zero();  ///< [N] force on a that goes with the nodes of a pulling patch
     SlipFound found;
   };

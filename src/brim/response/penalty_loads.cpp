@@ -109,6 +109,8 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
     // Pulling nodes are released; until the next solve they still carry part of the net load, and newly active ones
     // will share it, so friction is scaled to the net.
     double net = 0.0, push = 0.0, come = 0.0;
+    const Vec3 origin = pair.begin < pair.end ? contacts.point[pair.begin] : Vec3::Zero();
+    Vec3 moment = Vec3::Zero();  // of the net load about the origin, as Σ l x
     patch.let_go.setZero();
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const Vec3& n = normal_[c];
@@ -117,7 +119,7 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
       if (!pairs_[p].filled)
         load_[c] = scale_[c] * (contacts.overlap[c] - implicit_time_[c] * rate_[c]) -
                    implicit_time_[c] * stiffness_[c] * n.dot(delta[c]);
-      if (active_[c]) net += load_[c];
+      if (active_[c]) net += load_[c], moment += load_[c] * (contacts.point[c] - origin);
       if (active_[c] && load_[c] > 0.0) push += load_[c];
     }
     // A patch that pulls as a whole is let go, however slowly it separates: it may hold back what friction lifts.
@@ -135,13 +137,20 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
       if (!was_active && active_[c]) come += load_[c];
     }
     total[p] = push;
-    patch.share = push > 0.0 ? std::max(0.0, net) / (push + come) : 1.0;
-    patch.found = find_slip(pair, p, delta, patch.share);
+    const double mean = push > 0.0 ? std::max(0.0, net) / (push + come) : 1.0;
+    patch.share = {.scale = mean};
+    // A patch of rigid parts acts as a whole: friction has the centre of its net load.
+    const std::size_t count = pair.end - pair.begin;
+    if (pairs_[p].rigid && !pairs_[p].filled && net > 0.0)
+      patch.share = share_about(std::span(contacts.point).subspan(pair.begin, count),
+                                std::span(normal_).subspan(pair.begin, count),
+                                std::span(load_).subspan(pair.begin, count), net, origin + moment / net);
+    patch.found = find_slip(pair, p, delta, mean);
   });
   push_bodies();
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
-    const double share = patches_[p].share;
+    const FrictionShare& share = patches_[p].share;
     const SlipForecast next = expected_slip(p);
     double load = 0.0, assumed = 0.0;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
@@ -149,7 +158,7 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
       const double before = friction_viscosity_[c];
       const Vec3 expected = slip + (next.ratio - 1.0) * (pairs_[p].rigid ? next.mean : slip);
       const Vec3 tangential = expected - normal_[c] * normal_[c].dot(expected);
-      set_friction(c, share * load_[c], tangential, patches_[p].slip.stick);
+      set_friction(c, share.of(load_[c], contacts.point[c]), tangential, patches_[p].slip.stick);
       load += std::max(0.0, load_[c]), assumed += std::max(0.0, load_[c]) * tangential.norm();
       if (active_[c] && !pairs_[p].filled) change[p] += std::abs(friction_viscosity_[c] - before) * slip.norm();
     }

@@ -56,6 +56,10 @@ class ProjectedGaussSeidel {
                 std::span<const Mat3> frames, double friction) {
     add_pair(a, b, points, points, frames, friction);
   }
+  /// Moves where the friction of a contact of a rigid pair acts. @param way  [m]  @param v  changes with its torque
+  void move_friction(std::size_t c, const Vec3& way, const Vec3& impulse, std::span<double> v) {
+    pairs_.move_friction(place_[c].row, way, impulse, v);
+  }
   std::size_t size() const { return place_.size(); }
 
   /// Makes room for learn(): velocities from `first` on, kLearned of them, describe no body. Call it after the last

@@ -37,20 +37,38 @@ void RigidPairRows::add(const Side& a, const Side& b, std::span<const Vec3> poin
   for (const Vec3& x : points) x0 += x / static_cast<double>(points.size());
   const Pair pair{a, b, x0 - a.center, x0 - b.center, friction, row_.size(), row_.size() + points.size()};
   for (std::size_t i = 0; i < points.size(); ++i) {
-    Mat3 lever;
-    Eigen::Matrix<double, 6, 3> twist;
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 f = frames[i].row(k).transpose(), torque = ((k == 0 ? points[i] : grips[i]) - x0).cross(f);
-      lever.row(k) = torque.transpose();
-      const Twist by_a = response_of(a, pair.arm_a, f, torque), by_b = response_of(b, pair.arm_b, f, torque);
-      twist.col(k) << by_a.linear + by_b.linear, by_a.angular + by_b.angular;
-    }
-    Mat3 local = frames[i] * twist.topRows<3>() + lever * twist.bottomRows<3>();
-    local = 0.5 * (local + local.transpose()).eval();
-    row_.push_back({frames[i], lever, twist.cast<float>(), local.cast<float>(), invert_response(local).cast<float>(),
-                    static_cast<std::uint32_t>(pair_.size())});
+    Row r;
+    r.frame = frames[i], r.pair = static_cast<std::uint32_t>(pair_.size());
+    for (int k = 0; k < 3; ++k)
+      r.lever.row(k) = ((k == 0 ? points[i] : grips[i]) - x0).cross(frames[i].row(k).transpose()).transpose();
+    set_responses(pair, r);
+    row_.push_back(r);
   }
   pair_.push_back(pair);
+}
+
+void RigidPairRows::set_responses(const Pair& p, Row& r) {
+  Eigen::Matrix<double, 6, 3> twist;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 f = r.frame.row(k).transpose(), torque = r.lever.row(k).transpose();
+    const Twist by_a = response_of(p.a, p.arm_a, f, torque), by_b = response_of(p.b, p.arm_b, f, torque);
+    twist.col(k) << by_a.linear + by_b.linear, by_a.angular + by_b.angular;
+  }
+  Mat3 local = r.frame * twist.topRows<3>() + r.lever * twist.bottomRows<3>();
+  local = 0.5 * (local + local.transpose()).eval();
+  r.twist = twist.cast<float>(), r.local = local.cast<float>(), r.local_inverse = invert_response(local).cast<float>();
+}
+
+void RigidPairRows::move_friction(std::size_t i, const Vec3& way, const Vec3& impulse, std::span<double> v) {
+  Row& r = row_[i];
+  Vec3 torque = Vec3::Zero();
+  for (int k = 1; k < 3; ++k) {
+    const Vec3 more = way.cross(Vec3(r.frame.row(k).transpose()));
+    r.lever.row(k) += more.transpose();
+    torque += impulse[k] * more;
+  }
+  set_responses(pair_[r.pair], r);
+  add_wrench(pair_[r.pair], Vec3::Zero(), torque, v);
 }
 
 Vec3 RigidPairRows::velocity(std::size_t i, std::span<const double> v) const {

@@ -39,6 +39,9 @@ class RigidPairRows {
   /// there  @param frames  rows n (towards a), t1, t2  @param friction  [-]
   void add(const Side& a, const Side& b, std::span<const Vec3> points, std::span<const Vec3> grips,
            std::span<const Mat3> frames, double friction);
+  /// Moves where friction acts at contact i, with the impulse that acts there: v changes by its torque.
+  /// @param way  [m]
+  void move_friction(std::size_t i, const Vec3& way, const Vec3& impulse, std::span<double> v);
   std::size_t pairs() const { return pair_.size(); }
   std::size_t size() const { return row_.size(); }
 
@@ -74,6 +77,8 @@ class RigidPairRows {
     Eigen::Matrix3f local, local_inverse;  ///< W: response of u at this contact; its inverse or zero
     std::uint32_t pair = 0;
   };
+  /// Responses of a row, from its frame and levers.
+  static void set_responses(const Pair& p, Row& r);
   static void add_wrench(const Pair& p, const Vec3& force, const Vec3& torque, std::span<double> v);
 
   std::vector<Pair> pair_;

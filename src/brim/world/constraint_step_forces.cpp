@@ -183,4 +183,42 @@ void ConstraintStep::recall(std::span<const double> memory) {
   }
 }
 
+bool ConstraintStep::center_friction(std::span<const Vec3> lambda, std::span<double> change, std::span<double> added) {
+  const ContactSet& points = rows_.points();
+  for (std::size_t c = 0; c < points.size(); ++c) force_on_a_[c] = frame_[c].transpose() * lambda[c];
+  std::vector<Vec3> way, start(start_.begin(), start_.end());
+  std::vector<std::uint8_t> movable;
+  for (const ContactPair& pair : points.pairs) movable.push_back(pair.begin < pair.end && rigid(pair));
+  if (!rows_.center_friction(force_on_a_, movable, way)) return false;
+  const std::span<const Vec3> grips = rows_.grips();
+  for (const ContactPair& pair : points.pairs)
+    for (std::size_t c = pair.begin; c < pair.end; ++c) {
+      if (way[c] == Vec3::Zero()) continue;
+      sweep_.move_friction(c, way[c], lambda[c], change);
+      apart_[c] = 1;
+      // The spin of the face about its normal, from the row farthest away, changes the slip there.
+      const Vec3& n = rows_.normals()[c];
+      Vec3 arm = Vec3::Zero(), turn = Vec3::Zero();
+      for (std::size_t i = pair.begin; i < pair.end; ++i) {
+        const Vec3 d = grips[i] - way[i] - grips[c] + way[c];
+        if (way[i] != Vec3::Zero() && rows_.normals()[i].dot(n) > kParallel && d.norm() > arm.norm())
+          arm = d, turn = start[i] - start[c];
+      }
+      const double spin = arm == Vec3::Zero() ? 0.0 : n.dot(arm.cross(turn)) / arm.squaredNorm();
+      start_[c] += spin * n.cross(way[c]);
+      offset_[c] += frame_[c] * (spin * n.cross(way[c]));
+      if (added.empty()) continue;
+      const Vec3 torque = way[c].cross(frame_[c].transpose() * guess_[c]);
+      const auto add = [&](std::int32_t part, double sign) {
+        if (is_fixed(parts_[part])) return;
+        Eigen::Map<Vec3>(added.data() + first_v_[static_cast<std::size_t>(parts_[part].body_index)] + 3) +=
+            sign * n * n.dot(torque);
+      };
+      add(pair.part_a, 1.0);
+      add(pair.part_b, -1.0);
+    }
+  if (mapped_) build_maps();
+  return true;
+}
+
 }  // namespace brim
