@@ -53,6 +53,7 @@ class SolidGap {
   using Mat2 = Eigen::Matrix2d;
   using Vec2 = Eigen::Vector2d;
   static constexpr double kOneEnd = 0.75;  ///< [h] ends closer to each other than this are merged
+  static constexpr double kTooFar = 0.3;   ///< [h] difference from the smallest gap beyond which an end needs no row yet
   Reading read(const Vec3& x) const;
   /// Moves a point to the closest points of the two solids, where projections come to them slowly.
   void approach_long(RowPoint& near) const;
@@ -84,7 +85,8 @@ class SolidGap {
   void add_end(const Reading& flat, const Vec3& x, const RowPoint& like);
   /// Moves the friction points of the ends so that their torque is that of an even pressure (friction_radius.h).
   void place_friction(const Vec3& normal);
-  /// True for a single point of contact: the gap is curved about equally in all directions.
+  /// True for a single point of contact: the gap is curved about equally in all directions, and rises accordingly up to
+  /// kTooFar.
   bool round(const RowPoint& least) const;
 
   const ConvexDistance *distance_a_, *distance_b_;

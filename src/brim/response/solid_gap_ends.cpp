@@ -28,8 +28,6 @@ constexpr double kLeastAngle = 0.3;
 /// Width of a face at its ends over the distance between them from which on it has no other points; over the width in
 /// its middle, from which on it is no round face, and below which two ends are one.
 constexpr double kSlender = 0.7, kRoundFace = 0.7, kNarrow = 0.4;
-/// [h] difference from the smallest gap beyond which an end needs no row yet.
-constexpr double kTooFar = 0.3;
 
 }  // namespace
 
