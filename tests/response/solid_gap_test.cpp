@@ -242,9 +242,12 @@ TEST(SolidGap, ACapsuleNearlyFlatStandsOnBothItsEnds) {
           const std::vector<RowPoint> rows = rows_of(capsule, plane, near);
           for (const double end : {-0.5, 0.5}) {
             const Vec3 center = capsule.pose.rotation * Vec3(0, 0, end * length) + capsule.pose.translation;
-            EXPECT_TRUE(std::ranges::any_of(rows, [&](const RowPoint& r) {
-              return (r.point - center).head<2>().norm() < 0.5 * h && std::abs(r.gap - (center.z() - R)) < 0.02 * h;
-            })) << length / h << " long, radius " << R / h << ", rise " << rise / h << ", rows " << rows.size();
+            EXPECT_TRUE(std::ranges::any_of(rows,
+                                            [&](const RowPoint& r) {
+                                              return (r.point - center).head<2>().norm() < 0.5 * h &&
+                                                     std::abs(r.gap - (center.z() - R)) < 0.02 * h;
+                                            }))
+                << length / h << " long, radius " << R / h << ", rise " << rise / h << ", rows " << rows.size();
           }
         }
       }

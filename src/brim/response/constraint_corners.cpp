@@ -18,7 +18,7 @@ constexpr double kFlat = 0.05;
 constexpr double kInwards = 1.0;
 /// Cosine of normals that count as those of one face; share of its limit from which on friction counts as that of
 /// sliding; largest lever of friction about the centre of the load that is left, relative to the size of the face.
-constexpr double kParallel = 0.9999, kSlides = 0.999, kLever = 1e-4;
+constexpr double kOneNormal = 0.9999, kSlides = 0.999, kLever = 1e-4;
 
 }  // namespace
 
@@ -113,7 +113,7 @@ bool Constraint::center_friction(std::span<const Vec3> force, std::span<const st
       Vec3 along = Vec3::Zero(), center = Vec3::Zero(), off = Vec3::Zero();
       bool slides = true, apart = false;
       for (std::size_t c = first; c < pair.end; ++c) {
-        if (taken[c] || normal_[c].dot(n) < kParallel) continue;
+        if (taken[c] || normal_[c].dot(n) < kOneNormal) continue;
         taken[c] = 1, face.push_back(c);
         apart = apart || grip_[c] != points_.point[c];
         const double l = force[c].dot(n);

@@ -10,11 +10,11 @@ namespace {
 
 /// Smallest cosine of a node's normal to the mean one of a flat patch; smallest determinant of the spread of its
 /// points, relative to the square of its trace: below it they lie on a line.
-constexpr double kAlike = 0.9, kOnALine = 1e-6;
+constexpr double kFlatPatch = 0.9, kAlmostALine = 1e-6;
 /// Newton steps; change of the exponent at any node in one of them; distance from the centre, relative to the radius of
 /// the points, at which they end.
 constexpr int kSteps = 20;
-constexpr double kLargestStep = 2.0, kFound = 1e-4;
+constexpr double kLargestStep = 2.0, kCentered = 1e-4;
 
 using Vec2 = Eigen::Vector2d;
 using Mat2 = Eigen::Matrix2d;
@@ -34,7 +34,7 @@ FrictionShare share_about(std::span<const Vec3> points, std::span<const Vec3> no
   normal.normalize();
   for (std::size_t i = 0; i < n; ++i) {
     if (!(loads[i] > 0.0)) continue;
-    if (normals[i].dot(normal) < kAlike) return even;
+    if (normals[i].dot(normal) < kFlatPatch) return even;
     radius = std::max(radius, (points[i] - even.center).norm());
   }
   const Eigen::Matrix<double, 3, 2> across = tangents_of(normal);
@@ -53,9 +53,9 @@ FrictionShare share_about(std::span<const Vec3> points, std::span<const Vec3> no
     }
     f.scale *= net / weight;
     const Vec2 at = first / weight;
-    if ((target - at).norm() <= kFound * radius || step == kSteps) return f;
+    if ((target - at).norm() <= kCentered * radius || step == kSteps) return f;
     const Mat2 spread = second / weight - at * at.transpose();
-    if (!(spread.determinant() > kOnALine * spread.trace() * spread.trace())) return f;
+    if (!(spread.determinant() > kAlmostALine * spread.trace() * spread.trace())) return f;
     const Vec3 more = across * (spread.inverse() * (target - at));
     f.tilt += std::min(1.0, kLargestStep / (more.norm() * radius)) * more;
   }

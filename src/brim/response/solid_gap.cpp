@@ -41,9 +41,10 @@ constexpr double kStill = 0.05;
 constexpr double kLongRegion = 24.0, kFarBelow = 0.1, kClosest = 0.01;
 /// [1/h] smallest mean curvature of the gap of a round contact; largest relative skew of it.
 constexpr double kRound = 0.05, kSkew = 0.1;
-/// Directions in which a round gap is read where it has risen to kTooFar; smallest part of that rise. A ball of one step
-/// rises by 0.8 of it, as the solids are parted; beside its ends a capsule, 22 degrees off its axis, by 0.6 at most.
-constexpr int kAround = 8;
+/// Directions in which a round gap is read where it has risen to kTooFar; smallest part of that rise. A ball of one
+/// step rises by 0.8 of it, as the solids are parted; beside its ends a capsule, 22 degrees off its axis, by 0.6 at
+/// most.
+constexpr int kRingReadings = 8;
 constexpr double kStaysRound = 0.7;
 /// [h] how much smaller than at its ends the smallest gap must be to get a row of its own.
 constexpr double kDeeper = 0.01;
@@ -225,8 +226,8 @@ bool SolidGap::round(const RowPoint& least) const {
   // As far as rows may stand: the lowest point of a capsule that lies nearly flat is just beside one of its ends, on a
   // ball, and its other end is as near as that to what carries it.
   const double ring = std::sqrt(2.0 * kTooFar / mean) * h_;
-  for (int k = 0; k < kAround; ++k) {
-    const double angle = 2.0 * M_PI * k / kAround;
+  for (int k = 0; k < kRingReadings; ++k) {
+    const double angle = 2.0 * M_PI * k / kRingReadings;
     const Vec3 way = parting_.across * Vec2(std::cos(angle), std::sin(angle));
     if (read(parting_.least.x + ring * way).sum() - parting_.least.sum() < kStaysRound * kTooFar * h_) return false;
   }

@@ -53,7 +53,7 @@ class SolidGap {
   using Mat2 = Eigen::Matrix2d;
   using Vec2 = Eigen::Vector2d;
   static constexpr double kOneEnd = 0.75;  ///< [h] ends closer to each other than this are merged
-  static constexpr double kTooFar = 0.3;   ///< [h] difference from the smallest gap beyond which an end needs no row yet
+  static constexpr double kTooFar = 0.3;  ///< [h] difference from the smallest gap beyond which an end needs no row yet
   Reading read(const Vec3& x) const;
   /// Moves a point to the closest points of the two solids, where projections come to them slowly.
   void approach_long(RowPoint& near) const;
