@@ -37,6 +37,10 @@ void add_transpose(const WeightRows& rows, const RowTranspose& transpose, std::s
       256);
 }
 
+namespace {
+constexpr std::size_t kRowsOfWork = 16;
+}  // namespace
+
 WeightRows compose(const WeightRows& outer, const WeightRows& inner) {
   struct Term {
     std::int32_t node;
@@ -45,28 +49,31 @@ WeightRows compose(const WeightRows& outer, const WeightRows& inner) {
   };
   const bool levers = !outer.lever.empty();
   const std::size_t rows = outer.rows();
+  const std::int32_t nodes = inner.source.empty() ? 0 : *std::ranges::max_element(inner.source) + 1;
   std::vector<std::vector<Term>> made(rows);
-  parallel_for(
-      rows,
-      [&](std::size_t p) {
-        std::vector<Term>& terms = made[p];
-        for (std::int32_t e = outer.first[p]; e < outer.first[p + 1]; ++e) {
-          const std::int32_t s = outer.source[e];
-          for (std::int32_t c = inner.first[s]; c < inner.first[s + 1]; ++c)
-            terms.push_back({inner.source[c], outer.weight[e] * inner.weight[c],
-                             levers ? Vec3(inner.weight[c] * outer.lever[e]) : Vec3(Vec3::Zero())});
+  parallel_blocks(rows, kRowsOfWork, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::int32_t> place(static_cast<std::size_t>(nodes), -1);  // of a node's term in the row at hand
+    for (std::size_t p = begin; p < end; ++p) {
+      std::vector<Term>& terms = made[p];
+      for (std::int32_t e = outer.first[p]; e < outer.first[p + 1]; ++e) {
+        const std::int32_t s = outer.source[e];
+        for (std::int32_t c = inner.first[s]; c < inner.first[s + 1]; ++c) {
+          const Term t{inner.source[c], outer.weight[e] * inner.weight[c],
+                       levers ? Vec3(inner.weight[c] * outer.lever[e]) : Vec3(Vec3::Zero())};
+          std::int32_t& at = place[static_cast<std::size_t>(t.node)];
+          if (at >= 0) {
+            terms[static_cast<std::size_t>(at)].weight += t.weight;
+            terms[static_cast<std::size_t>(at)].lever += t.lever;
+          } else {
+            at = static_cast<std::int32_t>(terms.size());
+            terms.push_back(t);
+          }
         }
-        std::stable_sort(terms.begin(), terms.end(), [](const Term& a, const Term& b) { return a.node < b.node; });
-        std::size_t kept = 0;
-        for (const Term& t : terms) {
-          if (kept > 0 && terms[kept - 1].node == t.node)
-            terms[kept - 1].weight += t.weight, terms[kept - 1].lever += t.lever;
-          else
-            terms[kept++] = t;
-        }
-        terms.resize(kept, Term{0, 0.0, Vec3::Zero()});
-      },
-      16);
+      }
+      for (const Term& t : terms) place[static_cast<std::size_t>(t.node)] = -1;
+      std::ranges::sort(terms, {}, &Term::node);
+    }
+  });
   WeightRows out;
   out.normal = outer.normal;
   for (const auto& terms : made) {

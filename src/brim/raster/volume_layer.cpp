@@ -109,10 +109,13 @@ void VolumeLayer::set(std::span<const Vec3> x, std::span<const double> volume, s
   x_ = x, volume_ = volume, mass_ = mass, radius_ = radius;
   box_ = Aabb();
   for (const Vec3& p : x) box_.extend(p);
+  edge_.resize(x.size());
+  parallel_for(
+      x.size(), [&](std::size_t i) { edge_[i] = std::cbrt(volume[i]); }, 1024);
 }
 
 double VolumeLayer::influence(std::size_t i, double w) const {
-  return std::max({radius_[radius_.size() == 1 ? 0 : i], kWidthShare * w, kLeastSpacings * std::cbrt(volume_[i])});
+  return std::max({radius_[radius_.size() == 1 ? 0 : i], kWidthShare * w, kLeastSpacings * edge_[i]});
 }
 
 int VolumeLayer::slot_of(double w) const {
@@ -173,7 +176,7 @@ void VolumeLayer::rasterize(double h, double w, std::span<const TileKey> tiles, 
       double& rho = block.rho[node];
       if (rho == 0.0) continue;
       const auto i = static_cast<std::size_t>(particle_of(block.source[node]));
-      const double R = influence(i, w), edge = std::cbrt(volume_[i]) / R, s4 = rho * rho * rho * rho;
+      const double R = influence(i, w), edge = edge_[i] / R, s4 = rho * rho * rho * rho;
       rho = ramp(R * plane.of_cubes(rho * (1.0 + kLift * s4 * s4 * s4), edge * edge), w);
     }
   });
@@ -203,14 +206,17 @@ WeightRows VolumeLayer::weights(std::span<const Vec3> points, std::span<const st
                    static_cast<std::int32_t>(std::floor(r.z() / side))};
   };
   std::vector<TileKey> tiles;
-  for (const Vec3& r : points) tiles.push_back(tile_of(r));
+  Aabb wanted;
+  for (const Vec3& r : points) tiles.push_back(tile_of(r)), wanted.extend(r);
   sort_unique(tiles);
+  const Aabb near_points = wanted.inflated(step);
   auto workspace = workspace_.borrow();
   workspace->index.build(tiles);
-  workspace->bins.build(workspace->index, tiles.size(), step,
-                        BoxList{x_.size(), [&](std::size_t i) {
-                                  return Aabb{x_[i], x_[i]}.inflated(wider * influence(i, widest));
-                                }});
+  workspace->bins.build(
+      workspace->index, tiles.size(), step,
+      BoxList{x_.size(), [&](std::size_t i) {
+                return Aabb{x_[i], x_[i]}.inflated(wider * influence(i, widest)).intersection(near_points);
+              }});
 
   const bool rate = kind == LayerWeights::DensityRate;
   std::vector<std::vector<Neighbour>> made(points.size());

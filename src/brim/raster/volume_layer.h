@@ -73,6 +73,7 @@ class VolumeLayer {
 
   std::span<const Vec3> x_;
   std::span<const double> volume_, mass_, radius_;
+  std::vector<double> edge_;  // [m] V_i^(1/3)
   Aabb box_;
   mutable std::mutex mutex_;
   mutable std::array<double, kWidths> width_{};  // [m] ramp widths that were rasterized
