@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "brim/core/parallel.h"
+#include "brim/math/ramp.h"
 #include "support/carried.h"
 #include "support/particle_laws.h"
 #include "support/tiles.h"
@@ -109,6 +110,33 @@ TEST(CarriedBody, MapIsAdjointAndMovesAffineMotionsExactly) {
       }
       EXPECT_LT((got - force).norm(), 1e-9 * static_cast<double>(points.size()));
       EXPECT_LT((got_torque - torque).norm(), 1e-8 * static_cast<double>(points.size()));
+    }
+}
+
+TEST(CarriedBody, FacesLieWhereMatterEnds_WhereverTheyCutCellsAndInFinerVoxels) {
+  // Cells of 0.05 m, cut at a quarter, half and three quarters by the faces of blocks; contact in 0.02 m.
+  const double cell = 0.05, h = 0.02, w = 3 * h;
+  for (const double cut : {0.25, 0.5, 0.75, 1.0})
+    for (const bool image : {false, true}) {
+      const Vec3 size(0.4, 0.4, 0.3 + 2.0 * cell * (cut - 1.0));
+      std::unique_ptr<CarriedBody> body;
+      if (image)
+        body = voxels(size, 0.1, cell, soft());
+      else
+        body = meshless(size, 0.1, cell, soft());
+      testing::set(*body, flat(body->rest_positions()));
+      std::vector<TileKey> tiles;
+      body->presence(0, h, w, body->bounds(0).inflated(1.0), tiles);
+      std::vector<DensityBlock> blocks(tiles.size());
+      body->rasterize(0, h, w, tiles, blocks);
+      double worst = 0.0;
+      testing::for_each_node(tiles, h, [&](std::size_t t, int n, const Vec3& r) {
+        // Away from the edges, where the ramp is steep.
+        const double d = std::abs(r.z()) - 0.5 * size.z();
+        if (std::abs(r.x()) > 0.06 || std::abs(r.y()) > 0.06 || std::abs(d) > 0.5 * h) return;
+        worst = std::max(worst, std::abs(ramp_inverse(blocks[t].rho[n], w) - d));
+      });
+      EXPECT_LT(worst, 0.05 * cell) << body->kind() << " cut at " << cut;
     }
 }
 

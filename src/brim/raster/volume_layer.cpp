@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kWidthShare =
     0.73;  // R / w: the slope of the ramp at its middle, 3/2 / w, is 35/32 / R of this kernel
-constexpr double kLeastSpacings = 2.0;
 constexpr double kLift = 0.04;
 constexpr double kMaxWeight = 8.0;
 /// Affine weights reach farther than the density, so that points at its rim still see particles on all sides; at sharp

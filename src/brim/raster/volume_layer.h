@@ -31,10 +31,14 @@ enum class LayerWeights : std::uint8_t {
 /// threads.  Tests: tests/raster/volume_layer_test.cpp
 class VolumeLayer {
  public:
+  /// Least radius of influence, in edges of the particle's cube: for a smooth sum.
+  static constexpr double kLeastSpacings = 2.0;
+
   /// @param x       [m] centres
   /// @param volume  [m³] present volume of matter, not of the ball; a stretching body passes the volume it fills
   /// @param mass    [kg] for the weights
-  /// @param radius  [m] smallest radius of influence, one per particle or one for all
+  /// @param radius  [m] smallest radius of influence, one per particle or one for all; particles that fill only part of
+  ///                their cell need kLeastSpacings of the whole cell
   /// The spans must stay valid until the next call.
   void set(std::span<const Vec3> x, std::span<const double> volume, std::span<const double> mass,
            std::span<const double> radius);

@@ -23,7 +23,10 @@ CarriedVolume::CarriedVolume(Carriage carriage, LayerWeights kind) : carriage_(s
   BRIM_CHECK(carriage_.mass.size(), ==, n);
   BRIM_CHECK(carriage_.gradient.size(), ==, carriage_.weights.source.size());
   for (const double v : carriage_.volume) spacing_ = std::max(spacing_, std::cbrt(v));
-  x_.resize(n), volume_.resize(n), radius_ = {carriage_.radius};
+  x_.resize(n), volume_.resize(n);
+  // Cells that a face cuts lie as far apart as whole ones: with radii by their own volumes, what the sum of kernels of
+  // different radii tells is no distance.
+  radius_ = {std::max(carriage_.radius, VolumeLayer::kLeastSpacings * spacing_)};
 }
 
 void CarriedVolume::update(std::span<const Vec3> nodes) {

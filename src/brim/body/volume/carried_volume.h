@@ -17,7 +17,7 @@ struct Carriage {
   std::vector<Vec3> gradient;  ///< [1/m] ∇φ in the rest shape, per entry
   std::vector<double> volume;  ///< [m³] at rest
   std::vector<double> mass;    ///< [kg]
-  double radius = 0.0;         ///< [m] smallest radius of influence
+  double radius = 0.0;         ///< [m] smallest radius of influence; used if above the largest particle's
 };
 
 /// Tests: tests/body/carried_body_test.cpp
