@@ -72,7 +72,10 @@ void Constraint::take_rows(const PairRows& pair, std::span<const RowPoint> rows)
     points_.point[first + i] = r.point;
     points_.depth[first + i] = static_cast<float>(-r.gap);
     normal_.push_back(r.normal), grip_.push_back(r.point + r.grip - r.normal * r.normal.dot(r.grip));
-    round_.push_back(n == 1 ? round_contact(r, pair.h) : RoundContact{});
+    // Without restitution and with friction there is no such path: a displacement that friction also bounds is not that
+    // of a bent path, and angular momentum would be lost.
+    const bool bends = pair.restitution > 0.0 || pair.friction == 0.0;
+    round_.push_back(n == 1 && bends ? round_contact(r, pair.h) : RoundContact{});
     bend_.push_back({bend_across(r.bend_a, r.normal), bend_across(r.bend_b, r.normal)});
   }
   friction_.resize(first + n, pair.friction), restitution_.resize(first + n, pair.restitution);
