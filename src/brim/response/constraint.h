@@ -95,6 +95,8 @@ class Constraint {
   bool bounces() const { return bounces_; }
   /// True when some contact is hit within the step, and its displacement is that of a path with a bend.
   bool breaks() const { return breaks_; }
+  /// [s] from the start of the step until each contact is hit; 0 where it is not, or touched already.
+  std::span<const double> touch_times() const { return touch_time_; }
   /// True when the targets of position and velocity differ.
   bool targets_differ() const { return targets_differ_; }
 
@@ -145,7 +147,7 @@ class Constraint {
   std::vector<Bend> bend_;
   std::vector<RoundContact> round_;
   std::vector<double> velocity_target_, position_target_;
-  std::vector<double> touch_time_;  ///< [s] from the start of the step to the contact; 0 when already in contact
+  std::vector<double> touch_time_;
   bool targets_differ_ = false, bounces_ = false, breaks_ = false;
   std::vector<std::size_t> order_, patch_, rest_, around_, flat_;
   std::vector<std::uint8_t> taken_;

@@ -54,8 +54,8 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
         const double speed = std::sqrt(std::max(0.0, u0 * u0 - 2.0 * a * open));
         const double before = open > 0.0 && speed > u0 ? std::min(dt, 2.0 * open / (speed - u0)) : 0.0;
         const double hit = u0 + a * before, left = dt - before;
-        touch_time_[c] = before;
         if (-hit > options.bounce_speed) {
+          touch_time_[c] = before;
           breaks_ = true;
           bounces_ = bounces_ || restitution_[c] > 0.0;
           const double after = -restitution_[c] * hit;

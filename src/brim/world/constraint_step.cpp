@@ -143,7 +143,7 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
     std::vector<Vec3> lambda = lambda_;
     std::vector<double> way = change;
     const double worst = report.row_residual;
-    if (solids_ && exact_ && !rows_.breaks())
+    if (solids_ && exact_ && (!rows_.breaks() || follow_bends(lambda, way)))
       push_apart(lambda, way, report);
     else
       solve_rows(solve, rows_.position_targets(), kPositionRefinements, lambda, way, residual, report);

@@ -139,6 +139,10 @@ class ConstraintStep {
   /// Adds to the displacements of the step, and to their impulses, a frictionless correction of overlaps along the
   /// normals.
   void push_apart(std::vector<Vec3>& lambda, std::vector<double>& way, StepReport& report);
+  /// Lets what is hit at a time τ of the step move on from there by what its impulses changed: they count 1 − τ/dt of
+  /// themselves in its displacement, friction included, so that no angular momentum is lost.
+  /// @return false, and nothing changed, where a body that is hit has other rows too: their impulses depend on it
+  bool follow_bends(std::vector<Vec3>& lambda, std::vector<double>& way) const;
   void refine(const ImplicitStep::Respond& solve, std::span<const double> target, int most, std::vector<Vec3>& lambda,
               std::vector<double>& delta, double& residual, StepReport& report);
   double longest_way(std::span<const Vec3> from, std::span<const Vec3> way, double most) const;

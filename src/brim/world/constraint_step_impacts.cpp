@@ -29,6 +29,30 @@ Vec3 ConstraintStep::velocity_of(std::int32_t part, const Vec3& x, std::span<con
   return u;
 }
 
+bool ConstraintStep::follow_bends(std::vector<Vec3>& lambda, std::vector<double>& way) const {
+  const ContactSet& points = rows_.points();
+  const std::span<const double> touch = rows_.touch_times();
+  std::vector<std::size_t> rows(bodies_.size(), 0);
+  const auto for_movable = [&](const ContactPair& pair, const auto& f) {
+    for (const std::int32_t part : {pair.part_a, pair.part_b})
+      if (!is_fixed(parts_[part])) f(static_cast<std::size_t>(parts_[part].body_index));
+  };
+  for (const ContactPair& pair : points.pairs)
+    for_movable(pair, [&](std::size_t body) { rows[body] += pair.end - pair.begin; });
+  bool alone = true;
+  for (const ContactPair& pair : points.pairs)
+    for (std::size_t c = pair.begin; c < pair.end; ++c)
+      if (touch[c] > 0.0) for_movable(pair, [&](std::size_t body) { alone = alone && rows[body] == 1; });
+  if (!alone) return false;
+  for (std::size_t c = 0; c < points.size(); ++c) {
+    if (!(touch[c] > 0.0)) continue;
+    const Vec3 missed = -touch[c] / settings_.rows.dt * lambda[c];
+    sweep_.add_response(c, missed, way);
+    lambda[c] += missed;
+  }
+  return true;
+}
+
 void ConstraintStep::find_round_impacts(std::span<const double> v) {
   const ContactSet& points = rows_.points();
   for (std::size_t p = 0; p < points.pairs.size(); ++p) {
