@@ -176,6 +176,13 @@ SolveReport ImplicitStep::solve_once(int pass, bool kept, bool near, std::span<d
   int most = settings_->max_iterations;
   if (held && !settled_) most = std::min(most, ContactPreconditioner::patience(iterations_made_));
   SolveReport s = solve_in(most);
+  if (!s.finite && contacts_ > 0 && !plain_) {
+    // Where too many pivots of a factor had to be raised, it grows beyond single precision.
+    plain_ = true;
+    std::fill(delta.begin(), delta.end(), 0.0);
+    if (!coupling.empty()) std::copy(flowing_.begin(), flowing_.end(), delta.begin());
+    s = solve_in(settings_->max_iterations);
+  }
   if (s.finite && !s.converged && most < settings_->max_iterations) prepare(), s = solve_in(settings_->max_iterations);
   if (s.finite && !coupling.empty()) coupling.keep_volume(invert_, context_->v, delta);
   if (!held) iterations_made_ = s.iterations;

@@ -114,6 +114,7 @@ class ImplicitStep {
   /// more iteration makes the solution exact.
   bool whole_ = false;
   bool coarse_ = false;      ///< the coarse modes are factored
+  bool plain_ = false;       ///< the contact factor is of no use: blocks alone are the preconditioner
   bool fresh_ = true;        ///< no preconditioner has been built for the present system
   bool settled_ = false;     ///< contact forces would change by less than the tolerance
   int iterations_made_ = 0;  ///< of the last solve with a newly built preconditioner

@@ -277,6 +277,7 @@ void ImplicitStep::invert_coupled(std::span<const std::uint8_t> untouched) {
 void ImplicitStep::prepare() {
   const StepContext& c = *context_;
   const bool first = std::exchange(fresh_, false);
+  plain_ = false;
   diagonal_ = bodies_diagonal_;
   if (contacts_ > 0) {
     const ScopedSeconds contact_timer(contact_seconds());
@@ -322,7 +323,7 @@ void ImplicitStep::precondition_bodies(std::span<const double> r, std::span<doub
   });
   if (contacts_ == 0) return;
   const ScopedSeconds contact_timer(contact_seconds());
-  preconditioner_.apply(r, z);
+  if (!plain_) preconditioner_.apply(r, z);
   const ProfileScope scope("coarse modes, applied");
   if (coarse_) modes_.add(r, z);
 }
