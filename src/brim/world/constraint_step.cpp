@@ -25,6 +25,8 @@ constexpr int kPushSweeps = 10;
 /// How often friction of sliding faces is moved to the centre of their load: loads that the motion does not determine
 /// change a little with it.
 constexpr int kMostCentered = 2;
+/// Points that are connected, up to which it is: in heaps that fall, sweeps do not converge again within a step.
+constexpr std::size_t kFewPoints = 16;
 /// Residual relative to the tolerance that gives a warning.
 constexpr double kWarn = 100.0;
 /// How often sweeps that end above it are continued, each time by as many: one sub-step in some thousand.
@@ -123,8 +125,7 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
   double residual = 0.0;
   const int refinements = (kMostRefinements * most_sweeps_ + settings_.max_sweeps - 1) / settings_.max_sweeps;
   solve_rows(solve, rows_.velocity_targets(), refinements, lambda_, change, residual, report);
-  // Where sweeps do not converge within a step, the centre is not known either.
-  const bool centers = exact_ && most_sweeps_ == settings_.max_sweeps;
+  const bool centers = exact_ && most_together() <= kFewPoints;
   for (int i = 0; centers && i < kMostCentered && center_friction(lambda_, change, added); ++i)
     solve_rows(solve, rows_.velocity_targets(), refinements, lambda_, change, residual, report);
   converged_ = !(residual > warn_above());

@@ -187,8 +187,13 @@ bool ConstraintStep::center_friction(std::span<const Vec3> lambda, std::span<dou
   const ContactSet& points = rows_.points();
   for (std::size_t c = 0; c < points.size(); ++c) force_on_a_[c] = frame_[c].transpose() * lambda[c];
   std::vector<Vec3> way, start(start_.begin(), start_.end());
-  std::vector<std::uint8_t> movable;
-  for (const ContactPair& pair : points.pairs) movable.push_back(pair.begin < pair.end && rigid(pair));
+  // Only of what slides on fixed parts alone: among bodies that strike each other sweeps do not converge again.
+  std::vector<std::uint8_t> movable, among(bodies_.size(), 0);
+  for (const ContactPair& pair : points.pairs)
+    if (pair.begin < pair.end && !is_fixed(parts_[pair.part_a]) && !is_fixed(parts_[pair.part_b]))
+      among[parts_[pair.part_a].body_index] = among[parts_[pair.part_b].body_index] = 1;
+  for (const ContactPair& pair : points.pairs)
+    movable.push_back(pair.begin < pair.end && rigid(pair) && among[moving_body(pair)] == 0);
   if (!rows_.center_friction(force_on_a_, movable, way)) return false;
   const std::span<const Vec3> grips = rows_.grips();
   for (const ContactPair& pair : points.pairs)
