@@ -122,7 +122,8 @@ class ConstraintStep {
   /// Solves for the targets, starting from λ and Δv. @param most  maximum number of solves with A
   void solve_rows(const ImplicitStep::Respond& solve, std::span<const double> target, int most,
                   std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual, StepReport& report);
-  /// Moves the friction of sliding faces to the centre of their load (Constraint::center_friction), once this is known.
+  /// Moves the friction of sliding faces to the centre of their load (Constraint::center_friction), once this is known,
+  /// for bodies that touch fixed parts alone.
   /// @param lambda, change  solution; the change of velocity follows  @param added  [N s] empty, or follows
   /// @return false when nothing moves
   bool center_friction(std::span<const Vec3> lambda, std::span<double> change, std::span<double> added);
