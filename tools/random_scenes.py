@@ -3,6 +3,8 @@
 
     tools/random_scenes.py 1:100                        a hundred scenes, three to six bodies each
     tools/random_scenes.py 1:20 --response constraint   all of them under rows
+    tools/random_scenes.py 1:20 --pool particles        the pit holds water, of particles or on a grid (--pool grid)
+    tools/random_scenes.py 1:20 --links                 each body hangs on the one before, by a rope, a spring or a bar
     tools/random_scenes.py 7 --keep out/random          one scene; its file and its run stay
 
 Bodies of random kinds (those of scenes/pairs/kinds.json, and rigid shapes) fall, turned and thrown at random, into a pit of four walls,
@@ -12,7 +14,7 @@ under a random friction, restitution, response and time step. All else is as bri
   pit      no centre of mass leaves the pit
   solves   no sub-step fails, and no response gives up
   rest     in the last fifth of a second nothing moves faster on average than after a fall of 2 mm (frictionless scenes,
-           and what rolls, are left out)
+           what rolls, hangs or floats are left out)
 
 Prints a line for each scene, and how many keep each law. Exit code 1 where a run does not end.
 """
@@ -27,6 +29,9 @@ import sys
 import tempfile
 import time
 
+import with_numpy
+
+with_numpy.need("numpy", "h5py")
 import h5py
 import numpy as np
 
@@ -43,7 +48,7 @@ SHAPES = {
     "star": {"kind": "star", "points": 5, "outer": 0.16, "inner": 0.1, "thickness": 0.1},
     "torus": {"kind": "torus", "radius": 0.12, "tube": 0.05},
 }
-ROLLS = {"capsule", "cylinder", "torus", "points", "rod", "rigid", "rigid_image", "articulated"}
+ROLLS = {"capsule", "cylinder", "torus", "points", "rod", "rigid", "rigid_image", "articulated", "water"}
 LEFT_OUT = {"plane", "mesh", "grid_fluid", "particle_fluid", "user_body"}
 LAWS = ("energy", "pit", "solves", "rest")
 
@@ -63,7 +68,28 @@ def pit():
     return [{"kind": "obstacle", "material": "all", "shape": {"kind": "plane"}} | plane for plane in planes]
 
 
-def random_scene(seed, response=None):
+def pool(kind, draw):
+    """Water that fills the pit to a random height below the bodies."""
+    depth = draw.uniform(0.08, 0.2)
+    if kind == "grid":
+        side = HALF_PIT
+        return {"kind": "grid_fluid", "cell_size": 0.03, "voxel_size": 0.02, "box": {"lo": [-side, -side, 0], "hi": [side, side, 0.9]},
+                "fill": [{"kind": "box", "lo": [-side, -side, 0], "hi": [side, side, depth]}]}
+    return {"kind": "particle_fluid", "spacing": 0.03, "shape": {"kind": "box", "size": [2 * HALF_PIT, 2 * HALF_PIT, depth]},
+            "transform": {"position": [0, 0, depth / 2]}}
+
+
+def links(bodies, draw):
+    """Each body tied to the one before it, middle to middle."""
+    ties = []
+    for a, b in zip(bodies, bodies[1:]):
+        ends = [x["transform"]["position"] for x in (a, b)]
+        how = draw.choice([{"length": math.dist(*ends), "pulls_only": True}, {"length": math.dist(*ends)}, {"stiffness": 500, "damping": 1}])
+        ties.append({"name": f"tie_{b['name']}", "body": b["name"], "to": a["name"], "point": ends[1], "to_point": ends[0]} | how)
+    return ties
+
+
+def random_scene(seed, options):
     """The scene of a seed, the same wherever it is made."""
     draw = random.Random(seed)
     entries = kinds()
@@ -78,9 +104,14 @@ def random_scene(seed, response=None):
     chosen = draw.choice(["penalty", "constraint", "automatic"])
     step = draw.choice([1 / 60, 1 / 120])
     material = {"friction": draw.choice([0, 0.3, 0.6]), "restitution": draw.choice([0, 0, 0, 0.5])}
-    return {"brim": 1, "name": f"random_{seed}", "duration": DURATION, "steps_per_frame": round(1 / 60 / step),
-            "world": {"time_step": step, "voxel_size": 0.02, "response": response or chosen}, "materials": {"all": material},
-            "bodies": bodies}
+    scene = {"brim": 1, "name": f"random_{seed}", "duration": DURATION, "steps_per_frame": round(1 / 60 / step),
+             "world": {"time_step": step, "voxel_size": 0.02, "response": options.response or chosen}, "materials": {"all": material},
+             "bodies": bodies}
+    if options.links:
+        scene["attachments"] = links(bodies[5:], draw)
+    if options.pool:
+        bodies.append(pool(options.pool, draw) | {"name": "water_pool"})
+    return scene
 
 
 def judge(scene, folder):
@@ -93,7 +124,7 @@ def judge(scene, folder):
     gain = float(np.max(energy - np.minimum.accumulate(energy)) / (energy[0] - energy.min()))
     outside = max(float(np.abs(centres[..., :2]).max()) - HALF_PIT, -float(centres[..., 2].min()))
     at_end = float(series["kinetic_energy"][-12:].mean())
-    rolls = scene["materials"]["all"]["friction"] == 0 or any(b["name"].rsplit("_", 1)[0] in ROLLS for b in scene["bodies"][5:])
+    rolls = scene["materials"]["all"]["friction"] == 0 or "attachments" in scene or any(b["name"].rsplit("_", 1)[0] in ROLLS for b in scene["bodies"][5:])
     height = at_end / (GRAVITY * float(masses.sum()))
     failed = int(np.sum(series["ok"] == 0))
     return {"energy": (gain <= 0.01, f"{100 * gain:.1f} %"), "pit": (outside <= 0, f"{1000 * outside:.0f} mm"),
@@ -101,7 +132,7 @@ def judge(scene, folder):
 
 
 def run_one(seed, options):
-    scene = random_scene(seed, options.response)
+    scene = random_scene(seed, options)
     for change in options.set:
         key, value = change.split("=", 1)
         scene["world"][key] = json.loads(value)
@@ -136,6 +167,8 @@ def main():
     parser.add_argument("--strict", action="store_true", help="exit code 1 also where a law is broken")
     parser.add_argument("--brim", default=str(ROOT / "build" / "release" / "brim"))
     parser.add_argument("--response", choices=["penalty", "constraint", "automatic"], help="instead of a random one")
+    parser.add_argument("--pool", choices=["particles", "grid"], help="water in the pit")
+    parser.add_argument("--links", action="store_true", help="the bodies are tied to each other")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="of the world, as JSON; repeatable")
     parser.add_argument("--keep", type=pathlib.Path, help="folder for scenes and runs; otherwise they are removed")
     parser.add_argument("--jobs", type=int, default=1)

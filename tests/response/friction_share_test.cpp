@@ -49,7 +49,9 @@ TEST(FrictionShare, HasTheSumAndTheCentreOfTheNetLoad) {
     for (std::size_t i = 0; i < p.x.size(); ++i) {
       const double l = s.of(p.load[i], p.x[i]);
       EXPECT_GE(l, 0.0);
-      if (p.load[i] <= 0.0) EXPECT_EQ(l, 0.0);
+      if (p.load[i] <= 0.0) {
+        EXPECT_EQ(l, 0.0);
+      }
       sum += l, moment += l * (p.x[i] - p.center);
     }
     EXPECT_NEAR(sum, p.net, 1e-12 * p.net);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <array>
 #include <limits>
 #include <random>
 
@@ -122,6 +123,23 @@ TEST(ConjugateGradient, ImposedDirectionsStayZeroAndTheRestSolvesTheReducedSyste
     EXPECT_TRUE(r.converged);
     for (const std::size_t i : p.prescribed) EXPECT_EQ(x[i], 0.0);
     EXPECT_LT((Eigen::VectorXd(x(free)) - expected).norm(), 1e-10 * expected.norm());
+  }
+}
+
+TEST(ConjugateGradient, IdleUnknownsStayZeroAndChangeNothing) {
+  SCOPED_TRACE(kSeed);
+  Problem p(120);
+  for (std::size_t i = 30; i < 90; ++i) p.prescribed.push_back(i);
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(120), some = Eigen::VectorXd::Ones(120);
+  ConjugateGradient().solve(p.system, view(p.b), 1e-13, 500, view(all));
+  const std::array<std::size_t, 2> idle[] = {{30, 50}, {50, 90}};
+  p.system.idle = idle;
+  ConjugateGradient cg;
+  cg.solve(p.system, view(p.b), 1e-13, 500, view(some));
+  EXPECT_LT((some - all).cwiseAbs().maxCoeff(), 1e-10 * all.cwiseAbs().maxCoeff());
+  for (std::size_t i = 30; i < 90; ++i) {
+    EXPECT_EQ(some[static_cast<Eigen::Index>(i)], 0.0);
+    EXPECT_EQ(cg.residual()[i], 0.0);
   }
 }
 

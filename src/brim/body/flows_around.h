@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 
 #include "brim/body/body.h"
@@ -31,6 +32,8 @@ class FlowsAround {
 
   // ---- of the solve, after prepare_preconditioner; cells that are not wet are ignored
   virtual bool is_wet(int cell) const = 0;
+  /// All wet cells, ascending.
+  virtual std::span<const std::int32_t> wet_cells() const = 0;
   /// Fluid fraction of face f, [0, 1]; 0 when it is closed.
   virtual double open_share(int face) const = 0;
   /// out_c = D_f u of wet cells, [m³/s]; others are left alone.
@@ -39,7 +42,8 @@ class FlowsAround {
   virtual void add_push(std::span<const double> pressure, std::span<double> impulse) const = 0;
   /// z = M⁻¹ r of free faces, zero elsewhere.
   virtual void divide_by_mass(std::span<const double> r, std::span<double> z) const = 0;
-  /// y = D_f M⁻¹ D_fᵀ x, and z ≈ its inverse times r; symmetric.
+  /// y = D_f M⁻¹ D_fᵀ x, and z ≈ its inverse times r; symmetric. Values of cells that are not wet are neither read nor
+  /// written.
   virtual void apply_poisson(std::span<const double> x, std::span<double> y) = 0;
   virtual void invert_poisson(std::span<const double> r, std::span<double> z) = 0;
   /// Sets the pressure found by the solve, [Pa s] per cell.

@@ -42,15 +42,22 @@ void ConjugateGradient::find_chunks(const LinearSystem& system, std::size_t n) {
   const auto island = system.island.empty() ? std::span<const std::int32_t>(one) : system.island;
   std::int32_t islands = 0;
   chunks_.clear();
+  auto idle = system.idle.begin();
   for (std::size_t s = 0; s < island.size(); ++s) {
     islands = std::max(islands, island[s] + 1);
     for (std::size_t begin = first[s]; begin < first[s + 1];) {
+      while (idle != system.idle.end() && (*idle)[1] <= begin) ++idle;
+      if (idle != system.idle.end() && (*idle)[0] <= begin) {
+        begin = std::min(first[s + 1], (*idle)[1]);
+        continue;
+      }
+      const std::size_t end = idle == system.idle.end() ? first[s + 1] : std::min(first[s + 1], (*idle)[0]);
       Chunk* last = chunks_.empty() ? nullptr : &chunks_.back();
       if (last == nullptr || last->island != island[s] || last->end != begin || last->end - last->begin >= kChunk) {
         chunks_.push_back({begin, begin, island[s]});
         last = &chunks_.back();
       }
-      begin = last->end = std::min(first[s + 1], last->begin + kChunk);
+      begin = last->end = std::min(end, last->begin + kChunk);
     }
   }
   islands_.assign(static_cast<std::size_t>(islands), Island{.open = true});

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -16,6 +17,8 @@ struct LinearSystem {
   /// system of its own. Shapes (slices + 1) and (slices); both empty: a single island.
   std::span<const std::size_t> first{};
   std::span<const std::int32_t> island{};
+  /// Ranges [begin, end) of unknowns, ascending, in which filter sets all to zero: no work is done on them.
+  std::span<const std::array<std::size_t, 2>> idle{};
   /// Per island: xᵀ A x below which a solution is negligible and any guess is accepted. Empty: 0.
   std::span<const double> negligible{};
   /// Per island: factor on the tolerance. Empty: 1.

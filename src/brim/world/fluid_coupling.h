@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <functional>
 #include <map>
@@ -45,8 +46,15 @@ class FluidCoupling {
   using Invert = std::function<void(std::span<const double> r, std::span<double> z, Of of)>;
   /// Nonzero for fluids without contact in a solve: for them B divides by their masses; shape (bodies).
   void set_untouched(std::span<const std::uint8_t> untouched);
+  /// To be called when B has been made anew.
+  void renew() { yield_known_ = yield_known_ && apart_; }
   bool flows(std::size_t body) const {
     return std::ranges::any_of(fluids_, [&](const Fluid& f) { return f.body == static_cast<int>(body); });
+  }
+  /// True when done(body) for all fluids.
+  template <class F>
+  bool all_done(const F& done) const {
+    return std::ranges::all_of(fluids_, [&](const Fluid& f) { return done(static_cast<std::size_t>(f.body)); });
   }
   /// Changes delta so that D (v + delta) = 0, by a pressure that is kept as the next initial guess.
   void keep_volume(const Invert& invert, std::span<const double> v, std::span<double> delta);
@@ -84,9 +92,12 @@ class FluidCoupling {
     int body = 0;
     bool told = false;  ///< it knows of the solids in its box
     std::vector<Side> sides;
-    std::vector<double> pressure;  ///< [Pa s] removed by relieve
-    std::vector<double> guess;     ///< [Pa s] balancing the residual of a solve
-    std::vector<double> x, r, p, y, z;
+    std::vector<double> pressure;       ///< [Pa s] removed by relieve
+    std::vector<double> guess;          ///< [Pa s] balancing the residual of a solve
+    std::vector<double> x, r, p, y, z;  ///< per cell, zero where it is not wet
+    /// Z and M⁻¹ Z of find_yield, one row per wet cell.
+    Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> flows, yield;
+    Eigen::VectorXf at_wet;
   };
   /// The fluids, and the solids that they may flow around.
   std::vector<Fluid> find_fluids(std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts) const;
@@ -97,11 +108,24 @@ class FluidCoupling {
   /// impulse += Dᵀ π.
   void push(const std::vector<double> Fluid::*pressure, std::span<double> impulse);
   /// The solids' parts of flow and push.
-  void add_solid_flow(Fluid& f, std::span<const double> u, std::span<double> out);
+  void add_solid_flow(Side& s, std::span<const double> u, std::span<double> out);
   void push_solids(const Fluid& f, std::span<const double> pressure, std::span<double> impulse);
+  /// Finds how solids that move as wholes give way to pressure. With M ≈ the fluids' own part of S, the columns Z = D u
+  /// of the motions u that have much added mass, and C = (uᵀ A u)⁻¹,
+  ///   S⁻¹ ≈ (M + Z C Zᵀ)⁻¹ = M⁻¹ − M⁻¹ Z (C⁻¹ + Zᵀ M⁻¹ Z)⁻¹ Zᵀ M⁻¹
+  /// Deformable solids give way in too many ways to be told like this.
+  void find_yield();
+  /// Solids that move as wholes, those with most faces in fluids first.
+  std::vector<int> yielding_solids() const;
+  /// The column of the motion in impulse_. @return its added mass zᵀ M⁻¹ z
+  double find_column(int body, Eigen::Index column);
+  /// z = that, applied to r.
+  void invert_flows();
   /// velocity_ = B Dᵀ π.
   void yield(const Invert& invert, const std::vector<double> Fluid::*pressure);
-  void resist(const Invert& invert, double tolerance, std::span<double> r);
+  /// @param tolerance  of the flow that is left, relative to that without the new pressure
+  /// @param floor      [m³/s] flow that may be left anyway
+  void resist(const Invert& invert, double tolerance, double floor, std::span<double> r);
   /// y = S p.
   void apply(const Invert& invert);
   /// r = −D u of the fluids. @return the largest, [m³/s]
@@ -118,7 +142,9 @@ class FluidCoupling {
   std::vector<std::int32_t> found_, look_;  ///< parts considered, each fluid's after it
   std::vector<std::size_t> first_;
   std::vector<const Body*> body_;
-  bool apart_ = false;  ///< no fluid has contacts: B is that of solids next to that of fluids
+  bool yield_known_ = false;
+  Eigen::LLT<Eigen::MatrixXd> yield_;  ///< of C⁻¹ + Zᵀ M⁻¹ Z
+  bool apart_ = false;                 ///< no fluid has contacts: B is that of solids next to that of fluids
   std::vector<double> impulse_, velocity_;
   std::vector<Vec3> at_points_;
   SolidShares shares_;

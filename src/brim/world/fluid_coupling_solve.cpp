@@ -3,6 +3,7 @@
 
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
+#include "brim/core/simd.h"
 #include "brim/core/stop.h"
 #include "brim/world/fluid_coupling.h"
 
@@ -11,26 +12,39 @@ namespace brim {
 
 namespace {
 
-/// Remaining flow of a cell after a solve, relative to the largest before.
-constexpr double kFlowTolerance = 1e-6;
+/// Remaining flow of a cell after a solve, relative to the largest before; the same for a direction of the outer solve,
+/// whose pressure is followed from one to the next.
+constexpr double kFlowTolerance = 1e-6, kFlowOfDirection = 1e-3;
 /// The same when a whole system is relieved, of which only a millionth may act.
 constexpr double kSharp = 1e-11;
 /// The same relative to the flow through a face: for kept velocities, and rounding level.
 constexpr double kKept = 1e-9, kFlowRounding = 1e-15;
 constexpr int kMostIterations = 300, kMostRounds = 3;
 
-double largest_of_flow(std::span<const double> x) {
+double largest_of(std::span<const double> x) {
+  Lanes most = {};
+  std::size_t i = 0;
+  for (; i + kLanes <= x.size(); i += kLanes) {
+    const Lanes xi = load_lanes(x.data() + i), size = xi > -xi ? xi : -xi;
+    most = size > most ? size : most;
+  }
+  double largest = std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
+  for (; i < x.size(); ++i) largest = std::max(largest, std::abs(x[i]));
+  return largest;
+}
+
+double largest_at(std::span<const std::int32_t> cells, std::span<const double> x) {
   double most = 0.0;
-  for (const double xi : x) most = std::max(most, std::abs(xi));
+  for (const std::int32_t c : cells) most = std::max(most, std::abs(x[c]));
   return most;
 }
 
-double dot_cells(std::span<const double> a, std::span<const double> b) {
+double dot_at(std::span<const std::int32_t> cells, std::span<const double> a, std::span<const double> b) {
   return ordered_sum(
-      a.size(),
+      cells.size(),
       [&](std::size_t begin, std::size_t end) {
         double s = 0.0;
-        for (std::size_t i = begin; i < end; ++i) s += a[i] * b[i];
+        for (std::size_t i = begin; i < end; ++i) s += a[cells[i]] * b[cells[i]];
         return s;
       },
       4096);
@@ -38,16 +52,14 @@ double dot_cells(std::span<const double> a, std::span<const double> b) {
 
 }  // namespace
 
-void FluidCoupling::add_solid_flow(Fluid& f, std::span<const double> u, std::span<double> out) {
-  for (const Side& s : f.sides) {
-    at_points_.resize(s.rows.size());
-    s.map->apply(slice(u, s.body), at_points_);
-    for (std::size_t i = 0; i < s.rows.size(); ++i) {
-      const Row& row = s.rows[i];
-      const double through = row.area * at_points_[i][row.axis];
-      if (row.low >= 0) out[row.low] += through;
-      if (row.high >= 0) out[row.high] -= through;
-    }
+void FluidCoupling::add_solid_flow(Side& s, std::span<const double> u, std::span<double> out) {
+  at_points_.resize(s.rows.size());
+  s.map->apply(slice(u, s.body), at_points_);
+  for (std::size_t i = 0; i < s.rows.size(); ++i) {
+    const Row& row = s.rows[i];
+    const double through = row.area * at_points_[i][row.axis];
+    if (row.low >= 0) out[row.low] += through;
+    if (row.high >= 0) out[row.high] -= through;
   }
 }
 
@@ -66,9 +78,8 @@ void FluidCoupling::push_solids(const Fluid& f, std::span<const double> pressure
 void FluidCoupling::flow(std::span<const double> u, std::vector<double> Fluid::*out) {
   for (Fluid& f : fluids_) {
     std::vector<double>& to = f.*out;
-    std::fill(to.begin(), to.end(), 0.0);
     f.flow->add_flow(slice(u, f.body), to);
-    add_solid_flow(f, u, to);
+    for (Side& s : f.sides) add_solid_flow(s, u, to);
   }
 }
 
@@ -80,37 +91,36 @@ void FluidCoupling::push(const std::vector<double> Fluid::*pressure, std::span<d
 }
 
 int FluidCoupling::solve(const Invert& invert, double tolerance) {
-  // The fluids' own part is a Poisson equation; each of the few ways in which light solids yield costs an iteration.
+  // The fluids' own part is a Poisson equation; each way in which light solids yield costs an iteration, but for their
+  // motions as wholes.
   double most = 0.0, rz = 0.0;
   for (Fluid& f : fluids_) {
     std::fill(f.x.begin(), f.x.end(), 0.0);
-    most = std::max(most, largest_of_flow(f.r));
+    most = std::max(most, largest_at(f.flow->wet_cells(), f.r));
   }
   int iterations = 0;
   while (most > tolerance && iterations < kMostIterations) {
     check_stop();
     double next = 0.0;
-    for (Fluid& f : fluids_) {
-      f.flow->invert_poisson(f.r, f.z);
-      next += dot_cells(f.r, f.z);
-    }
+    invert_flows();
+    for (Fluid& f : fluids_) next += dot_at(f.flow->wet_cells(), f.r, f.z);
     if (!(next > 0.0) || !std::isfinite(next)) break;
     const double ratio = iterations > 0 ? next / rz : 0.0;
     rz = next;
     for (Fluid& f : fluids_)
-      for (std::size_t c = 0; c < f.p.size(); ++c) f.p[c] = f.z[c] + ratio * f.p[c];
+      for (const std::int32_t c : f.flow->wet_cells()) f.p[c] = f.z[c] + ratio * f.p[c];
     apply(invert);
     double curvature = 0.0;
-    for (Fluid& f : fluids_) curvature += dot_cells(f.p, f.y);
+    for (Fluid& f : fluids_) curvature += dot_at(f.flow->wet_cells(), f.p, f.y);
     if (!(curvature > 0.0)) break;
     const double step = rz / curvature;
     most = 0.0;
     for (Fluid& f : fluids_) {
-      for (std::size_t c = 0; c < f.p.size(); ++c) {
+      for (const std::int32_t c : f.flow->wet_cells()) {
         f.x[c] += step * f.p[c];
         f.r[c] -= step * f.y[c];
+        most = std::max(most, std::abs(f.r[c]));
       }
-      most = std::max(most, largest_of_flow(f.r));
     }
     ++iterations;
   }
@@ -141,11 +151,12 @@ void FluidCoupling::apply(const Invert& invert) {
   invert(impulse_, velocity_, Of::Solids);
   for (Fluid& f : fluids_) {
     f.flow->apply_poisson(f.p, f.y);
-    add_solid_flow(f, velocity_, f.y);
+    for (Side& s : f.sides) add_solid_flow(s, velocity_, f.y);
   }
 }
 
 void FluidCoupling::set_untouched(std::span<const std::uint8_t> untouched) {
+  yield_known_ = false;
   apart_ = std::ranges::all_of(fluids_, [&](const Fluid& f) { return untouched[f.body] != 0; });
 }
 
@@ -153,8 +164,7 @@ double FluidCoupling::find_excess(std::span<const double> u) {
   flow(u, &Fluid::r);
   double most = 0.0;
   for (Fluid& f : fluids_) {
-    for (double& x : f.r) x = -x;
-    most = std::max(most, largest_of_flow(f.r));
+    for (const std::int32_t c : f.flow->wet_cells()) f.r[c] = -f.r[c], most = std::max(most, std::abs(f.r[c]));
   }
   return most;
 }
@@ -165,35 +175,38 @@ void FluidCoupling::keep_volume(const Invert& invert, std::span<const double> v,
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] = v[i] + delta[i];
     const double most = find_excess(sum);
     double fastest = 0.0;
-    for (const Fluid& f : fluids_)
-      fastest = std::max(fastest, largest_of_flow(slice(std::span<const double>(sum), f.body)));
+    for (const Fluid& f : fluids_) fastest = std::max(fastest, largest_of(slice(std::span<const double>(sum), f.body)));
     const double goal = kKept * std::pow(fluids_.front().flow->flow_grid().dx, 2) * fastest;
     if (most <= goal || solve(invert, std::max(0.1 * goal, kFlowTolerance * most)) == 0) return;
     yield(invert, &Fluid::x);
     for (std::size_t i = 0; i < delta.size(); ++i) delta[i] += velocity_[i];
     for (Fluid& f : fluids_)
-      for (std::size_t c = 0; c < f.x.size(); ++c) f.pressure[c] += f.x[c];
+      for (const std::int32_t c : f.flow->wet_cells()) f.pressure[c] += f.x[c];
   }
 }
 
-void FluidCoupling::resist(const Invert& invert, std::span<double> r) { resist(invert, kFlowTolerance, r); }
+void FluidCoupling::resist(const Invert& invert, std::span<double> r) { resist(invert, kFlowOfDirection, 0.0, r); }
 
-void FluidCoupling::resist(const Invert& invert, double tolerance, std::span<double> r) {
+void FluidCoupling::resist(const Invert& invert, double tolerance, double floor, std::span<double> r) {
   // Starts from the last pressure, which hardly changes within a solve; only the difference is computed.
   push(&Fluid::guess, r);
   velocity_.resize(first_.back());
   invert(r, velocity_, Of::All);
   const double most = find_excess(velocity_);
-  const double fastest = largest_of_flow(velocity_), area = std::pow(fluids_.front().flow->flow_grid().dx, 2);
-  solve(invert, std::max(tolerance * most, kFlowRounding * area * fastest));
+  const double fastest = largest_of(velocity_), area = std::pow(fluids_.front().flow->flow_grid().dx, 2);
+  solve(invert, std::max({tolerance * most, floor, kFlowRounding * area * fastest}));
   push(&Fluid::x, r);
   for (Fluid& f : fluids_)
-    for (std::size_t c = 0; c < f.guess.size(); ++c) f.guess[c] += f.x[c];
+    for (const std::int32_t c : f.flow->wet_cells()) f.guess[c] += f.x[c];
 }
 
 void FluidCoupling::relieve(const Invert& invert, std::span<double> r) {
+  // Sharp relative to what all pressure holds, however much of it is known already.
+  velocity_.resize(first_.back());
+  invert(r, velocity_, Of::All);
+  const double all = find_excess(velocity_);
   for (Fluid& f : fluids_) f.guess = f.pressure;
-  resist(invert, kSharp, r);
+  resist(invert, kSharp, kSharp * all, r);
   for (Fluid& f : fluids_) {
     f.pressure.swap(f.guess);
     std::fill(f.guess.begin(), f.guess.end(), 0.0);

@@ -137,6 +137,7 @@ class ImplicitStep {
   std::vector<double> scale_;                   ///< of the first pass, used by all
   std::vector<std::int32_t> island_;            ///< per body
   std::vector<double> negligible_, sharpness_;  ///< per island, as in LinearSystem
+  std::vector<std::array<std::size_t, 2>> idle_;
   ContactPreconditioner preconditioner_;
   BodyInverses inverses_;               ///< of bodies in fluids without contact
   std::vector<std::uint8_t> inverted_;  ///< per body: 3 for those in inverses_

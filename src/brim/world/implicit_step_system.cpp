@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "brim/body/guided_particles.h"
+#include "brim/body/idle_velocities.h"
 #include "brim/body/rigid_frame.h"
 #include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
@@ -157,13 +158,21 @@ void ImplicitStep::begin_system() {
   find_islands();
   system_.first = c.first_v, system_.island = island_, system_.negligible = negligible_;
   system_.sharpness = sharpness_;
+  idle_.clear();
+  for (std::size_t b = 0; b < c.bodies.size(); ++b)
+    if (const auto* body = interface_of<IdleVelocities>(*c.bodies[b]))
+      for (const auto& [begin, end] : body->idle_velocities())
+        idle_.push_back({c.first_v[b] + begin, c.first_v[b] + end});
+  system_.idle = idle_;
   system_.filter = [this](std::span<double> x) { filter_bodies(x, [](std::size_t) { return false; }); };
   system_.apply = [this](std::span<const double> x, std::span<double> y) { multiply(x, y); };
   system_.precondition = [this](std::span<const double> r, std::span<double> z) { precondition(r, z); };
   invert_ = [this](std::span<const double> r, std::span<double> z, FluidCoupling::Of of) {
     const bool solids = of == FluidCoupling::Of::Solids;
     const auto left_out = [&](std::size_t b) { return solids && context_->coupling.flows(b); };
-    filtered_.assign(r.begin(), r.end());
+    filtered_.resize(r.size());
+    for (std::size_t b = 0; b < context_->bodies.size(); ++b)
+      if (!left_out(b)) std::ranges::copy(context_->slice(r, b), context_->slice(filtered_, b).begin());
     filter_bodies(filtered_, left_out);
     precondition_bodies(filtered_, z, left_out);
     filter_bodies(z, left_out);
@@ -287,6 +296,7 @@ void ImplicitStep::prepare() {
     if (!unmoved(b)) c.bodies[b]->prepare_preconditioner(first_block_[b], diagonal_);
   });
   diagonal_.factor();
+  c.coupling.renew();
   if (contacts_ == 0) return;
   const ScopedSeconds contact_timer(contact_seconds());
   coarse_ = false;
@@ -298,7 +308,7 @@ void ImplicitStep::prepare() {
 }
 
 void ImplicitStep::precondition(std::span<const double> r, std::span<double> z) {
-  if (context_->coupling.empty()) {
+  if (context_->coupling.all_done([&](std::size_t b) { return cg_.solved(b); })) {
     precondition_bodies(r, z, [&](std::size_t b) { return cg_.solved(b); });
     return;
   }

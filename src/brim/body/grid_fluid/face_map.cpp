@@ -124,6 +124,19 @@ void surface_faces(const MacGrid& g, const WetFaces& wet, std::span<const double
 Vec3 surface_row(const MacGrid& g, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
                  const Vec3& x, std::vector<FaceWeight>& row) {
   row.clear();
+  const auto ask_matter = [&](const Vec3& y, const Mat3& share) {
+    bool found = true;
+    for (int a = 0; a < 3; ++a)
+      found = interpolate(g, wet, a, y, [&](int face, double w) { row.push_back({face, w * share.col(a)}); }) && found;
+    if (!found) row.clear();
+    return found;
+  };
+  const double depth = sample_cells(g, phi, x);
+  // Deep inside, at the walls of the box, the fluid has no surface: its matter is asked there, with shear and all.
+  if (depth < -kDeep * g.dx) {
+    ask_matter(x, Mat3::Identity());
+    return Vec3::Zero();
+  }
   // The point of the surface nearest to x, and the mean normal around it.
   Vec3 slope, n = slope_of_two_cells(g, phi, x);
   for (int a = 0; a < 3; ++a) {
@@ -131,33 +144,25 @@ Vec3 surface_row(const MacGrid& g, const WetFaces& wet, std::span<const double> 
     slope[a] = sample_cells(g, phi, x + e) - sample_cells(g, phi, x - e);
   }
   slope /= std::max(slope.norm(), 1e-12 * g.dx);
-  const double depth = sample_cells(g, phi, x);
   n /= std::max(n.norm(), 1e-12 * g.dx);
-  // Deep inside, at the walls of the box, the fluid has no surface: its matter is asked there, with shear and all.
-  const bool deep = depth < -kDeep * g.dx;
-  const Vec3 at = deep ? x : Vec3(x - depth * slope);
+  const Vec3 at = x - depth * slope;
 
   Vec3 area = Vec3::Zero();
-  if (!deep)
-    surface_faces(g, wet, phi, at, [&](int face, int a, double k) {
-      area[a] += k;
-      row.push_back({face, Vec3(k, 0.0, 0.0)});
-    });
+  surface_faces(g, wet, phi, at, [&](int face, int a, double k) {
+    area[a] += k;
+    row.push_back({face, Vec3(k, 0.0, 0.0)});
+  });
   const double along = std::max(area.dot(n), 0.0);
   const double part = along * along / (along * along + kLeastArea * kLeastArea);
   for (FaceWeight& e : row) e.weight = (part * e.weight.x() / std::max(along, 1e-12)) * n;
   // What the flow through the surface does not tell, the matter does. Where g and n differ, a fluid that slips is
   // better left alone: the difference would stir it.
   Mat3 rest = Mat3::Identity();
-  if (deep || motion == SurfaceMotion::Sticks)
+  if (motion == SurfaceMotion::Sticks)
     rest -= (part / std::max(along, 1e-12)) * n * area.transpose();
   else
     rest = (motion == SurfaceMotion::Follows ? rest : Mat3(n * n.transpose())) - part * n * n.transpose();
-  bool found = true;
-  for (int a = 0; a < 3; ++a)
-    found = interpolate(g, wet, a, at, [&](int face, double w) { row.push_back({face, w * rest.col(a)}); }) && found;
-  if (!found) row.clear();
-  if (!found || deep || motion == SurfaceMotion::Sticks) return Vec3::Zero();
+  if (!ask_matter(at, rest) || motion == SurfaceMotion::Sticks) return Vec3::Zero();
   return (part / std::max(along, 1e-12) * area + (1.0 - part) * n).normalized();
 }
 

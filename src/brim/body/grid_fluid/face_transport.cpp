@@ -1,5 +1,6 @@
 #include "brim/body/grid_fluid/face_transport.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace brim {
@@ -26,11 +27,29 @@ void range_at(const MacGrid& g, std::span<const double> u, int a, const Vec3& x,
   }
 }
 
+Layers layers_with_mass(const MacGrid& g, std::span<const double> mass) {
+  const int count = g.n.z() + 1;
+  const std::size_t layer = mass.size() / static_cast<std::size_t>(count);
+  Layers out{count, 0};
+  for (int k = 0; k < count; ++k)
+    if (std::ranges::any_of(mass.subspan(k * layer, layer), [](double m) { return m != 0.0; }))
+      out = {std::min(out.begin, k), k + 1};
+  return out;
+}
+
+/// [cells] farthest place that a value is interpolated at after a motion over dt, with its samples.
+int reach(const MacGrid& g, std::span<const double> u, double dt) {
+  double fastest = 0.0;
+  for (const double x : u) fastest = std::max(fastest, std::abs(x));
+  return static_cast<int>(std::min(std::ceil(fastest * dt / g.dx), double(g.n.z()))) + 1;
+}
+
 }  // namespace
 
 void extend_velocity(const MacGrid& g, const WetFaces& wet, const std::array<bool, 6>& open, int layers,
                      std::span<double> u, ExtensionMarks& marks) {
   marks.known.assign(g.faces(), 0);
+  const Layers near = wet.layers.grown_by(layers);
   for (int a = 0; a < 3; ++a)
     for_places(g.face_count(a), [&](int i, int j, int k) {
       const int f = g.face(a, i, j, k);
@@ -45,7 +64,7 @@ void extend_velocity(const MacGrid& g, const WetFaces& wet, const std::array<boo
     marks.next = marks.known;
     for (int a = 0; a < 3; ++a) {
       const Vec3i count = g.face_count(a);
-      for_places(count, [&](int i, int j, int k) {
+      for_places(count, near, [&](int i, int j, int k) {
         const int f = g.face(a, i, j, k);
         if (marks.known[f] != kUnknown) return;
         const std::array<int, 3> at = {i, j, k};
@@ -72,15 +91,17 @@ void advect_velocity(const MacGrid& g, std::span<const double> u, std::span<cons
                      std::span<double> out) {
   std::vector<double> forth(g.faces(), 0.0);
   std::vector<Vec3> from(g.faces());
+  // Faces of fluid ask no farther than it moves.
+  const Layers asked = layers_with_mass(g, mass), answer = asked.grown_by(reach(g, u, dt));
   for (int a = 0; a < 3; ++a)
-    for_places(g.face_count(a), [&](int i, int j, int k) {
+    for_places(g.face_count(a), answer, [&](int i, int j, int k) {
       const int f = g.face(a, i, j, k);
       from[f] = trace_back(g, u, g.face_position(a, i, j, k), dt);
       forth[f] = sample_face(g, u, a, from[f]);
     });
   std::fill(out.begin(), out.end(), 0.0);
   for (int a = 0; a < 3; ++a)
-    for_places(g.face_count(a), [&](int i, int j, int k) {
+    for_places(g.face_count(a), asked, [&](int i, int j, int k) {
       const int f = g.face(a, i, j, k);
       if (mass[f] == 0.0) return;
       const double back = sample_face(g, forth, a, trace_back(g, u, g.face_position(a, i, j, k), -dt));

@@ -201,7 +201,7 @@ void GridFluidBody::apply_damping(std::span<const double> x, std::span<double> y
   const double mu = model_.viscosity * g.dx;
   for (int a = 0; a < 3; ++a) {
     const Vec3i count = g.face_count(a);
-    for_places(count, [&](int i, int j, int k) {
+    for_places(count, wet_.layers, [&](int i, int j, int k) {
       const int f = g.face(a, i, j, k);
       if (wet_.kind[f] == Kind::Dry) return;
       const std::array<int, 3> at = {i, j, k};
@@ -215,6 +215,20 @@ void GridFluidBody::apply_damping(std::span<const double> x, std::span<double> y
       y[f] += mu * sum;
     });
   }
+}
+
+void GridFluidBody::apply_system(std::span<const double> x, std::span<double> y) const {
+  std::size_t f = 0;
+  for (std::size_t h = 0; h <= wet_.held.size(); ++h) {
+    const std::size_t end = h < wet_.held.size() ? wet_.held[h].begin : x.size();
+    for (; f < end; ++f) y[f] += mass_[f] * x[f];
+    if (h < wet_.held.size()) f = wet_.held[h].end;
+  }
+  if (model_.viscosity == 0.0) return;
+  std::vector<double>& slowed = scratch_;
+  slowed.assign(x.size(), 0.0);
+  apply_damping(x, slowed);
+  for (std::size_t i = 0; i < slowed.size(); ++i) y[i] -= dt_ * slowed[i];
 }
 
 void GridFluidBody::add_system_diagonal(std::size_t first, BlockDiagonal& D) const {
@@ -259,8 +273,7 @@ void GridFluidBody::note_impulse(std::span<const double> impulse) {
 }
 
 void GridFluidBody::filter(std::span<double> x) const {
-  for (std::size_t f = 0; f < x.size(); ++f)
-    if (wet_.kind[f] != Kind::Free) x[f] = 0.0;
+  for (const auto& [begin, end] : wet_.held) std::fill(x.begin() + begin, x.begin() + end, 0.0);
 }
 
 }  // namespace brim

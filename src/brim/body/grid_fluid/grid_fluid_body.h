@@ -48,6 +48,7 @@ class GridFluidBody final : public Body,
                             public Restless,
                             public TouchedSurface,
                             public FlowsAround,
+                            public IdleVelocities,
                             public MovableBase {
  public:
   /// @throws InputError for a grid without cells, or values out of range
@@ -69,6 +70,7 @@ class GridFluidBody final : public Body,
   void add_forces(const Environment& env, std::span<double> Q) const override;
   void apply_mass(std::span<const double> x, std::span<double> y) const override;
   void apply_damping(std::span<const double> x, std::span<double> y) const override;
+  void apply_system(std::span<const double> x, std::span<double> y) const override;
   std::vector<int> block_sizes() const override { return std::vector<int>(model_.grid.faces() / 3, 3); }
   void add_system_diagonal(std::size_t first, BlockDiagonal& D) const override;
   void prepare_preconditioner(std::size_t first, const BlockDiagonal& D) override;
@@ -96,11 +98,14 @@ class GridFluidBody final : public Body,
   }
   Vec3 wall_impulse() const override { return wall_impulse_; }
 
+  std::span<const VelocityRange> idle_velocities() const override { return wet_.idle; }
+
   const MacGrid& flow_grid() const override { return model_.grid; }
   bool flows_around(const PartInfo& other) const override;
   void set_solids(std::span<const float> octant, std::span<double> v) override;
   bool has_taken_solids() const override { return solids_taken_; }
   bool is_wet(int cell) const override { return wet_.cell[cell] != 0; }
+  std::span<const std::int32_t> wet_cells() const override { return wet_.wet; }
   double open_share(int face) const override { return wet_.open[face]; }
   void add_flow(std::span<const double> u, std::span<double> out) const override { solver_.flow(u, out); }
   void add_push(std::span<const double> pressure, std::span<double> impulse) const override {
@@ -169,8 +174,7 @@ class GridFluidBody final : public Body,
 
   // Of the solve:
   mutable PressureProjection solver_;
-  PressureProjection* acting_ = &projection_;  ///< the one for the present wet cells: of the solve, or before and after
-  mutable std::vector<double> impulse_;        ///< [Pa s] pressure, initial guess of the next solve
+  mutable std::vector<double> impulse_;  ///< [Pa s] pressure, initial guess of the next solve
   std::vector<double> mass_;
   Vec3 wall_impulse_ = Vec3::Zero();  ///< [N s] from the walls, in the last sub-step
   Vec3 held_ = Vec3::Zero();          ///< [N s] impulses on faces held by walls, in this sub-step

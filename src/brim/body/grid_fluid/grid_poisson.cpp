@@ -110,9 +110,11 @@ void GridPoisson::finish() {
   const PaddedBox& box = multigrid_.box();
   for (std::vector<double>* array : {&diagonal_, &coupling_[0], &coupling_[1], &coupling_[2], &x_, &r_, &p_, &y_})
     array->assign(box.size, 0.0);
+  known_.clear();
   box.for_cells([&](std::size_t at, std::size_t c) {
     diagonal_[at] = matrix_.diagonal[c];
     for (std::size_t a = 0; a < 3; ++a) coupling_[a][at] = matrix_.coupling[a][c];
+    if (matrix_.diagonal[c] > 0.0) known_.push_back({static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(c)});
   });
 }
 
@@ -156,41 +158,32 @@ void GridPoisson::turn(double ratio, double most) {
 }
 
 void GridPoisson::multiply(std::span<const double> x, std::span<double> y) {
-  const PaddedBox& box = multigrid_.box();
-  const auto known = [&](std::size_t c) { return matrix_.diagonal[c] > 0.0; };
-  box.for_cells([&](std::size_t at, std::size_t c) { p_[at] = known(c) ? x[c] : 0.0; });
+  for (const auto [at, c] : known_) p_[at] = x[c];
   apply(p_, y_);
-  box.for_cells([&](std::size_t at, std::size_t c) {
-    if (known(c)) y[c] = y_[at];
-  });
+  for (const auto [at, c] : known_) y[c] = y_[at];
 }
 
 void GridPoisson::cycle(std::span<const double> r, std::span<double> z) {
-  const PaddedBox& box = multigrid_.box();
-  const auto known = [&](std::size_t c) { return matrix_.diagonal[c] > 0.0; };
   double most = 0.0;
-  box.for_cells([&](std::size_t at, std::size_t c) {
-    r_[at] = known(c) ? r[c] : 0.0;
-    most = std::max(most, std::abs(r_[at]));
-  });
+  for (const auto [at, c] : known_) {
+    r_[at] = r[c];
+    most = std::max(most, std::abs(r[c]));
+  }
   if (most > 0.0) precondition(most);
-  box.for_cells([&](std::size_t at, std::size_t c) {
-    if (known(c)) z[c] = most > 0.0 ? most * double{multigrid_.scale()[at]} * double{multigrid_.found()[at]} : 0.0;
-  });
+  const auto scale = multigrid_.scale(), found = multigrid_.found();
+  for (const auto [at, c] : known_) z[c] = most > 0.0 ? most * double{scale[at]} * double{found[at]} : 0.0;
 }
 
 int GridPoisson::solve(std::span<const double> b, double tolerance, int max_iterations, std::span<double> x) {
   BRIM_CHECK(b.size(), ==, matrix_.diagonal.size());
   BRIM_CHECK(x.size(), ==, matrix_.diagonal.size());
-  const PaddedBox& box = multigrid_.box();
-  const auto known = [&](std::size_t c) { return matrix_.diagonal[c] > 0.0; };
-  box.for_cells([&](std::size_t at, std::size_t c) { x_[at] = known(c) ? x[c] : 0.0; });
+  for (const auto [at, c] : known_) x_[at] = x[c];
   apply(x_, y_);
   double most = 0.0;
-  box.for_cells([&](std::size_t at, std::size_t c) {
-    r_[at] = known(c) ? b[c] - y_[at] : 0.0;
+  for (const auto [at, c] : known_) {
+    r_[at] = b[c] - y_[at];
     most = std::max(most, std::abs(r_[at]));
-  });
+  }
   int iterations = 0;
   double rz = 0.0;
   while (most > tolerance && iterations < max_iterations) {
@@ -204,7 +197,8 @@ int GridPoisson::solve(std::span<const double> b, double tolerance, int max_iter
     most = advance(rz / curvature);
     ++iterations;
   }
-  box.for_cells([&](std::size_t at, std::size_t c) { x[c] = x_[at]; });
+  std::ranges::fill(x, 0.0);
+  for (const auto [at, c] : known_) x[c] = x_[at];
   return iterations;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -37,8 +38,14 @@ class GridPoisson {
   double precondition(double most);
   void turn(double ratio, double most);
 
+  /// A cell with an unknown, and its place in padded arrays.
+  struct Known {
+    std::uint32_t at, cell;
+  };
+
   GridMatrix matrix_;
   GridMultigrid multigrid_;
+  std::vector<Known> known_;
   std::vector<double> diagonal_;  ///< padded, as all below
   std::array<std::vector<double>, 3> coupling_;
   std::vector<double> x_, r_, p_, y_;

@@ -66,6 +66,19 @@ void for_places(const Vec3i& count, const F& f) {
   });
 }
 
+/// Layers k of a grid, [begin, end).
+struct Layers {
+  int begin = 0, end = 0;
+  Layers grown_by(int n) const { return {begin - n, end + n}; }
+};
+
+/// The same for the places in some layers of the box alone.
+template <class F>
+void for_places(const Vec3i& count, const Layers& layers, const F& f) {
+  const int begin = std::max(layers.begin, 0), end = std::min(layers.end, count.z());
+  for_places({count.x(), count.y(), std::max(0, end - begin)}, [&](int i, int j, int k) { f(i, j, begin + k); });
+}
+
 /// Position of a coordinate between samples 0 .. count−1, clamped at the ends.
 struct SamplePlace {
   int low;   ///< lower sample

@@ -17,6 +17,7 @@ void PressureProjection::prepare(const MacGrid& g, const WetFaces& wet, std::spa
   grid_ = &g;
   wet_ = &wet;
   push_.clear(), wet_cell_.clear();
+  known_.assign(g.cells() + 1, 0.0), change_.assign(g.cells() + 1, 0.0), flow_.assign(g.cells(), 0.0);
   poisson_.reset(g.n);
   GridMatrix& A = poisson_.finest();
   const double area2 = g.dx * g.dx * g.dx * g.dx;
@@ -79,8 +80,7 @@ int PressureProjection::project(std::span<const double> r, double tolerance, std
   const MacGrid& g = *grid_;
   const double area = g.dx * g.dx;
   // What is no unknown of the solve has no pressure, whatever the guess says; nor has the air.
-  known_.assign(g.cells() + 1, 0.0), change_.assign(g.cells() + 1, 0.0), flow_.assign(g.cells(), 0.0);
-  for (const auto& [c, f] : wet_cell_) known_[c] = pressure[c];
+  for (const auto& [c, f] : wet_cell_) known_[c] = pressure[c], change_[c] = 0.0;
   std::fill(z.begin(), z.end(), 0.0);
   std::vector<double> fastest((push_.size() + kOfWork - 1) / kOfWork, 0.0);
   parallel_blocks(push_.size(), kOfWork, [&](std::size_t begin, std::size_t end) {
@@ -107,7 +107,8 @@ int PressureProjection::project(std::span<const double> r, double tolerance, std
         z[p.face] += p.inverse_mass * p.area * (change_[p.low] - change_[p.high]);
       },
       kOfWork);
-  for (std::size_t c = 0; c < g.cells(); ++c) pressure[c] = known_[c] + change_[c];
+  std::fill(pressure.begin(), pressure.end(), 0.0);
+  for (const auto& [c, f] : wet_cell_) pressure[c] = known_[c] + change_[c];
   return iterations;
 }
 

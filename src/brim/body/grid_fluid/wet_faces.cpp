@@ -1,5 +1,8 @@
 #include "brim/body/grid_fluid/wet_faces.h"
 
+#include <algorithm>
+#include <iterator>
+
 namespace brim {
 
 namespace {
@@ -7,6 +10,8 @@ namespace {
 constexpr double kLeastWet = 0.05;
 /// Part of a face below which it is closed.
 constexpr double kLeastOpen = 0.03;
+/// Faces of a range that counts as long.
+constexpr std::size_t kLong = 256;
 }  // namespace
 
 void WetFaces::find(const MacGrid& g, std::span<const double> phi, const std::array<bool, 6>& sides,
@@ -16,7 +21,7 @@ void WetFaces::find(const MacGrid& g, std::span<const double> phi, const std::ar
   share.resize(g.faces());
   open.assign(g.faces(), 1.0);
   for (std::size_t f = 0; f < left.size(); ++f) open[f] = left[f] < kLeastOpen ? 0.0 : left[f];
-  wet_cells = 0;
+  wet.clear();
   for_places(g.n, [&](int i, int j, int k) {
     const Vec3i at(i, j, k);
     const int c = g.cell(at);
@@ -30,7 +35,8 @@ void WetFaces::find(const MacGrid& g, std::span<const double> phi, const std::ar
     }
     cell[c] = any;
   });
-  for (const unsigned char c : cell) wet_cells += c;
+  for (std::size_t c = 0; c < cell.size(); ++c)
+    if (cell[c]) wet.push_back(static_cast<std::int32_t>(c));
   const Vec3i places = g.n + Vec3i::Ones();
   for_places(places, [&](int i, int j, int k) {
     for (int a = 0; a < 3; ++a) {
@@ -58,6 +64,18 @@ void WetFaces::find(const MacGrid& g, std::span<const double> phi, const std::ar
       share[f] = open[f] * (out > 0.0 ? std::max(in / (in - out), kLeastWet) : 1.0);
     }
   });
+  held.clear(), idle.clear();
+  for (std::size_t f = 0; f < kind.size(); ++f) {
+    if (kind[f] == Kind::Free) continue;
+    if (held.empty() || held.back().end != f) held.push_back({f, f});
+    held.back().end = f + 1;
+  }
+  std::ranges::copy_if(held, std::back_inserter(idle), [](const VelocityRange& r) { return r.end - r.begin >= kLong; });
+  layers = {places.z(), 0};
+  const std::size_t layer = 3 * static_cast<std::size_t>(places.x() * places.y());
+  for (int k = 0; k < places.z(); ++k)
+    if (std::any_of(kind.begin() + k * layer, kind.begin() + (k + 1) * layer, [](Kind f) { return f != Kind::Dry; }))
+      layers = {std::min(layers.begin, k), k + 1};
   touches_walls = std::find(kind.begin(), kind.end(), Kind::Wall) != kind.end();
 }
 

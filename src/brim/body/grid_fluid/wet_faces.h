@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "brim/body/grid_fluid/mac_grid.h"
+#include "brim/body/idle_velocities.h"
 
 namespace brim {
 
@@ -24,8 +26,11 @@ struct WetFaces {
   std::vector<Kind> kind;           ///< shape (faces)
   std::vector<double> share;        ///< [-], 0 where dry, shape (faces)
   std::vector<double> open;         ///< [-], shape (faces)
-  std::size_t wet_cells = 0;
-  bool touches_walls = false;  ///< some face is a wall face
+  std::vector<std::int32_t> wet;    ///< the wet cells, ascending
+  std::vector<VelocityRange> held;  ///< the faces that are not free, as ranges
+  std::vector<VelocityRange> idle;  ///< those of them that are long
+  Layers layers;                    ///< those with faces that are not dry
+  bool touches_walls = false;       ///< some face is a wall face
 
   /// @param open  sides −x, +x, −y, +y, −z, +z with air beyond
   /// @param left  fraction of a face not taken by solids, shape (faces); empty: all
