@@ -157,6 +157,14 @@ void ArrayBody::update(double time, std::span<const double> q, std::span<const d
   caller_->call([&] { OwnBody::update(time, q, v); });
 }
 
+void ArrayBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
+  caller_->call([&] { OwnBody::advance(dt, q, v); });
+}
+
+void ArrayBody::finish_step(double time, double dt, std::span<double> q, std::span<double> v) {
+  caller_->call([&] { OwnBody::finish_step(time, dt, q, v); });
+}
+
 double ArrayBody::relative_speed_bound(int p, std::span<const double> v) const {
   double bound = 0.0;
   caller_->call([&] { bound = OwnBody::relative_speed_bound(p, v); });

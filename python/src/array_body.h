@@ -33,6 +33,8 @@ class ArrayBody final : public OwnBody {
   void jacobian_all(Coordinates q, std::span<const Vec3> X, DenseMap& J) const override;
 
   void update(double time, std::span<const double> q, std::span<const double> v) override;
+  void advance(double dt, std::span<double> q, std::span<const double> v) const override;
+  void finish_step(double time, double dt, std::span<double> q, std::span<double> v) override;
   double relative_speed_bound(int p, std::span<const double> v) const override;
   void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
   void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,

@@ -30,12 +30,6 @@ constexpr double kBulge = 0.02;
 constexpr std::size_t kTried = 16;
 constexpr double kMiss = 0.1;
 
-/// [rad] by which a body is turned to see whether its energy minds, and of what stretching it so far would take the
-/// share that is rounding and differences.
-constexpr double kTurn = 1e-2, kMinds = 1e-3;
-/// [-] of a rotation that coordinates cannot follow.
-constexpr double kCannotFollow = 1e-6;
-
 Eigen::Map<const Vector> vector(std::span<const double> x) { return {x.data(), static_cast<Eigen::Index>(x.size())}; }
 Eigen::Map<Vector> writable(std::span<double> x) { return {x.data(), static_cast<Eigen::Index>(x.size())}; }
 
@@ -139,7 +133,8 @@ void OwnBody::update(double, std::span<const double> q, std::span<const double> 
   bounds_ = bounds_.inflated(kBulge * bounds_.extent().maxCoeff());
   measure_matter();
   measure_energy();
-  if (!started_) started_ = true, turns_freely_ = measure_turns();
+  if (!started_) rigid_ = follows_rigid_motion(), turns_freely_ = rigid_ && is_energy_turned(), started_ = true;
+  if (!rigid_) bias_ = bias();
 }
 
 double OwnBody::step_of(std::size_t i, double relative) const {
@@ -221,71 +216,39 @@ void OwnBody::check_jacobian() const {
   }
 }
 
-bool OwnBody::measure_turns() const {
-  const Eigen::LDLT<Eigen::MatrixXd> inverse(M_);
-  // Whether the matter can turn as a whole: its inertia by the coordinates, and by the pieces.
-  std::vector<Vec3> x(piece_.size());
-  deform_all(q_, piece_, x);
-  Mat3 inertia = Mat3::Zero();
-  for (std::size_t k = 0; k < x.size(); ++k)
-    inertia += piece_mass_[k] * (x[k].squaredNorm() * Mat3::Identity() - x[k] * x[k].transpose());
-  const Mat3 followed = angular_ * inverse.solve(angular_.transpose());
-  if (!((followed - inertia).norm() <= kCannotFollow * inertia.norm())) return false;
-  // Turned about each axis by the midpoint rule: energies that stay what they are change by rounding.
-  const auto turned = [&](const std::vector<double>& from, const std::vector<double>& at, const Vec3& w) {
-    std::vector<Vec3> place(piece_.size());
-    deform_all(at, piece_, place);
-    DenseMap J;
-    J.reset(piece_.size(), at.size());
-    jacobian_all(at, piece_, J);
-    Eigen::MatrixXd M = Eigen::MatrixXd::Zero(M_.rows(), M_.cols());
-    Vector turn = Vector::Zero(M_.rows());
-    for (std::size_t k = 0; k < piece_.size(); ++k) {
-      M += piece_mass_[k] * J.row(k).transpose() * J.row(k);
-      turn += piece_mass_[k] * J.row(k).transpose() * w.cross(place[k]);
-    }
-    std::vector<double> to = from;
-    writable(to) += M.ldlt().solve(turn);
-    return to;
-  };
-  const double start = energy(q_);
-  for (int axis = 0; axis < 3; ++axis) {
-    const Vec3 w = kTurn * Vec3::Unit(axis);
-    const std::vector<double> half = turned(q_, q_, 0.5 * w), whole = turned(q_, half, w);
-    const Vector way = vector(whole) - vector(q_);
-    const double stretched = 0.5 * K_.norm() * way.squaredNorm();
-    if (!(std::abs(energy(whole) - start) <= kMinds * stretched)) return false;
-  }
-  return true;
-}
-
 void OwnBody::measure_matter() {
   const auto n = static_cast<Eigen::Index>(q_.size());
   M_.setZero(n, n);
   linear_.setZero(3, n);
   angular_.setZero(3, n);
-  bias_.setZero(n);
   first_moment_.setZero();
-  // J̇ v by a difference along the motion.
+  if (next_q_ == q_) {
+    std::swap(x_, next_x_), std::swap(J_, next_J_);
+  } else {
+    x_ = piece_places(q_);
+    J_.reset(piece_.size(), q_.size());
+    jacobian_all(q_, piece_, J_);
+  }
+  next_q_.clear();
+  for (std::size_t k = 0; k < piece_.size(); ++k) {
+    const double m = piece_mass_[k];
+    const auto J = J_.row(k);
+    const Vec3 x = Eigen::Map<const Vec3>(x_.data() + 3 * k);
+    M_ += m * J.transpose() * J;
+    linear_ += m * J;
+    angular_ += m * skew(x) * J;
+    first_moment_ += m * x;
+  }
+}
+
+Eigen::VectorXd OwnBody::bias() const {
+  // J̇ v is the second derivative of deform along the motion.
   const double d = time_step(v_);
   std::vector<double> ahead(q_), behind(q_);
   for (std::size_t i = 0; i < q_.size(); ++i) ahead[i] += d * v_[i], behind[i] -= d * v_[i];
-  std::vector<Vec3> x(piece_.size());
-  deform_all(q_, piece_, x);
-  DenseMap at_q, at_ahead, at_behind;
-  for (const auto& [where, map] : {std::pair{&q_, &at_q}, {&ahead, &at_ahead}, {&behind, &at_behind}}) {
-    map->reset(piece_.size(), q_.size());
-    jacobian_all(*where, piece_, *map);
-  }
-  for (std::size_t k = 0; k < piece_.size(); ++k) {
-    const double m = piece_mass_[k];
-    const auto J = at_q.row(k);
-    M_ += m * J.transpose() * J;
-    linear_ += m * J;
-    angular_ += m * skew(x[k]) * J;
-    bias_ += m * J.transpose() * ((at_ahead.row(k) - at_behind.row(k)) * vector(v_)) / (2.0 * d);
-    first_moment_ += m * x[k];
-  }
+  std::vector<double> bend = piece_places(ahead);
+  writable(bend) += vector(piece_places(behind)) - 2.0 * vector(x_);
+  return gather(J_, bend) / (d * d);
 }
 
 void OwnBody::measure_energy() {
@@ -307,27 +270,9 @@ void OwnBody::measure_energy() {
   K_ = eigen.eigenvectors() * eigen.eigenvalues().cwiseMin(0.0).asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-void OwnBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
-  for (std::size_t i = 0; i < q.size(); ++i) q[i] += dt * v[i];
-}
-
-void OwnBody::finish_step(double, double dt, std::span<double> q, std::span<double> v) {
-  if (!turns_freely_) return;
-  // Elastic forces have no torque about the middle: what the solve's linear change of them had is given back as a turn.
-  const Eigen::LDLT<Eigen::MatrixXd> inverse(M_);
-  const Vector impulse = dt * force_ + dt * (dt + model_.stiffness_damping) * (K_ * vector(v));
-  const Vector change = inverse.solve(impulse);
-  const Vec3 middle = first_moment_ / mass_;
-  const Vec3 torque = angular_ * change - middle.cross(linear_ * change);
-  const Jacobian spin = angular_ - skew(middle) * linear_;
-  const Mat3 inertia = spin * inverse.solve(spin.transpose());
-  const Vector turn = inverse.solve(spin.transpose() * inertia.ldlt().solve(torque));
-  // Matter has moved by what it had before.
-  writable(v) -= turn, writable(q) -= dt * turn;
-}
-
 void OwnBody::add_forces(const Environment& env, std::span<double> Q) const {
-  writable(Q) += force_ - bias_ + linear_.transpose() * env.gravity + model_.stiffness_damping * (K_ * vector(v_));
+  writable(Q) += force_ + linear_.transpose() * env.gravity + model_.stiffness_damping * (K_ * vector(v_));
+  add_forces_of_motion(Q);
   add_outer_forces(Q);
 }
 

@@ -6,6 +6,8 @@
 #include "brim/body/body.h"
 #include "brim/body/material_points.h"
 #include "brim/body/outer_forces.h"
+#include "brim/body/particles/mean_motion.h"
+#include "brim/body/turns.h"
 #include "brim/map/dense_map.h"
 
 namespace brim {
@@ -31,10 +33,11 @@ struct OwnModel {
 /// All costs grow with n² or n³: for up to some dozens of coordinates.
 ///
 /// Momentum of contact is exact as far as deform() can represent rigid motion: translations give exact linear momentum,
-/// rotations exact angular momentum. If the energy is invariant under rotation, the spin lost by linearising its forces
-/// over a step is given back (docs/numerics.md, Momentum of deformable bodies).
-/// Tests: tests/body/own_body_test.cpp
-class OwnBody : public Body, public OuterForces, public MaterialPoints {
+/// rotations exact angular momentum. A body with both moves as the built-in deformable kinds do: its matter turns with
+/// its mean motion, and then the coordinates and velocities nearest to it are taken (least squares over the mass
+/// points; there is no J̇ v then). If the energy is invariant under rotation, the spin lost by linearising its forces
+/// over a step is given back (docs/numerics.md, Momentum of deformable bodies). Tests: tests/body/own_body_test.cpp
+class OwnBody : public Body, public OuterForces, public MaterialPoints, public Turns {
  public:
   using Coordinates = std::span<const double>;
   using Jacobian = DenseMap::Jacobian;
@@ -87,6 +90,7 @@ class OwnBody : public Body, public OuterForces, public MaterialPoints {
   void rasterize(int p, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const override;
   void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
                 std::unique_ptr<Map>& map) const override;
+  void turns(std::span<const double> v, std::span<Turn> part) const override;
   Vec3 material_at(int, const Vec3& x) const override;
   Vec3 position_of(int, const Vec3& X) const override;
   double mass() const override { return mass_; }
@@ -110,7 +114,23 @@ class OwnBody : public Body, public OuterForces, public MaterialPoints {
   /// @throws InputError  when the jacobian is not the derivative of deform
   void check_jacobian() const;
   void measure_matter();
-  bool measure_turns() const;
+  /// Σ m Jᵀ J̇ v
+  Eigen::VectorXd bias() const;
+  /// −Σ m Jᵀ J̇ v, or the forces of the frame that turns with the body.
+  void add_forces_of_motion(std::span<double> Q) const;
+  /// Whether coordinates can move all matter as one rigid body.
+  bool follows_rigid_motion() const;
+  /// Whether the energy is the same after a turn about the centre of mass.
+  bool is_energy_turned() const;
+  ParticleSet pieces() const { return {.mass = piece_mass_, .prescribed = {}}; }
+  /// Of the pieces, shape (3 pieces).
+  std::vector<double> piece_places(Coordinates q) const;
+  std::vector<double> piece_velocities(std::span<const double> v) const;
+  /// Σ m Jᵀ u over the pieces. @param u  shape (3 pieces)
+  Eigen::VectorXd gather(const DenseMap& J, std::span<const double> u) const;
+  /// Moves q to the coordinates whose matter is nearest to x. @param x  [m] of the pieces, shape (3 pieces)
+  /// @return false when there are none near q, which is kept
+  bool fit(std::span<const double> x, std::span<double> q) const;
   /// [units of q] step of coordinate i for a central difference.
   double step_of(std::size_t i, double relative) const;
   /// [s] time in which motion at v moves matter by such a step.
@@ -126,15 +146,21 @@ class OwnBody : public Body, public OuterForces, public MaterialPoints {
   // Of the first update:
   std::vector<double> scale_;  // [units of q] that move matter by the extent at rest
   bool started_ = false;
-  bool turns_freely_ = false;  // coordinates can rotate it, and its energy is invariant
+  bool rigid_ = false;         // coordinates can move it as a rigid body
+  bool turns_freely_ = false;  // and its energy is invariant under rotation
   // Of the last update:
   std::vector<double> q_, v_;
   std::vector<Vec3> vertex_;
   Aabb bounds_;
+  std::vector<double> x_;             // [m] of the pieces, shape (3 pieces)
+  DenseMap J_;                        // of the pieces
   Vec3 first_moment_ = Vec3::Zero();  // Σ m x
   Eigen::MatrixXd M_, K_;
   Jacobian linear_, angular_;     // Σ m J and Σ m x × J
-  Eigen::VectorXd force_, bias_;  // −∂E/∂q and Σ m Jᵀ J̇ v
+  Eigen::VectorXd force_, bias_;  // −∂E/∂q and Σ m Jᵀ J̇ v, the latter not where it is rigid_
+  // Of the coordinates that the last step reached, for the next update:
+  std::vector<double> next_q_, next_x_;
+  DenseMap next_J_;
 };
 
 }  // namespace brim
