@@ -286,6 +286,43 @@ TEST(OwnBody, TheUnitOfItsCoordinatesChangesNothing) {
   for (std::size_t i = 0; i < 12; ++i) EXPECT_NEAR(scaled_Q[i] / ScaledBall::kUnit, Q[i], 1e-6 * most) << i;
 }
 
+/// A plate of 1 m with a dimple of some centimetres in its middle: q = height, depth.
+class Dimple final : public OwnBody {
+ public:
+  static constexpr double kWidth = 0.15;
+  explicit Dimple(OwnModel m) : OwnBody(std::move(m)) {}
+  std::string_view kind() const override { return "dimple"; }
+  static double mode(const Vec3& X) { return std::exp(-X.head<2>().squaredNorm() / (2.0 * kWidth * kWidth)); }
+  Vec3 deform(Coordinates q, const Vec3& X) const override {
+    return X + Vec3(0.2 * std::sin(q[1]) * mode(X), 0.0, q[0] + q[1] * mode(X));
+  }
+  Vec3 inverse_deform(Coordinates q, const Vec3& x) const override { return x - (deform(q, x) - x); }
+  double distance(Coordinates q, const Vec3& x) const override { return std::abs(inverse_deform(q, x).z()) - 0.05; }
+  double energy(Coordinates q) const override { return 250.0 * q[1] * q[1] + 2.5e4 * std::pow(q[1], 4); }
+  void jacobian(Coordinates q, const Vec3& X, Eigen::Ref<Jacobian> J) const override {
+    J.col(0) = Vec3::UnitZ(), J.col(1) = Vec3(0.2 * std::cos(q[1]), 0.0, 1.0) * mode(X);
+  }
+};
+
+TEST(OwnBody, AModeThatMovesLittleOfTheMatterHasItsForceAndItsJacobian) {
+  // The dimple is 1e-5 deep at the corners of the plate.
+  OwnModel m;
+  m.q = {0.0, 0.0};
+  m.surface = shapes::box(Vec3(1.0, 1.0, 0.1), 8);
+  m.density = 100.0;
+  Dimple body(std::move(m));
+  const std::vector<double> zero(2, 0.0);
+  EXPECT_NO_THROW(body.update(0.0, zero, zero)) << "its jacobian is right";
+  const std::vector<double> q = {0.0, 0.05};
+  body.update(0.0, q, zero);
+  std::vector<double> Q(2, 0.0);
+  Environment env;
+  env.gravity.setZero();
+  body.add_forces(env, Q);
+  const double by_hand = -500.0 * q[1] - 1e5 * std::pow(q[1], 3);
+  EXPECT_NEAR(Q[1], by_hand, 1e-4 * std::abs(by_hand));
+}
+
 TEST(OwnBody, AFreeBodyKeepsItsSpin_AndOneThatIsTiedToSpaceSwings) {
   const std::vector<double> q = {0, 0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 1};
   std::vector<double> v(12, 0.0);

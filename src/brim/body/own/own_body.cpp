@@ -152,13 +152,13 @@ double OwnBody::time_step(std::span<const double> v) const {
 void OwnBody::measure_scales() {
   Aabb box;
   for (const Vec3& X : model_.surface.vertices) box.extend(X);
-  std::vector<Vec3> corner, x(8), moved(8);
-  for (int c = 0; c < 8; ++c)
-    corner.emplace_back(c & 1 ? box.hi.x() : box.lo.x(), c & 2 ? box.hi.y() : box.lo.y(),
-                        c & 4 ? box.hi.z() : box.lo.z());
+  // Where matter is: a local mode moves no corner of the box.
+  std::vector<Vec3> matter = model_.surface.vertices;
+  matter.insert(matter.end(), piece_.begin(), piece_.end());
+  std::vector<Vec3> x(matter.size()), moved(matter.size());
   const double extent = box.extent().maxCoeff();
   std::vector<double> q = model_.q, scale(q.size());
-  deform_all(q, corner, x);
+  deform_all(q, matter, x);
   for (std::size_t i = 0; i < q.size(); ++i) {
     // A step that moves it by little, whatever the unit: from that of one, at most a few times.
     double d = kPlaceStep * std::max(1.0, std::abs(q[i]));
@@ -166,10 +166,10 @@ void OwnBody::measure_scales() {
     for (int attempt = 0; attempt < 4; ++attempt) {
       const double at = q[i];
       q[i] = at + d;
-      deform_all(q, corner, moved);
+      deform_all(q, matter, moved);
       q[i] = at;
       double way = 0.0;
-      for (std::size_t c = 0; c < 8; ++c) way = std::max(way, (moved[c] - x[c]).norm());
+      for (std::size_t k = 0; k < x.size(); ++k) way = std::max(way, (moved[k] - x[k]).norm());
       if (!(way > 0.0) || !std::isfinite(way)) break;
       scale[i] = d * extent / way;
       const double wanted = kPlaceStep * scale[i];
