@@ -129,5 +129,37 @@ TEST(OwnBodyMotion, AStiffJellyThatRollsGainsNoEnergy) {
   }
 }
 
+/// A bar as a bow, of the eight vertices of a box: its ends are 0.4 m above its middle.
+class Bow final : public OwnBody {
+ public:
+  explicit Bow(OwnModel m) : OwnBody(std::move(m)) {}
+  std::string_view kind() const override { return "bow"; }
+  Vec3 deform(Coordinates q, const Vec3& X) const override { return X + Vec3(0, 0, q[0] + q[1] * X.x() * X.x()); }
+  Vec3 inverse_deform(Coordinates q, const Vec3& x) const override {
+    return x - Vec3(0, 0, q[0] + q[1] * x.x() * x.x());
+  }
+  double distance(Coordinates q, const Vec3& x) const override {
+    return (inverse_deform(q, x).cwiseAbs() - Vec3(0.5, 0.05, 0.05)).maxCoeff();
+  }
+  double energy(Coordinates q) const override { return 1e3 * (q[1] - 1.6) * (q[1] - 1.6); }
+};
+
+TEST(OwnBodyMotion, MatterBetweenTheVerticesOfABentBodyIsInItsBounds) {
+  OwnModel m;
+  m.q = {0.3, 1.6}, m.v = {-1.0, 0.0};
+  m.surface = shapes::box(Vec3(1.0, 0.1, 0.1));
+  m.voxel_size = 0.04;
+  auto body = std::make_unique<Bow>(std::move(m));
+  body->set_name("bow");
+  WorldOptions o;
+  o.voxel_size = 0.04, o.time_step = 0.01;
+  World w(o);
+  w.add(testing::ground(0.5));
+  w.add(std::move(body));
+  EXPECT_LE(w.body(1).bounds(0).lo.z(), 0.25);
+  for (int i = 0; i < 60; ++i) ASSERT_TRUE(w.step().ok);
+  EXPECT_GT(w.q(1)[0], 0.03) << "the middle, half as thick as 0.1 m, lies on the ground: before, it fell through";
+}
+
 }  // namespace
 }  // namespace brim::own_body_motion_test

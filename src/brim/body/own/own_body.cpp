@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brim/body/own/own_matter.h"
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 #include "brim/mesh/mass_properties.h"
@@ -22,8 +23,11 @@ using Vector = Eigen::VectorXd;
 /// Steps of central differences, as shares of what moves matter by its extent: of deform, along a motion, and of the
 /// energy's first and second derivatives.
 constexpr double kPlaceStep = 1e-4, kMotionStep = 1e-3, kForceStep = 1e-5, kStiffnessStep = 1e-4;
-/// [-] of the extent by which matter may bulge beyond the corners of its surface.
+/// [-] of the extent by which matter may bulge beyond the points at which it is looked for.
 constexpr double kBulge = 0.02;
+/// [-] of the extent that edges of the surface may have: at a curvature κ matter bulges by κ l²/8 beyond an edge l,
+/// which is kBulge where the body bends by 10 rad over its extent.
+constexpr double kEdge = 0.126;
 
 /// Pieces of matter at which the jacobian is held against differences of deform, and by how much it may miss them, as a
 /// share of what the coordinate moves at most. Formulas that are right miss by rounding.
@@ -62,6 +66,7 @@ OwnBody::OwnBody(OwnModel model) : model_(std::move(model)) {
   part_.areal_mass = 6.0 * mass_ / surface_area(model_.surface);
   part_.thickness = box.extent().minCoeff();
   part_.material = model_.material;
+  model_.surface = with_short_edges(model_.surface, kEdge * box.extent().maxCoeff());
   display_.vertices = model_.surface.vertices.size();
   display_.triangles = model_.surface.triangles;
 }
@@ -127,11 +132,12 @@ void OwnBody::update(double, std::span<const double> q, std::span<const double> 
   vertex_.resize(model_.surface.vertices.size());
   if (scale_.empty()) measure_scales();
   if (!started_) check_jacobian();
+  measure_matter();
   deform_all(q_, model_.surface.vertices, vertex_);
   bounds_ = Aabb();
   for (const Vec3& x : vertex_) bounds_.extend(x);
+  for (std::size_t k = 0; k < x_.size(); k += 3) bounds_.extend(Vec3(x_[k], x_[k + 1], x_[k + 2]));
   bounds_ = bounds_.inflated(kBulge * bounds_.extent().maxCoeff());
-  measure_matter();
   measure_energy();
   if (!started_) rigid_ = follows_rigid_motion(), turns_freely_ = rigid_ && is_energy_turned(), started_ = true;
   if (!rigid_) bias_ = bias();
@@ -299,6 +305,8 @@ double OwnBody::relative_speed_bound(int, std::span<const double> v) const {
   double most = 0.0;
   for (std::size_t i = 0; i < front.size(); ++i)
     most = std::max(most, ((front[i] - back[i]) / (2.0 * d) - mean).norm());
+  const std::vector<double> u = piece_velocities(v);
+  for (std::size_t k = 0; k < u.size(); k += 3) most = std::max(most, (Vec3(u[k], u[k + 1], u[k + 2]) - mean).norm());
   return (1.0 + kBulge) * most;
 }
 
