@@ -10,9 +10,10 @@ namespace brim::own_matter_test {
 namespace {
 
 TEST(OwnMatter, PointsHaveTheMassCentreAndInertiaOfTheSolid) {
-  TriMesh ball = shapes::icosphere(0.2, 3), bar = shapes::box(Vec3(1.0, 0.1, 0.1));
-  for (Vec3& x : bar.vertices) x += Vec3(0.3, -20.0, 4.0);
-  for (const auto& [surface, spacing] : {std::pair(ball, 0.05), {ball, 0.2}, {bar, 0.1}, {bar, 0.04}}) {
+  const TriMesh ball = shapes::icosphere(0.2, 3), bar = shapes::box(Vec3(1.0, 0.1, 0.1));
+  TriMesh far = bar;
+  for (Vec3& x : far.vertices) x += Vec3(0.3, -20.0, 4.0);
+  for (const auto& [surface, spacing] : {std::pair(ball, 0.05), {ball, 0.2}, {bar, 0.1}, {far, 0.09}, {far, 0.04}}) {
     const MassProperties whole = mass_properties(surface, 500.0);
     const MassPoints points = mass_points(surface, 500.0, spacing);
     double mass = 0.0;

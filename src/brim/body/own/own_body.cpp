@@ -11,7 +11,6 @@
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 #include "brim/mesh/mass_properties.h"
-#include "brim/mesh/tet_lattice.h"
 #include "brim/raster/fill_tiles.h"
 
 namespace brim {
@@ -47,21 +46,13 @@ OwnBody::OwnBody(OwnModel model) : model_(std::move(model)) {
   const auto finite = [](double x) { return std::isfinite(x); };
   if (!std::all_of(model_.q.begin(), model_.q.end(), finite) || !std::all_of(model_.v.begin(), model_.v.end(), finite))
     throw InputError("own body: its state at the start is not finite");
-  const MassProperties whole = mass_properties(model_.surface, model_.density);
-  mass_ = whole.mass;
+  mass_ = mass_properties(model_.surface, model_.density).mass;
   Aabb box;
   for (const Vec3& x : model_.surface.vertices) box.extend(x);
   const double spacing = model_.mass_spacing > 0.0 ? model_.mass_spacing
                                                    : std::min(box.extent().maxCoeff() / 8.0, box.extent().minCoeff());
-  const TetMesh tets = tet_lattice(model_.surface, spacing);
-  double total = 0.0;
-  for (const Tetrahedron& t : tets.tets) {
-    const Vec3 &a = tets.vertices[t[0]], &b = tets.vertices[t[1]], &c = tets.vertices[t[2]], &d = tets.vertices[t[3]];
-    piece_.push_back(0.25 * (a + b + c + d));
-    piece_mass_.push_back(tet_volume(a, b, c, d));
-    total += piece_mass_.back();
-  }
-  for (double& m : piece_mass_) m *= mass_ / total;
+  MassPoints points = mass_points(model_.surface, model_.density, spacing);
+  piece_ = std::move(points.at), piece_mass_ = std::move(points.mass);
   part_.voxel_size = model_.voxel_size > 0.0 ? model_.voxel_size : box.extent().minCoeff() / 8.0;
   part_.areal_mass = 6.0 * mass_ / surface_area(model_.surface);
   part_.thickness = box.extent().minCoeff();
