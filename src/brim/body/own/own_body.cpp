@@ -215,7 +215,7 @@ void OwnBody::check_jacobian() const {
 
 void OwnBody::measure_matter() {
   const auto n = static_cast<Eigen::Index>(q_.size());
-  M_.setZero(n, n);
+  M_.resize(n, n);
   linear_.setZero(3, n);
   angular_.setZero(3, n);
   first_moment_.setZero();
@@ -227,13 +227,13 @@ void OwnBody::measure_matter() {
     jacobian_all(q_, piece_, J_);
   }
   next_q_.clear();
+  M_ = mass_matrix(J_);
   for (std::size_t k = 0; k < piece_.size(); ++k) {
     const double m = piece_mass_[k];
     const auto J = J_.row(k);
     const Vec3 x = Eigen::Map<const Vec3>(x_.data() + 3 * k);
-    M_ += m * J.transpose() * J;
     linear_ += m * J;
-    angular_ += m * skew(x) * J;
+    angular_.noalias() += (m * skew(x)).lazyProduct(J);
     first_moment_ += m * x;
   }
 }

@@ -126,6 +126,8 @@ class OwnBody : public Body, public OuterForces, public MaterialPoints, public T
   /// Of the pieces, shape (3 pieces).
   std::vector<double> piece_places(Coordinates q) const;
   std::vector<double> piece_velocities(std::span<const double> v) const;
+  /// Σ m Jᵀ J over the pieces.
+  Eigen::MatrixXd mass_matrix(const DenseMap& J) const;
   /// Σ m Jᵀ u over the pieces. @param u  shape (3 pieces)
   Eigen::VectorXd gather(const DenseMap& J, std::span<const double> u) const;
   /// Moves q to the coordinates whose matter is nearest to x. @param x  [m] of the pieces, shape (3 pieces)

@@ -51,8 +51,16 @@ std::vector<double> OwnBody::piece_velocities(std::span<const double> v) const {
 
 Eigen::VectorXd OwnBody::gather(const DenseMap& J, std::span<const double> u) const {
   Vector sum = Vector::Zero(static_cast<Eigen::Index>(q_.size()));
-  for (std::size_t k = 0; k < piece_.size(); ++k) sum += piece_mass_[k] * (J.row(k).transpose() * points(u)[k]);
+  for (std::size_t k = 0; k < piece_.size(); ++k)
+    sum.noalias() += J.row(k).transpose().lazyProduct(Vec3(piece_mass_[k] * points(u)[k]));
   return sum;
+}
+
+Eigen::MatrixXd OwnBody::mass_matrix(const DenseMap& J) const {
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(M_.rows(), M_.cols());
+  for (std::size_t k = 0; k < piece_.size(); ++k)
+    M.noalias() += (piece_mass_[k] * J.row(k).transpose()).lazyProduct(J.row(k));
+  return M;
 }
 
 bool OwnBody::follows_rigid_motion() const {
@@ -150,9 +158,7 @@ void OwnBody::finish_step(double, double dt, std::span<double> q, std::span<doub
   turn_velocities(pieces(), dt, x_, next_x_, u, given);
   next_J_.reset(piece_.size(), q.size());
   jacobian_all(next_q_, piece_, next_J_);
-  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(M_.rows(), M_.cols());
-  for (std::size_t k = 0; k < piece_.size(); ++k) M += piece_mass_[k] * next_J_.row(k).transpose() * next_J_.row(k);
-  writable_column(v) = M.ldlt().solve(gather(next_J_, u));
+  writable_column(v) = mass_matrix(next_J_).ldlt().solve(gather(next_J_, u));
 }
 
 void OwnBody::turns(std::span<const double> v, std::span<Turn> part) const {
