@@ -4,6 +4,7 @@
 /// shapes and readers are in headers of their own, brim/body, brim/mesh and brim/io.
 
 #include "brim/body/own/own_body.h"
+#include "brim/body/own/own_body_check.h"
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
 #include "brim/math/types.h"

@@ -80,9 +80,9 @@ Eigen::VectorXd OwnBody::energy_force(Coordinates given) const {
   for (std::size_t i = 0; i < q.size(); ++i) {
     const double at = q[i], d = step_of(i, kForceStep);
     q[i] = at + d;
-    const double up = energy(q);
+    const double up = ask_energy(q);
     q[i] = at - d;
-    f[static_cast<Eigen::Index>(i)] = -(up - energy(q)) / (2.0 * d);
+    f[static_cast<Eigen::Index>(i)] = -(up - ask_energy(q)) / (2.0 * d);
     q[i] = at;
   }
   return f;
@@ -117,19 +117,21 @@ void OwnBody::initial_state(std::span<double> q, std::span<double> v) const {
   std::copy(model_.v.begin(), model_.v.end(), v.begin());
 }
 
-void OwnBody::update(double, std::span<const double> q, std::span<const double> v) {
+void OwnBody::update(double time, std::span<const double> q, std::span<const double> v) {
+  now_ = time;
   q_.assign(q.begin(), q.end());
   v_.assign(v.begin(), v.end());
   vertex_.resize(model_.surface.vertices.size());
   if (scale_.empty()) measure_scales();
   if (!started_) check_jacobian();
   measure_matter();
-  deform_all(q_, model_.surface.vertices, vertex_);
+  ask_deform(q_, model_.surface.vertices, vertex_);
   bounds_ = Aabb();
   for (const Vec3& x : vertex_) bounds_.extend(x);
   for (std::size_t k = 0; k < x_.size(); k += 3) bounds_.extend(Vec3(x_[k], x_[k + 1], x_[k + 2]));
   bounds_ = bounds_.inflated(kBulge * bounds_.extent().maxCoeff());
   measure_energy();
+  if (!started_) check_start();
   if (!started_) rigid_ = follows_rigid_motion(), turns_freely_ = rigid_ && is_energy_turned(), started_ = true;
   if (!rigid_) bias_ = bias();
 }
@@ -155,7 +157,7 @@ void OwnBody::measure_scales() {
   std::vector<Vec3> x(matter.size()), moved(matter.size());
   const double extent = box.extent().maxCoeff();
   std::vector<double> q = model_.q, scale(q.size());
-  deform_all(q, matter, x);
+  ask_deform(q, matter, x);
   for (std::size_t i = 0; i < q.size(); ++i) {
     // A step that moves it by little, whatever the unit: from that of one, at most a few times.
     double d = kPlaceStep * std::max(1.0, std::abs(q[i]));
@@ -187,16 +189,16 @@ void OwnBody::check_jacobian() const {
   const double allowed = kMiss * box.extent().maxCoeff();
   DenseMap J;
   J.reset(X.size(), q_.size());
-  jacobian_all(q_, X, J);
+  ask_jacobian(q_, X, J);
   std::vector<Vec3> x(X.size()), up(X.size()), down(X.size());
-  deform_all(q_, X, x);
+  ask_deform(q_, X, x);
   std::vector<double> moved = q_;
   for (std::size_t i = 0; i < q_.size(); ++i) {
     const double d = place_step(i);
     moved[i] = q_[i] + d;
-    deform_all(moved, X, up);
+    ask_deform(moved, X, up);
     moved[i] = q_[i] - d;
-    deform_all(moved, X, down);
+    ask_deform(moved, X, down);
     moved[i] = q_[i];
     for (std::size_t p = 0; p < X.size(); ++p) {
       const Vec3 given = J.row(p).col(static_cast<Eigen::Index>(i)), found = (up[p] - down[p]) / (2.0 * d);
@@ -224,7 +226,7 @@ void OwnBody::measure_matter() {
   } else {
     x_ = piece_places(q_);
     J_.reset(piece_.size(), q_.size());
-    jacobian_all(q_, piece_, J_);
+    ask_jacobian(q_, piece_, J_);
   }
   next_q_.clear();
   M_ = mass_matrix(J_);
@@ -250,16 +252,16 @@ Eigen::VectorXd OwnBody::bias() const {
 
 void OwnBody::measure_energy() {
   const auto n = static_cast<Eigen::Index>(q_.size());
-  force_ = energy_force(q_);
+  force_ = ask_force(q_);
   K_.resize(n, n);
   std::vector<double> q = q_;
   for (Eigen::Index i = 0; i < n; ++i) {
     double& at = q[static_cast<std::size_t>(i)];
     const double start = at, d = step_of(static_cast<std::size_t>(i), kStiffnessStep);
     at = start + d;
-    const Vector up = energy_force(q);
+    const Vector up = ask_force(q);
     at = start - d;
-    K_.col(i) = (up - energy_force(q)) / (2.0 * d);
+    K_.col(i) = (up - ask_force(q)) / (2.0 * d);
     at = start;
   }
   // The solve needs a definite matrix: keep what resists.
@@ -291,8 +293,8 @@ double OwnBody::relative_speed_bound(int, std::span<const double> v) const {
   std::vector<double> ahead(q_), behind(q_);
   for (std::size_t i = 0; i < q_.size(); ++i) ahead[i] += d * v[i], behind[i] -= d * v[i];
   std::vector<Vec3> front(model_.surface.vertices.size()), back(front.size());
-  deform_all(ahead, model_.surface.vertices, front);
-  deform_all(behind, model_.surface.vertices, back);
+  ask_deform(ahead, model_.surface.vertices, front);
+  ask_deform(behind, model_.surface.vertices, back);
   double most = 0.0;
   for (std::size_t i = 0; i < front.size(); ++i)
     most = std::max(most, ((front[i] - back[i]) / (2.0 * d) - mean).norm());
@@ -311,15 +313,7 @@ void OwnBody::presence(int, double h, double w, const Aabb& region, std::vector<
 }
 
 void OwnBody::rasterize(int, double h, double w, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {
-  fill_tiles(
-      [&](const Vec3& x) {
-        const double d = distance(q_, x);
-        if (std::isnan(d))
-          throw InputError(
-              fmt::format("body '{}': its distance at ({}, {}, {}) is not a number", name(), x.x(), x.y(), x.z()));
-        return d;
-      },
-      tiles, h, w, out);
+  fill_tiles([&](const Vec3& x) { return ask_distance(q_, x); }, tiles, h, w, out);
 }
 
 void OwnBody::make_map(int, std::span<const Vec3> points, std::span<const std::int32_t>,
@@ -328,23 +322,25 @@ void OwnBody::make_map(int, std::span<const Vec3> points, std::span<const std::i
   auto& dense = static_cast<DenseMap&>(*map);
   dense.reset(points.size(), q_.size());
   std::vector<Vec3> X(points.size());
-  inverse_deform_all(q_, points, X);
-  jacobian_all(q_, X, dense);
+  ask_inverse_deform(q_, points, X);
+  ask_jacobian(q_, X, dense);
 }
 
 Vec3 OwnBody::material_at(int, const Vec3& x) const {
   Vec3 X;
-  inverse_deform_all(q_, {&x, 1}, {&X, 1});
+  ask_inverse_deform(q_, {&x, 1}, {&X, 1});
   return X;
 }
 
 Vec3 OwnBody::position_of(int, const Vec3& X) const {
   Vec3 x;
-  deform_all(q_, {&X, 1}, {&x, 1});
+  ask_deform(q_, {&X, 1}, {&x, 1});
   return x;
 }
 
-double OwnBody::potential_energy(const Environment& env) const { return energy(q_) - env.gravity.dot(first_moment_); }
+double OwnBody::potential_energy(const Environment& env) const {
+  return ask_energy(q_) - env.gravity.dot(first_moment_);
+}
 
 Vec3 OwnBody::linear_momentum(std::span<const double> v) const { return linear_ * vector(v); }
 

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "brim/body/body.h"
 #include "brim/body/material_points.h"
 #include "brim/body/outer_forces.h"
 #include "brim/body/particles/mean_motion.h"
+#include "brim/body/time_driven.h"
 #include "brim/body/turns.h"
 #include "brim/map/dense_map.h"
 
@@ -37,7 +39,7 @@ struct OwnModel {
 /// its mean motion, and then the coordinates and velocities nearest to it are taken (least squares over the mass
 /// points; there is no J̇ v then). If the energy is invariant under rotation, the spin lost by linearising its forces
 /// over a step is given back (docs/numerics.md, Momentum of deformable bodies). Tests: tests/body/own_body_test.cpp
-class OwnBody : public Body, public OuterForces, public MaterialPoints, public Turns {
+class OwnBody : public Body, public OuterForces, public MaterialPoints, public Turns, public TimeDriven {
  public:
   using Coordinates = std::span<const double>;
   using Jacobian = DenseMap::Jacobian;
@@ -45,10 +47,10 @@ class OwnBody : public Body, public OuterForces, public MaterialPoints, public T
   // ---- to be overridden; called from several threads ---------------------------------------------------------------
   /// Position of the material at X at rest, [m].
   virtual Vec3 deform(Coordinates q, const Vec3& X) const { return place(q, X); }
-  /// The inverse: rest position of the material at x, [m]; needed within some voxels of the surface.
+  /// The inverse: rest position of the material at x, [m]; needed within half a ramp of the surface.
   virtual Vec3 inverse_deform(Coordinates q, const Vec3& x) const { return rest(q, x); }
-  /// Signed distance from x to the surface, negative inside, [m]; needed within some voxels of the surface, elsewhere
-  /// only its sign.
+  /// Signed distance from x to the surface, negative inside, [m]; needed within half a ramp of the surface (1.5 of its
+  /// voxels, WorldOptions::ramp_voxels), elsewhere only its sign.
   virtual double distance(Coordinates q, const Vec3& x) const = 0;
   /// Elastic or other internal energy, [J].
   virtual double energy(Coordinates q) const { return static_cast<void>(q), 0.0; }
@@ -74,6 +76,7 @@ class OwnBody : public Body, public OuterForces, public MaterialPoints, public T
   std::size_t v_size() const override { return model_.q.size(); }
   void initial_state(std::span<double> q, std::span<double> v) const override;
   void update(double time, std::span<const double> q, std::span<const double> v) override;
+  bool changes(double from, double to, std::span<const double> q) override;
   void advance(double dt, std::span<double> q, std::span<const double> v) const override;
   void finish_step(double time, double dt, std::span<double> q, std::span<double> v) override;
   void add_forces(const Environment& env, std::span<double> Q) const override;
@@ -108,8 +111,25 @@ class OwnBody : public Body, public OuterForces, public MaterialPoints, public T
   Coordinates coordinates() const { return q_; }
   /// [units of q] step of a central difference of deform in coordinate i: it moves matter by 1e-4 of its extent.
   double place_step(std::size_t i) const;
+  /// True when errors of the author's functions name body and function already (a binding to another language).
+  virtual bool errors_are_named() const { return false; }
 
  private:
+  friend class OwnBodyCheck;
+  // The author's functions, asked (ask_author.cpp): what they throw or give wrongly becomes an InputError with the
+  // names of body and function, the time and the coordinates.
+  void ask_deform(Coordinates q, std::span<const Vec3> X, std::span<Vec3> x) const;
+  void ask_inverse_deform(Coordinates q, std::span<const Vec3> x, std::span<Vec3> X) const;
+  void ask_jacobian(Coordinates q, std::span<const Vec3> X, DenseMap& J) const;
+  double ask_distance(Coordinates q, const Vec3& x) const;
+  double ask_energy(Coordinates q) const;
+  Eigen::VectorXd ask_force(Coordinates q) const;
+  template <class F>
+  auto ask(const char* function, Coordinates q, const F& f) const;
+  [[noreturn]] void refuse(const char* function, Coordinates q, const std::string& what) const;
+  /// Asks distance and inverse_deform once and looks for coordinates without effect, so that errors do not wait for the
+  /// first contact. @throws InputError
+  void check_start() const;
   void measure_scales();
   /// @throws InputError  when the jacobian is not the derivative of deform
   void check_jacobian() const;
@@ -151,6 +171,7 @@ class OwnBody : public Body, public OuterForces, public MaterialPoints, public T
   bool rigid_ = false;         // coordinates can move it as a rigid body
   bool turns_freely_ = false;  // and its energy is invariant under rotation
   // Of the last update:
+  double now_ = 0.0;  // [s]
   std::vector<double> q_, v_;
   std::vector<Vec3> vertex_;
   Aabb bounds_;

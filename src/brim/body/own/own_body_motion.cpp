@@ -39,7 +39,7 @@ std::span<Vec3> points(std::span<double> x) { return {reinterpret_cast<Vec3*>(x.
 
 std::vector<double> OwnBody::piece_places(Coordinates q) const {
   std::vector<double> x(3 * piece_.size());
-  deform_all(q, piece_, points(std::span(x)));
+  ask_deform(q, piece_, points(std::span(x)));
   return x;
 }
 
@@ -157,7 +157,7 @@ void OwnBody::finish_step(double, double dt, std::span<double> q, std::span<doub
   next_x_ = piece_places(next_q_);
   turn_velocities(pieces(), dt, x_, next_x_, u, given);
   next_J_.reset(piece_.size(), q.size());
-  jacobian_all(next_q_, piece_, next_J_);
+  ask_jacobian(next_q_, piece_, next_J_);
   writable_column(v) = mass_matrix(next_J_).ldlt().solve(gather(next_J_, u));
 }
 
