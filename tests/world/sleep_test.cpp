@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "brim/body/own/own_body.h"
+#include "brim/mesh/primitives.h"
 #include "brim/world/applied_force.h"
 #include "brim/world/attachment.h"
 #include "support/soft_worlds.h"
@@ -182,6 +184,83 @@ TEST(Sleep, LinkedBodiesKeepTheirSlowMotion) {
   w.attach(rope);
   for (int s = 0; s < 100; ++s) EXPECT_EQ(w.step().asleep, 0);
   EXPECT_NEAR(w.v(a)[0], slow.x(), 1e-9);
+}
+
+/// A ball that stretches along z, q = (height, stretch), and beats from a time on: the goal of its stretch.
+class Heart final : public OwnBody {
+ public:
+  static constexpr double kRadius = 0.5;
+  Heart(double begins, double rate) : OwnBody(model()), begins_(begins), rate_(rate) {}
+  static OwnModel model() {
+    OwnModel m;
+    m.q = {kRadius, 1.0};
+    m.surface = shapes::icosphere(kRadius, 2);
+    m.density = 200.0;
+    m.stiffness_damping = 0.05;
+    return m;
+  }
+  std::string_view kind() const override { return "heart"; }
+  Vec3 deform(Coordinates q, const Vec3& X) const override { return {X.x(), X.y(), q[0] + q[1] * X.z()}; }
+  Vec3 inverse_deform(Coordinates q, const Vec3& x) const override { return {x.x(), x.y(), (x.z() - q[0]) / q[1]}; }
+  double distance(Coordinates q, const Vec3& x) const override { return inverse_deform(q, x).norm() - kRadius; }
+  void update(double time, std::span<const double> q, std::span<const double> v) override {
+    time_ = time;
+    OwnBody::update(time, q, v);
+  }
+  double energy(Coordinates q) const override {
+    const double goal = time_ > begins_ ? 1.0 + 0.2 * std::sin(rate_ * (time_ - begins_)) : 1.0;
+    return 2e4 * (q[1] - goal) * (q[1] - goal);
+  }
+
+ private:
+  double begins_, rate_, time_ = 0.0;
+};
+
+TEST(Sleep, ABodyThatBeginsToBeatWakesWithWhatLiesOnIt) {
+  World w(sleeping());
+  w.add(ground(0.5));
+  const int heart = w.add(std::make_unique<Heart>(3.0, 6.0));
+  const int on_top = w.add(box("box", {Vec3(0, 0, 1.2)}, 0.3, 0.5));
+  while (w.state().time < 2.9) w.step();
+  ASSERT_TRUE(w.asleep(heart));
+  ASSERT_TRUE(w.asleep(on_top));
+  const double before = w.q(on_top)[2];
+  double highest = before, lowest = before;
+  while (w.state().time < 4.5) {
+    EXPECT_TRUE(w.step().ok);
+    highest = std::max(highest, w.q(on_top)[2]), lowest = std::min(lowest, w.q(on_top)[2]);
+    if (w.state().time > 3.05) EXPECT_FALSE(w.asleep(heart)) << w.state().time;
+  }
+  EXPECT_GT(highest - lowest, 0.1) << "0.2 radii up and down";
+}
+
+TEST(Sleep, ABodyThatMovesByItselfMoreSlowlyThanWhatSleepsStaysAwake) {
+  World w(sleeping());
+  const int heart = w.add(ground(0.5)) + 1;
+  w.add(std::make_unique<Heart>(0.0, 0.01));  // its vertices move by up to 1 mm/s
+  for (int s = 0; s < 240; ++s) {
+    w.step();
+    ASSERT_FALSE(w.asleep(heart)) << s;
+  }
+  EXPECT_GT(w.q(heart)[1], 1.002);
+}
+
+TEST(Sleep, ARunThatIsResumedBeforeABodyBeginsToBeatHasTheSameBits) {
+  const auto made = [] {
+    auto w = std::make_unique<World>(sleeping());
+    w->add(ground(0.5));
+    w->add(std::make_unique<Heart>(2.5, 6.0));
+    return w;
+  };
+  const auto a = made(), b = made();
+  while (a->state().time < 2.3) a->step();
+  ASSERT_TRUE(a->asleep(1));
+  b->set_state(a->state());
+  for (int s = 0; s < 100; ++s) {
+    a->step(), b->step();
+    ASSERT_EQ(a->hash(), b->hash()) << s;
+  }
+  EXPECT_FALSE(a->asleep(1));
 }
 
 TEST(Sleep, FluidsNeverSleep) {

@@ -76,7 +76,8 @@ void Sleep::mark(std::span<WorldPart> parts, std::span<const double> v, std::spa
 }
 
 void Sleep::settle(std::span<const WorldPart> parts, std::span<const PairReport> pairs, double dt,
-                   std::span<const std::uint8_t> held, std::span<double> v, std::span<const std::size_t> first_v) {
+                   std::span<const std::uint8_t> held, const std::function<bool(std::size_t)>& driven,
+                   std::span<double> v, std::span<const std::size_t> first_v) {
   const std::size_t n = body_.size();
   std::vector<std::uint8_t> stirs(n, 0), parted(n, 0), fixed(n, 0);
   for (const WorldPart& p : parts) {
@@ -85,10 +86,13 @@ void Sleep::settle(std::span<const WorldPart> parts, std::span<const PairReport>
     parted[b] = 1;
     fixed[b] = is_fixed(p);
   }
+  // Tolerance for the rounding of summed time steps.
+  const double enough = kRest - 0.5 * dt;
   for (std::size_t b = 0; b < n; ++b)
     if (!asleep(b)) {
       const bool rests = parted[b] && !fixed[b] && !stirs[b] && !held[b] && may_rest(*body_[b]);
       rest_[b] = rests ? rest_[b] + dt : 0.0;
+      if (rest_[b] >= enough && driven(b)) rest_[b] = 0.0;
     }
 
   // Islands of awake bodies, named by their first body.
@@ -98,9 +102,8 @@ void Sleep::settle(std::span<const WorldPart> parts, std::span<const PairReport>
     if (!fixed[a] && !fixed[b]) islands.join(a, b);
   }
   std::vector<std::uint8_t> rests(n, 1);
-  // Tolerance for the rounding of summed time steps.
   for (std::size_t b = 0; b < n; ++b)
-    if (rest_[b] < kRest - 0.5 * dt) rests[islands.first_of(static_cast<std::int32_t>(b))] = 0;
+    if (rest_[b] < enough) rests[islands.first_of(static_cast<std::int32_t>(b))] = 0;
   for (std::size_t b = 0; b < n; ++b) {
     const std::int32_t island = islands.first_of(static_cast<std::int32_t>(b));
     if (asleep(b) || fixed[b] || body_[b]->immobile() || !rests[island]) continue;

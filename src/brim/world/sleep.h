@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -14,8 +15,9 @@ namespace brim {
 /// Decides which bodies sleep. Bodies that touch each other form an island; an island whose bodies have all been nearly
 /// still for half a second falls asleep: its velocities become zero and the step leaves out its bodies and their
 /// contacts. It wakes as a whole when an awake or moving body touches it, when it is given a velocity (prescribed, or
-/// set from outside), while a force or wind on one of its bodies changes with time, and on request. Part of the world's
-/// state, in its memory, so that a resumed run continues bit for bit:
+/// set from outside), while a force or wind on one of its bodies changes with time, when forces or shape of one change
+/// by themselves (TimeDriven), and on request. Part of the world's state, in its memory, so that a resumed run
+/// continues bit for bit:
 ///   memory: [-0.5, n, n times (seconds of rest, island or -1), others ...]; only others when no body rests
 /// Tests: tests/world/sleep_test.cpp
 class Sleep {
@@ -45,8 +47,10 @@ class Sleep {
   /// After a step of dt [s]: puts rested islands to sleep, with zero velocity.
   /// @param pairs  of parts that touch
   /// @param held   bodies that stay awake, with their islands, shape (bodies)
+  /// @param driven  whether a body changes by itself; asked only of those that have rested long enough to sleep
   void settle(std::span<const WorldPart> parts, std::span<const PairReport> pairs, double dt,
-              std::span<const std::uint8_t> held, std::span<double> v, std::span<const std::size_t> first_v);
+              std::span<const std::uint8_t> held, const std::function<bool(std::size_t)>& driven, std::span<double> v,
+              std::span<const std::size_t> first_v);
 
  private:
   std::vector<const Body*> body_;

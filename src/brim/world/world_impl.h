@@ -137,6 +137,8 @@ struct World::Impl {
   void update_bodies();
   /// Marks sleeping bodies as unchanged; all others must be updated.
   void stir();
+  /// True when a body at rest changes by itself within the coming time (TimeDriven), [s].
+  bool driven(std::size_t b, double dt);
   void prescribe(double dt);
   /// Chooses the levels of a step and smooths the change of contact.
   void choose_levels(StepReport& report);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "brim/body/time_driven.h"
 #include "brim/core/parallel.h"
 #include "brim/core/profile.h"
 #include "brim/core/stopwatch.h"
@@ -35,6 +36,15 @@ void World::Impl::start() {
 
 void World::Impl::stir() {
   for (std::size_t b = 0; b < fresh.size(); ++b) fresh[b] &= sleep.asleep(b);
+}
+
+bool World::Impl::driven(std::size_t b, double dt) {
+  auto* body = dynamic_cast<TimeDriven*>(bodies[b].get());
+  if (body == nullptr || is_frozen(b)) return false;
+  const bool changes = body->changes(state.time, state.time + dt, q(b));
+  // Awake, it goes on from now; asleep, it is the same at both times.
+  if (changes || !sleep.asleep(b)) bodies[b]->update(state.time, q(b), v(b));
+  return changes;
 }
 
 void World::Impl::update_bodies() {
@@ -114,7 +124,8 @@ void World::Impl::measure(StepReport& report) {
       if (const auto [a, b] = links.bodies(l); !links.broken(l))
         for (const int body : {a, b})
           if (body >= 0) linked[static_cast<std::size_t>(body)] = 1, sleep.wake(static_cast<std::size_t>(body));
-    if (report.ok) sleep.settle(parts, report.pairs, report.dt, linked, state.v, first_v);
+    const auto by_itself = [&](std::size_t b) { return driven(b, report.dt); };
+    if (report.ok) sleep.settle(parts, report.pairs, report.dt, linked, by_itself, state.v, first_v);
     report.asleep = sleep.count();
   }
   keep_memory();

@@ -59,7 +59,8 @@ void World::Impl::prescribe(double dt) {
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     if (is_frozen(b)) continue;
     bodies[b]->prescribe(state.time, dt, q(b), v(b));
-    if (sleep.asleep(b) && std::any_of(v(b).begin(), v(b).end(), [](double x) { return x != 0.0; })) sleep.wake(b);
+    if (!sleep.asleep(b)) continue;
+    if (std::any_of(v(b).begin(), v(b).end(), [](double x) { return x != 0.0; }) || driven(b, dt)) sleep.wake(b);
   }
   if (!sleep.on()) return;
   std::vector<int> pushed;
