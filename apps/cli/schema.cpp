@@ -8,7 +8,7 @@ namespace brim::cli {
 void add_schema(CLI::App& app, int& code) {
   CLI::App* command = app.add_subcommand("schema", "print the JSON Schema of scene files");
   command->callback([&code] {
-    std::fputs(scene_schema_text().c_str(), stdout);
+    std::fputs(known_schema_text().c_str(), stdout);
     code = kGood;
   });
 }

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "../../examples/user_body/jelly.cpp"
+#include "brim/body/own/own_body_check.h"
 #include "brim/mesh/primitives.h"
 #include "brim/scene/pairs/pair_report.h"
 #include "brim/scene/pairs/pair_trial.h"
@@ -106,6 +107,63 @@ TEST(OwnKind, NamesAndKeysThatAreTakenAreRefused) {
   EXPECT_THROW(add_body_kind("jelly", "{}", none), InputError);
   EXPECT_THROW(add_body_kind("other", "[]", none), InputError);
   EXPECT_THROW(add_body_kind("other", R"({"name": {"type": "string"}})", none), InputError);
+}
+
+TEST(OwnKind, HasTheResponseOfAnyBody) {
+  const auto response = [](const std::string& key) {
+    const World world = build_world(parse_scene(R"({"brim": 1, "name": "s", "frames": 1, "bodies": [
+      {"kind": "jelly", "name": "j", "radius": 0.1)" +
+                                                key + "}]}"));
+    return world.body(0).part(0).material.response;
+  };
+  EXPECT_EQ(response(""), Response::Inherit);
+  EXPECT_EQ(response(R"(, "response": "constraint")"), Response::Constraint);
+  EXPECT_EQ(response(R"(, "response": "penalty")"), Response::Penalty);
+  EXPECT_NE(message_of(R"({"kind": "jelly", "name": "j", "radius": 1, "response": "hard"})").find("response"),
+            std::string::npos);
+}
+
+TEST(OwnKind, WhatAMakerDoesWronglyNamesItsKindAndThePlace) {
+  const auto message = [](const char* name, const OwnMaker& make) {
+    add_body_kind(name, R"({"size": {"type": "number"}})", make);
+    try {
+      build_world(parse_scene(R"({"brim": 1, "name": "s", "frames": 1, "bodies": [{"kind": ")" + std::string(name) +
+                                  R"(", "name": "b", "size": 1}]})",
+                              "mine.json"));
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string("no error");
+  };
+  const std::string at = "mine.json:1: /bodies/0: the maker of kind ";
+  const auto none = [](const OwnEntry&) { return std::unique_ptr<Body>(); };
+  EXPECT_EQ(message("gives_none", none), at + "\"gives_none\" gave no body (nullptr)");
+  EXPECT_EQ(message("raises", [](const OwnEntry&) -> std::unique_ptr<Body> { throw std::runtime_error("no file"); }),
+            at + "\"raises\" raised \"no file\"");
+  const auto misspelt = [&](const OwnEntry& e) { return e.number("sice"), none(e); };
+  EXPECT_EQ(message("misspells", misspelt).find(at + "\"misspells\" reads the key \"sice\", which is not there"), 0u);
+  const auto mistaken = [&](const OwnEntry& e) { return e.string("size"), none(e); };
+  EXPECT_EQ(message("mistakes", mistaken), at + "\"mistakes\" reads the key \"size\" as a string, but it is 1");
+}
+
+TEST(OwnKind, KindsOfOtherHeadersAreRefused) {
+  const OwnMaker none = [](const OwnEntry&) { return std::unique_ptr<Body>(); };
+  try {
+    add_body_kind("older", "{}", none, kOwnKindLayout + 1);
+    FAIL() << "its layout is another";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("another version of brim"), std::string::npos);
+  }
+}
+
+TEST(OwnKind, TheSchemaThatIsPrintedHasIt) {
+  EXPECT_EQ(scene_schema_text().find("\"jelly\""), std::string::npos);
+  EXPECT_NE(known_schema_text().find("\"jelly\""), std::string::npos);
+}
+
+TEST(OwnKind, TheExampleIsFoundGood) {
+  const World world = build_world(load_scene(kExample + "jelly.json"));
+  EXPECT_EQ(check_own_body(dynamic_cast<const OwnBody&>(world.body(3))), std::vector<std::string>());
 }
 
 }  // namespace

@@ -69,4 +69,7 @@ Scene check_scene(Document document, const SceneSettings& settings);
 /// The schema of scene files (JSON Schema 2020-12), the single source of what load_scene accepts.
 const std::string& scene_schema_text();
 
+/// The same with the kinds that were added (add_body_kind, plugins).
+std::string known_schema_text();
+
 }  // namespace brim

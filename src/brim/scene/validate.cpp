@@ -338,6 +338,10 @@ Json& changeable_schema() {
 
 const Json& scene_schema() { return changeable_schema(); }
 
+std::string known_schema_text() {
+  return scene_schema() != Json::parse(scene_schema_text()) ? scene_schema().dump(2) + "\n" : scene_schema_text();
+}
+
 void add_body_branch(const std::string& name, Json branch) {
   Json& defs = changeable_schema().at("$defs");
   if (defs.contains(name)) throw InputError(fmt::format("kind \"{}\": the name is taken; choose another", name));
