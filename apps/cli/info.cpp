@@ -23,6 +23,7 @@
 #include "brim/scene/document.h"
 #include "brim/scene/scene.h"
 #include "commands.h"
+#include "server/kept_scene.h"
 #include "server/rebuilt_world.h"
 #include "volume_picture.h"
 
@@ -144,6 +145,15 @@ void about_volume(const std::string& path, const std::string& series, const std:
   fmt::print("  slices along z are drawn in {}\n", sheet);
 }
 
+/// Why no program can build the run's world, where it keeps its scene.
+std::string python_of(const RunReader& run) {
+  try {
+    return viewer::python_bodies(viewer::kept_scene(run));
+  } catch (const InputError&) {
+    return "";
+  }
+}
+
 void about_run(const std::string& path) {
   const RunReader run(path);
   fmt::print("{}: run of scene \"{}\" by brim {}\n", path, run.scene_name(), run.brim_version());
@@ -163,7 +173,10 @@ void about_run(const std::string& path) {
     return sum;
   };
   fmt::print("\n");
-  for (const std::string& kind : viewer::foreign_kinds(run))
+  const std::vector<std::string> foreign = viewer::foreign_kinds(run);
+  const std::string why = foreign.empty() ? "" : python_of(run);
+  if (!why.empty()) fmt::print("  {}\n", printable(why));
+  for (const std::string& kind : why.empty() ? foreign : std::vector<std::string>())
     fmt::print(
         "  \"{}\" is not a kind of brim's own: densities and --resume need its library, brim --plugin FILE ...\n",
         printable(kind));

@@ -51,6 +51,8 @@ bool on_terminal() {
 Scene read_scene(const Options& o) {
   if (!o.scene.empty()) return load_scene(o.scene, o.settings.read());
   const viewer::KeptScene kept = viewer::kept_scene(o.resume);
+  if (const std::string why = viewer::python_bodies(kept); !why.empty())
+    throw InputError(fmt::format("--resume {}: {}", o.resume, why));
   return parse_scene(kept.text, kept.file, o.settings.read());
 }
 

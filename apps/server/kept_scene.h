@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "brim/record/run_reader.h"
 
@@ -17,5 +18,8 @@ KeptScene kept_scene(const RunReader& run);
 
 /// The same of a folder whose run.h5 may have no frame yet.
 KeptScene kept_scene(const std::string& folder);
+
+/// Why no program can build the world of a kept scene: bodies of it are written in Python. Empty: none is.
+std::string python_bodies(const KeptScene& kept);
 
 }  // namespace brim::viewer

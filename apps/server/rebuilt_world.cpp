@@ -19,6 +19,8 @@ std::vector<std::string> foreign_kinds(const RunReader& run) {
 
 RebuiltWorld::RebuiltWorld(const RunReader& run) {
   const KeptScene kept = kept_scene(run);
+  if (const std::string why = python_bodies(kept); !why.empty())
+    throw InputError(fmt::format("{}: {}", run.path(), why));
   try {
     const Scene scene = parse_scene(kept.text, kept.file);
     world_ = std::make_unique<World>(build_world(scene));

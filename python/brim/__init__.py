@@ -15,6 +15,7 @@ SI units and right-handed axes with z up, as in scene files. docs/python.md is t
 
 from ._core import Defect, InputError, State, StepReport, StepWarning, __version__, set_threads, thread_count
 from .body import Body
+from .check import check
 from .env import Env, Envs
 from .link import Attachment
 from .own_body import OwnBody
@@ -29,7 +30,7 @@ from .world import World, load
 
 __all__ = [
     "Attachment", "Body", "ContactEvent", "Defect", "Env", "Envs", "Frame", "InputError", "OwnBody", "Run", "RunBody",
-    "RunSensor", "Running", "Sensor", "State", "StepError", "StepReport", "StepWarning", "View", "World", "__version__", "blob", "bowl", "box", "capsule", "cup",
+    "RunSensor", "Running", "Sensor", "State", "StepError", "StepReport", "StepWarning", "View", "World", "__version__", "blob", "bowl", "box", "capsule", "check", "cup",
     "cylinder", "gear", "l_profile", "load", "load_plugin", "mesh", "plane", "set_threads", "sphere", "star", "thread_count",
     "torus", "u_profile", "view",
 ]

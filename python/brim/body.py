@@ -234,7 +234,7 @@ class Body:
     def torque(self, function: Force) -> Force:
         """Decorator for rigid bodies: a torque about the centre of mass, function(t, q, v) -> (3,), [N m]."""
         if self.nodal or self._core.frame_center(self._number) is None or not self._core.takes_forces(self._number):
-            raise TypeError(f"{self!r} is not rigid; use force or generalized_force")
+            raise TypeError(f"{self!r} is not rigid; use {'force or ' if self.nodal else ''}generalized_force")
         self._world._forces.append((self, self._frame_torque, function))
         return function
 

@@ -25,9 +25,13 @@ class OwnBody:
         jacobian(q, X)        derivative of deform by q                 (n,), (m, 3) -> (m, 3, n)
         force(q)              minus the derivative of energy by q       (n,) -> (n,)
 
+    and, where the body moves by itself::
+
+        update(t)             the time [s], for the others to use; called before them
+
     ``place`` and ``rest`` are the former names of ``deform`` and ``inverse_deform``, and go on working.
 
-    Each is called on the thread that steps the world, once for all points of a part, and must change nothing. What they
+    Each is called on the thread that steps the world, once for all points of a part, and must change nothing (``update`` may set what the others read). What they
     raise ends the step, whose world then is as it was before, and reaches the caller of step.
     """
 
@@ -37,6 +41,7 @@ class OwnBody:
     """dq/dt at the start, shape (n,); None: at rest."""
     jacobian: Any = None
     force: Any = None
+    update: Any = None
 
     def __init__(self, surface: dict[str, Any], *, name: str | None = None, density: float = 1000.0,
                  material: str | None = None, response: str | None = None, voxel_size: float = 0.0,

@@ -78,7 +78,7 @@ class World:
 
     # ---- bodies ------------------------------------------------------------------------------------------------------
 
-    def add(self, kind: str | OwnBody, **keys: Any) -> Any:
+    def add(self, kind: str | OwnBody | type[OwnBody], **keys: Any) -> Any:
         """Adds a body and gives its handle; with the key "repeat", adds all copies and gives a list of handles.
 
         kind: one of a scene file ("rigid", "cloth", ...), whose keys, defaults and messages hold, or an OwnBody.
@@ -92,6 +92,8 @@ class World:
         """
         if isinstance(kind, OwnBody):
             return self._add_own(kind, **keys)
+        if isinstance(kind, type) and issubclass(kind, OwnBody):
+            raise InputError(f"add: {kind.__name__} is a class; add a body of it, {kind.__name__}(surface=...)")
         if not isinstance(kind, str):
             raise InputError(f"add: {kind!r} is not allowed; must be the name of a kind, or an OwnBody")
         name = keys.pop("name", None) or self._free_name(kind)
@@ -107,7 +109,12 @@ class World:
             raise InputError(f"'{body.name}' is a body of another world")
         return body.number
 
-    def _add_own(self, author: OwnBody, name: str | None = None) -> Body:
+    def _add_own(self, author: OwnBody, name: str | None = None, **keys: Any) -> Body:
+        if keys:
+            raise InputError(f"add: {', '.join(keys)}: not with a body of your own; its place and motion are q0 and v0, and the "
+                             f"rest are arguments of {type(author).__name__}(...)")
+        if not hasattr(author, "surface"):
+            raise InputError(f"add: {type(author).__name__}.__init__ must call super().__init__(surface, ...)")
         name = name or author.name or self._free_name(type(author).__name__.lower())
         entry = take_arrays(self._core, name, {"shape": author.surface})
         entry.update(kind="rigid", name=name, density=author.density, voxel_size=author.voxel_size)
@@ -405,8 +412,8 @@ class World:
         return str(self._core.head()["name"])
 
     def save_scene(self, path: str | os.PathLike[str], frames: int | None = None) -> None:
-        """Writes the world, as it was built, as a scene file; arrays go to files in "arrays" beside it. Forces and bodies
-        written in Python are not in it. @raises InputError for bodies written in Python"""
+        """Writes the world, as it was built, as a scene file; arrays go to files in "arrays" beside it. Forces
+        written in Python are not in it. @raises InputError when there is a body written in Python: nothing is written then"""
         for entry in self._core.entries():
             if entry["kind"] == "python":
                 raise _core.InputError(f'"{entry["name"]}" is written in Python and cannot be saved in a scene file')

@@ -52,6 +52,7 @@ ArrayBody::ArrayBody(OwnModel model, py::object author, std::shared_ptr<CallerTh
   inverse_ = own("rest") && !own("inverse_deform") ? "rest" : "inverse_deform";
   has_jacobian_ = has("jacobian");
   has_force_ = has("force");
+  has_update_ = has("update");
 }
 
 ArrayBody::~ArrayBody() {
@@ -154,7 +155,10 @@ void ArrayBody::jacobian_all(Coordinates q, std::span<const Vec3> X, DenseMap& J
 }
 
 void ArrayBody::update(double time, std::span<const double> q, std::span<const double> v) {
-  caller_->call([&] { OwnBody::update(time, q, v); });
+  caller_->call([&] {
+    if (has_update_) author_.attr("update")(time);
+    OwnBody::update(time, q, v);
+  });
 }
 
 void ArrayBody::advance(double dt, std::span<double> q, std::span<const double> v) const {

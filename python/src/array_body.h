@@ -10,10 +10,9 @@
 namespace brim::python {
 
 /// A body whose author methods are in Python and work on whole arrays of points: deform, inverse_deform (or their
-/// former names place, rest), distance, energy, and optionally jacobian and force (brim.OwnBody in brim/own_body.py
-/// defines each). Each call of the world is passed to the thread that steps it (CallerThread), so that Python is
-/// entered once per part and never from within brim's parallel loops. Tests:
-/// python/tests/own_body_test.py
+/// former names place, rest), distance, energy, and optionally jacobian, force and update (brim.OwnBody in
+/// brim/own_body.py defines each). Each call of the world is passed to the thread that steps it (CallerThread), so that
+/// Python is entered once per part and never from within brim's parallel loops. Tests: python/tests/own_body_test.py
 class ArrayBody final : public OwnBody {
  public:
   /// @param author  object with the methods
@@ -32,6 +31,7 @@ class ArrayBody final : public OwnBody {
   void inverse_deform_all(Coordinates q, std::span<const Vec3> x, std::span<Vec3> X) const override;
   void jacobian_all(Coordinates q, std::span<const Vec3> X, DenseMap& J) const override;
 
+  /// Tells the author the time, where it has a method update(t), before anything else is asked.
   void update(double time, std::span<const double> q, std::span<const double> v) override;
   void advance(double dt, std::span<double> q, std::span<const double> v) const override;
   void finish_step(double time, double dt, std::span<double> q, std::span<double> v) override;
@@ -41,11 +41,14 @@ class ArrayBody final : public OwnBody {
                 std::unique_ptr<Map>& map) const override;
   double potential_energy(const Environment& env) const override;
 
+ protected:
+  bool errors_are_named() const override { return true; }
+
  private:
   std::string kind_;
   pybind11::object author_;
   std::string deform_, inverse_;  // names of the author's methods
-  bool has_jacobian_ = false, has_force_ = false;
+  bool has_jacobian_ = false, has_force_ = false, has_update_ = false;
   std::shared_ptr<CallerThread> caller_;
 };
 

@@ -152,6 +152,7 @@ void bind_session(py::module_& m) {
       .def_static("load", &Session::load)
       .def("add", &Session::add)
       .def("add_own", &Session::add_own)
+      .def("check_own", &Session::check_own)
       .def("give_surface", &give_surface)
       .def("give_tets", &give_tets)
       .def("give_volume", &give_volume)

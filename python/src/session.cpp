@@ -9,6 +9,7 @@
 
 #include "array_body.h"
 #include "arrays.h"
+#include "brim/body/own/own_body_check.h"
 #include "brim/core/stop.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/links.h"
@@ -228,7 +229,8 @@ int Session::add_own(const py::dict& given, const py::object& author, const py::
     const DoubleArray start = DoubleArray::ensure(q);
     if (!start || start.ndim() != 1 || start.size() == 0) {
       PyErr_Clear();
-      throw InputError("q0: must be an array of one coordinate at least, shape (n,)");
+      throw InputError("q0: must be an array of one coordinate at least, shape (n,)" +
+                       (start ? ", not " + shape_text(start) : std::string()));
     }
     model.q = numbers_of(q, static_cast<std::size_t>(start.size()), "q0");
     if (!v.is_none()) model.v = numbers_of(v, model.q.size(), "v0");
@@ -252,6 +254,16 @@ int Session::add_own(const py::dict& given, const py::object& author, const py::
   entry["class"] = kind;
   include(std::move(bodies), entry);
   return number;
+}
+
+std::vector<std::string> Session::check_own(int body, unsigned seed) {
+  const Busy busy(*this);
+  read_mirrors();
+  const auto* own = dynamic_cast<const OwnBody*>(&world_->body(body));
+  if (own == nullptr) throw InputError(fmt::format("check: '{}' is no own body", world_->body(body).name()));
+  std::vector<std::string> found;
+  unlocked([&] { found = check_own_body(*own, seed); });
+  return found;
 }
 
 int Session::wire(const std::string& list, const py::dict& given, const py::object& field) {

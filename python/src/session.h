@@ -42,6 +42,8 @@ class Session {
   /// Adds a body whose author is a Python object. @param entry  as for a rigid body: its shape is the surface
   int add_own(const py::dict& entry, const py::object& author, const py::object& q, const py::object& v,
               double mass_spacing, double stiffness_damping);
+  /// check_own_body of a body. @throws InputError  when it is no own body
+  std::vector<std::string> check_own(int body, unsigned seed);
 
   /// Adds an entry of "attachments", "joints", "forces", "filters" or "sensors" through the scene reader; nothing on
   /// error.

@@ -197,6 +197,126 @@ class OwnBodies(unittest.TestCase):
             ends.append(world.hash)
         self.assertEqual(ends[0], ends[1])
 
+    def test_the_check_names_what_is_wrong_in_one_line(self):
+        surface = brim.sphere(0.3)
+        for good in (Blob(surface=surface), ExactBlob(surface=surface, material="jelly")):
+            brim.check(good)
+        right, two_voxels = Blob.distance, 2 * 0.6 / 8
+
+        def mine(kind=Blob, **methods):
+            return type("Mine", (kind,), methods)(surface=surface, name="mine")
+
+        wrong = {
+            "force of coordinate 3": mine(force=lambda s, q: np.r_[0, 0, 0, -2e3 * (q[3:] - 1)]),
+            "jacobian at X": mine(ExactBlob, jacobian=lambda s, q, X: 1.05 * ExactBlob.jacobian(s, q, X)),
+            "inverse_deform of the place": mine(inverse_deform=lambda s, q, x: x, distance=lambda s, q, x: (
+                np.linalg.norm((x - q[:3]) / q[3:], axis=1) - 0.3) * q[3:].min()),
+            r"distance at x = \(.*must be negative|distance at x = \(.*must be positive": mine(
+                distance=lambda s, q, x: -right(s, q, x)),
+            "distance at x = .* a vertex of the surface": mine(distance=lambda s, q, x: right(s, q, x) + 0.1),
+            "distance saturates": mine(distance=lambda s, q, x: np.minimum(right(s, q, x), two_voxels / 4)),
+        }
+        for words, body in wrong.items():
+            with self.subTest(words):
+                with self.assertRaisesRegex(brim.InputError, f"^body 'mine': ({words})") as caught:
+                    brim.check(body)
+                self.assertNotIn("\n", str(caught.exception))
+        world, blob = blob_world(Blob(surface=surface))
+        brim.check(blob)
+        with self.assertRaisesRegex(brim.InputError, "'floor' is no own body"):
+            brim.check(world["floor"])
+
+    def test_coordinates_that_do_the_same_are_refused_by_name(self):
+        class Twice(Blob):
+            q0 = np.r_[0, 0, 0.35, 1, 1, 1, 0]
+
+            def deform(self, q, X):
+                return q[:3] + [0, 0, q[6]] + q[3:6] * X
+
+            def inverse_deform(self, q, x):
+                return (x - q[:3] - [0, 0, q[6]]) / q[3:6]
+
+            def distance(self, q, x):
+                return (np.linalg.norm(self.inverse_deform(q, x), axis=1) - 0.3) * q[3:6].min()
+
+            def energy(self, q):
+                return 2e3 * np.sum((q[3:6] - 1) ** 2)
+
+        with self.assertRaisesRegex(brim.InputError, "coordinates 2 and 6 have no effects of their own"):
+            brim.World().add(Twice(surface=brim.sphere(0.3)))
+
+    def test_errors_of_distance_and_inverse_do_not_wait_for_the_first_contact(self):
+        for method in ("distance", "inverse_deform"):
+            with self.subTest(method):
+                kind = type("Mine", (ExactBlob,), {method: lambda s, q, x: x[:, :2]})
+                with self.assertRaisesRegex(brim.InputError, f"Mine.{method}: gave shape"):
+                    brim.World().add(kind(surface=brim.sphere(0.3)))
+
+    def test_a_body_is_told_the_time_and_wakes_by_itself(self):
+        class Heart(Blob):
+            goal = 1.0
+
+            def update(self, t):
+                self.goal = 1 + 0.2 * np.sin(6 * (t - 1.5)) if t > 1.5 else 1.0
+
+            def energy(self, q):
+                return 2e3 * (np.sum((q[3:5] - 1) ** 2) + (q[5] - self.goal) ** 2)
+
+        world, heart = blob_world(Heart(surface=brim.sphere(0.3), density=500, stiffness_damping=0.02,
+                                        q0=np.r_[0, 0, 0.3, 1, 1, 1]), sleep=True, gravity=(0, 0, 0))
+        while world.time < 1.45:
+            world.step()
+        self.assertTrue(heart.asleep)
+        heights = []
+        while world.time < 2.5:
+            world.step()
+            heights.append(heart.q[5])
+        self.assertFalse(heart.asleep)
+        self.assertGreater(max(heights) - min(heights), 0.3)
+
+    def test_misuse_is_told_with_what_to_do(self):
+        surface = brim.sphere(0.3)
+        world = brim.World(voxel_size=0.05)
+
+        class Forgetful(Blob):
+            def __init__(self):
+                pass
+
+        for body, keys, words in ((Blob, {}, r"Blob is a class; add a body of it, Blob\(surface="),
+                                  (Blob(surface=surface), {"transform": {"position": (0, 0, 1)}},
+                                   "transform: not with a body of your own; its place and motion are q0 and v0"),
+                                  (Forgetful(), {}, r"Forgetful.__init__ must call super\(\).__init__\(surface"),
+                                  (Blob(surface=surface, q0=np.zeros((2, 3))), {}, r"q0: .*not \(2, 3\)")):
+            with self.subTest(words), self.assertRaisesRegex(brim.InputError, words):
+                world.add(body, **keys)
+        blob = world.add(Blob(surface=surface))
+        with self.assertRaisesRegex(TypeError, "is not rigid; use generalized_force"):
+            blob.torque(lambda t, q, v: (0, 0, 1))
+        blob.set_velocity((1, 2, 3))
+        np.testing.assert_allclose(blob.v[:3], (1, 2, 3), atol=1e-9)
+        with self.assertRaisesRegex(brim.InputError, "no coordinates that turn it so"):
+            blob.set_velocity((0, 0, 0), (0, 0, 1))
+
+        class Lift(Blob):
+            q0 = np.r_[0.5]
+
+            def deform(self, q, X):
+                return X + [0, 0, q[0]]
+
+            def inverse_deform(self, q, x):
+                return x - [0, 0, q[0]]
+
+            def distance(self, q, x):
+                return np.linalg.norm(self.inverse_deform(q, x), axis=1) - 0.3
+
+            def energy(self, q):
+                return 0.0
+
+        lift = world.add(Lift(surface=surface))
+        with self.assertRaisesRegex(brim.InputError, "no coordinates that move it so; set its v"):
+            lift.set_velocity((1, 0, 0))
+        lift.set_velocity((0, 0, 1))
+
     def test_the_author_goes_with_the_world(self):
         author = Blob(surface=brim.sphere(0.3))
         gone = weakref.ref(author)

@@ -11,6 +11,9 @@ namespace brim {
 
 namespace {
 
+/// Shares of a velocity that is set: by which the momentum may miss it, and of kinetic energy that is no rotation.
+constexpr double kMomentumMissed = 1e-6, kNoMotion = 1e-12;
+
 bool is_driven(const Body& body) {
   const auto* movable = dynamic_cast<const Movable*>(&body);
   return movable != nullptr && movable->driven();
@@ -128,7 +131,17 @@ void World::set_velocity(int b, const Vec3& velocity, const Vec3& angular_veloci
   if (!body.rigid_motion(velocity, Vec3::Zero(), v)) refuse("cannot move as a whole; set its v");
   const std::optional<Vec3> center = center_of_mass(body);
   if (!center) refuse("has no centre of mass");
+  // A body of few coordinates gives its best try: what it cannot do is told, not left out.
+  double size = 0.0;
+  for (int p = 0; p < body.part_count(); ++p) size = std::max(size, body.bounds(p).extent().maxCoeff());
+  const double mass = body.mass(), turning = size * angular_velocity.norm();
+  body.rigid_motion(-angular_velocity.cross(*center), angular_velocity, v);
+  if (turning > 0.0 && !(body.kinetic_energy(v) > kNoMotion * mass * turning * turning))
+    refuse("has no coordinates that turn it so; set its v");
   body.rigid_motion(velocity - angular_velocity.cross(*center), angular_velocity, v);
+  if (!((body.linear_momentum(v) - mass * velocity).norm() <=
+        kMomentumMissed * mass * std::max(velocity.norm(), turning)))
+    refuse("has no coordinates that move it so; set its v");
   body.filter(v);
   w.wake_around(*this, b);
   std::ranges::copy(v, w.v(static_cast<std::size_t>(b)).begin());
