@@ -89,9 +89,9 @@ std::string told(Mistakes mistakes) {
   }
 }
 
-testing::AssertionResult begins(const std::string& text, const std::string& with) {
-  if (text.find(with) == 0 && text.find('\n') == std::string::npos) return testing::AssertionSuccess();
-  return testing::AssertionFailure() << "\"" << text << "\" is not one line that begins with \"" << with << "\"";
+::testing::AssertionResult begins(const std::string& text, const std::string& with) {
+  if (text.find(with) == 0 && text.find('\n') == std::string::npos) return ::testing::AssertionSuccess();
+  return ::testing::AssertionFailure() << "\"" << text << "\" is not one line that begins with \"" << with << "\"";
 }
 
 TEST(OwnBodyCheck, AGoodBodyIsGood) { EXPECT_EQ(told({}), ""); }
