@@ -44,6 +44,21 @@ double fastest(std::span<const double> v) {
 
 const GridFluidBody& fluid_of(const World& w, int b = 0) { return dynamic_cast<const GridFluidBody&>(w.body(b)); }
 
+TEST(GridFluidBody, WhatHasNoWaterIsIdle) {
+  const GridFluidBody f(pool({12, 10, 16}, 0.05, 0.237));
+  std::vector<double> x(f.v_size(), 1.0);
+  f.filter(x);
+  std::size_t idle = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) EXPECT_EQ(x[i] != 0.0, f.wet().kind[i] == WetFaces::Kind::Free) << i;
+  for (const VelocityRange& r : f.idle_velocities()) {
+    idle += r.end - r.begin;
+    for (std::size_t i = r.begin; i < r.end; ++i) EXPECT_EQ(x[i], 0.0) << i;
+  }
+  EXPECT_GT(idle, x.size() / 2);  // the pool fills less than a third of its box
+  EXPECT_EQ(f.wet().layers.begin, 0);
+  EXPECT_EQ(f.wet().layers.end, 6);  // five layers of wet cells, and the faces above them
+}
+
 TEST(GridFluidBody, StillPoolStaysStillAndItsPressureGrowsWithDepth) {
   const double dx = 0.05, level = 0.437;
   World w(options(dx, 0.01));
