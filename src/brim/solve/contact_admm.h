@@ -10,7 +10,6 @@ namespace brim {
 /// Contacts with Coulomb friction by the alternating direction method of multipliers (ADMM), over-relaxed, with the
 /// cones in the form of De Saxcé:
 ///   û = W λ + q + μ |u_t| n,   K ∋ λ  ⟂  û ∈ K*,   K: |λ_t| <= μ λ_n
-/// (Carpentier, Le Lidec and Montaut, From compliant to rigid contact simulation, 2024). One iteration solves with
 /// (Carpentier, Le Lidec and Montaut, From compliant to rigid contact simulation, 2024). One iteration solves with W +
 /// ρ for all contacts at once, then projects each impulse to its cone. So it depends neither on the order of the
 /// contacts nor on the path of a load, and converges where projected Gauss-Seidel sweeps cycle (many contacts slipping
