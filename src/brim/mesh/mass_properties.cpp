@@ -1,28 +1,13 @@
 #include "brim/mesh/mass_properties.h"
 
 #include "brim/core/error.h"
+#include "brim/mesh/tet_moments.h"
 
 namespace brim {
 
 namespace {
 
-// Integrals of 1, x and x xᵀ over signed tetrahedra that share the origin.
-struct Moments {
-  double volume = 0.0;
-  Vec3 first = Vec3::Zero();
-  Mat3 second = Mat3::Zero();
-
-  // Tetrahedron a, b, c, d with 6 V = det.
-  void add(double det, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-    const Vec3 s = a + b + c + d;
-    volume += det / 6.0;
-    first += det / 24.0 * s;
-    second += det / 120.0 *
-              (a * a.transpose() + b * b.transpose() + c * c.transpose() + d * d.transpose() + s * s.transpose());
-  }
-};
-
-MassProperties finish(const Moments& m, const Vec3& reference, double density) {
+MassProperties finish(const TetMoments& m, const Vec3& reference, double density) {
   if (!(density > 0.0) || !std::isfinite(density))
     throw InputError(fmt::format("density is {} kg/m³; it must be positive and finite", density));
   if (!(m.volume > 0.0) || !std::isfinite(m.volume))
@@ -49,7 +34,7 @@ Vec3 middle(const std::vector<Vec3>& points) {
 
 MassProperties mass_properties(const TriMesh& mesh, double density) {
   const Vec3 o = middle(mesh.vertices);
-  Moments m;
+  TetMoments m;
   for (const Triangle& t : mesh.triangles) {
     const Vec3 a = mesh.vertices[t[0]] - o, b = mesh.vertices[t[1]] - o, c = mesh.vertices[t[2]] - o;
     m.add(a.cross(b).dot(c), a, b, c, Vec3::Zero());
@@ -59,7 +44,7 @@ MassProperties mass_properties(const TriMesh& mesh, double density) {
 
 MassProperties mass_properties(const TetMesh& mesh, double density) {
   const Vec3 o = middle(mesh.vertices);
-  Moments m;
+  TetMoments m;
   for (const Tetrahedron& t : mesh.tets) {
     const Vec3 a = mesh.vertices[t[0]] - o, b = mesh.vertices[t[1]] - o, c = mesh.vertices[t[2]] - o,
                d = mesh.vertices[t[3]] - o;

@@ -9,28 +9,11 @@
 
 #include "brim/mesh/mass_properties.h"
 #include "brim/mesh/tet_lattice.h"
+#include "brim/mesh/tet_moments.h"
 
 namespace brim {
 
 namespace {
-
-/// ∫1, ∫x, ∫x xᵀ
-struct Moments {
-  double volume = 0.0;
-  Vec3 first = Vec3::Zero();
-  Mat3 second = Mat3::Zero();
-
-  void add(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-    const double v = tet_volume(a, b, c, d);
-    const Vec3 s = a + b + c + d;
-    volume += v;
-    first += 0.25 * v * s;
-    second +=
-        v / 20.0 * (a * a.transpose() + b * b.transpose() + c * c.transpose() + d * d.transpose() + s * s.transpose());
-  }
-  Vec3 center() const { return first / volume; }
-  Mat3 variance() const { return second / volume - center() * center().transpose(); }
-};
 
 /// S^power of a symmetric matrix that is not negative.
 Mat3 power_of(const Mat3& S, double power) {
@@ -45,16 +28,17 @@ MassPoints mass_points(const TriMesh& surface, double density, double spacing) {
   const MassProperties whole = mass_properties(surface, density);
   const TetMesh tets = tet_lattice(surface, spacing);
   // About the centre, where rounding is least; cells in the order of their place.
-  std::map<std::array<std::int64_t, 3>, Moments> cells;
-  Moments all;
+  std::map<std::array<std::int64_t, 3>, TetMoments> cells;
+  TetMoments all;
   for (const Tetrahedron& t : tets.tets) {
     std::array<Vec3, 4> x;
     for (int k = 0; k < 4; ++k) x[k] = tets.vertices[t[k]] - whole.center;
     const Vec3 middle = 0.25 * (x[0] + x[1] + x[2] + x[3]) / spacing;
     std::array<std::int64_t, 3> cell;
     for (int k = 0; k < 3; ++k) cell[k] = static_cast<std::int64_t>(std::floor(middle[k]));
-    cells[cell].add(x[0], x[1], x[2], x[3]);
-    all.add(x[0], x[1], x[2], x[3]);
+    const double det = 6.0 * tet_volume(x[0], x[1], x[2], x[3]);
+    cells[cell].add(det, x[0], x[1], x[2], x[3]);
+    all.add(det, x[0], x[1], x[2], x[3]);
   }
   const Mat3 variance = (0.5 * whole.inertia.trace() * Mat3::Identity() - whole.inertia) / whole.mass;
   const Mat3 root = power_of(all.variance(), 0.5), back = power_of(all.variance(), -0.5);
