@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <new>
 
+#include "brim/core/author_error.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/node.h"
 #include "brim/scene/plugin.h"
@@ -31,17 +31,10 @@ class OwnBodyMaker final : public BodyMaker {
   std::string kind() const { return node_.string("kind"); }
   /// What the author's maker gives; what it raises names the kind.
   std::unique_ptr<Body> asked(const Placement& place) const {
-    try {
-      return make_(OwnEntry(node_, place, material_, world_));
-    } catch (const InputError&) {
-      throw;
-    } catch (const ProgrammingError&) {
-      throw;
-    } catch (const std::bad_alloc&) {
-      throw;
-    } catch (const std::exception& e) {
-      throw InputError(fmt::format("the maker of kind \"{}\" raised \"{}\"", kind(), e.what()));
-    }
+    return call_author([&] { return make_(OwnEntry(node_, place, material_, world_)); },
+                       [&](const std::exception& e) {
+                         throw InputError(fmt::format("the maker of kind \"{}\" raised \"{}\"", kind(), e.what()));
+                       });
   }
 
   Node node_;

@@ -4,9 +4,9 @@
 
 #include <cmath>
 #include <cstring>
-#include <new>
 
 #include "brim/body/own/own_body.h"
+#include "brim/core/author_error.h"
 #include "brim/core/error.h"
 
 namespace brim {
@@ -34,18 +34,9 @@ void OwnBody::refuse(const char* function, Coordinates q, const std::string& wha
 
 template <class F>
 auto OwnBody::ask(const char* function, Coordinates q, const F& f) const {
-  try {
-    return f();
-  } catch (const InputError&) {
-    throw;
-  } catch (const ProgrammingError&) {
-    throw;
-  } catch (const std::bad_alloc&) {
-    throw;
-  } catch (const std::exception& e) {
-    if (errors_are_named()) throw;
-    refuse(function, q, fmt::format("raised \"{}\"", e.what()));
-  }
+  return call_author(f, [&](const std::exception& e) {
+    if (!errors_are_named()) refuse(function, q, fmt::format("raised \"{}\"", e.what()));
+  });
 }
 
 void OwnBody::ask_deform(Coordinates q, std::span<const Vec3> X, std::span<Vec3> x) const {
