@@ -246,5 +246,24 @@ TEST(LinkJoints, WhatCannotBeIsRefused) {
   EXPECT_THROW(far.attach(joint(JointKind::Ball, "jelly", "sheet", Vec3(0, 0, 1))), InputError);
 }
 
+TEST(LinkJoints, DrivesAndLimitsReportTheEnergyOfTheirSprings) {
+  constexpr double kStiffness = 200.0, kLimit = 50.0;
+  const auto potential = [](double target, double force_limit, double upper) {
+    World w(floating(1e-4));
+    w.add(box("sled", {}));
+    Attachment slide = joint(JointKind::Prismatic, "sled", "", Vec3::Zero(), Vec3(1, 0, 0));
+    slide.joint->drive.stiffness = kStiffness, slide.joint->drive.target = target;
+    slide.joint->drive.force_limit = force_limit;
+    slide.joint->upper = upper, slide.joint->limit_stiffness = 3e3;
+    w.attach(slide);
+    return w.step().potential_energy;
+  };
+  const double free = std::numeric_limits<double>::infinity(), close = 1e-4 * 0.5 * kStiffness;
+  EXPECT_NEAR(potential(1.0, free, free), 0.5 * kStiffness, close);
+  // With a limited force F the work of going there: F (miss − F / 2k).
+  EXPECT_NEAR(potential(1.0, kLimit, free), kLimit * (1.0 - 0.5 * kLimit / kStiffness), close);
+  EXPECT_NEAR(potential(0.0, free, -0.1), 0.5 * 3e3 * 0.01, close);
+}
+
 }  // namespace
 }  // namespace brim::link_joints_test

@@ -65,6 +65,32 @@ TEST(Links, ABallOnASpringSwingsWithItsFrequency) {
   EXPECT_NEAR(crossed, 1.0, 2e-3);
 }
 
+TEST(Links, TheEnergyOfASpringIsPartOfTheReports) {
+  // Backward Euler takes exp(−ω² dt t) of the energy of a swing, and nothing else does.
+  World w(floating(1e-3));
+  w.add(ball("ball", {Vec3(0, 0, 0), Quat::Identity(), Vec3(1, 0, 0)}));
+  const double m = w.body(0).mass(), omega = 2.0 * std::numbers::pi;
+  w.attach(at("spring", "ball", "", Vec3::Zero(), m * omega * omega));
+  for (int s = 1; s <= 600; ++s) {
+    const StepReport r = w.step();
+    const double want = 0.5 * m * std::exp(-omega * omega * 1e-3 * w.state().time);
+    ASSERT_NEAR(r.kinetic_energy + r.potential_energy, want, 5e-3 * 0.5 * m) << s;
+  }
+}
+
+TEST(Links, ASlackRopeHasNone) {
+  World w(floating(1e-3));
+  w.add(ball("ball", {Vec3(0, 0, 0), Quat::Identity(), Vec3(-1, 0, 0)}));
+  Attachment rope = at("rope", "ball", "", Vec3::Zero(), 1e4);
+  rope.to_point = Vec3(-1, 0, 0), rope.length = 1.0, rope.pulls_only = true;
+  w.attach(rope);
+  EXPECT_EQ(w.step().potential_energy, 0.0);
+  for (int s = 0; s < 2200; ++s) w.step();  // through the middle, and to its end on the other side
+  const StepReport r = w.step();
+  EXPECT_GT(r.potential_energy, 0.0);
+  EXPECT_NEAR(r.potential_energy, 0.5 * 1e4 * std::pow(r.links[0].error, 2), 0.05 * r.potential_energy);
+}
+
 TEST(Links, WhatLinksGiveIsEqualAndOppositeToRoundingAndBodiesKeepTheirMomentum) {
   for (const double k : {0.0, 3e4}) {
     World w(floating());

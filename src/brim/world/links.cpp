@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "brim/body/articulated/joint_forces.h"
 #include "brim/core/error.h"
 
 namespace brim {
@@ -19,18 +20,13 @@ constexpr double kOlderMark =
 /// [s] A gap between two sides closes as exp(−t / kClosing).
 constexpr double kClosing = 0.1;
 
+/// Share of a gap that is left after a time.
+double closing_left(double t) { return std::exp(-t / kClosing); }
+
 /// Target value and rate of a drive over a sub-step, as in JointForces.
 std::pair<double, double> aim_of(const JointDrive& d, double time, double dt) {
-  if (d.keys.empty()) return {d.target, d.target_velocity};
-  const auto at = [&](double t) {
-    if (t <= d.keys.front().time) return d.keys.front().value;
-    if (t >= d.keys.back().time) return d.keys.back().value;
-    std::size_t i = 1;
-    while (d.keys[i].time < t) ++i;
-    const TargetKey &a = d.keys[i - 1], &b = d.keys[i];
-    return a.value + (b.value - a.value) * (t - a.time) / (b.time - a.time);
-  };
-  return {at(time + dt), (at(time + dt) - at(time)) / dt};
+  const auto [target, rate] = target_at(d, time + dt);
+  return {target, d.keys.empty() ? rate : (target - target_at(d, time).first) / dt};
 }
 
 }  // namespace
@@ -95,6 +91,22 @@ void Links::find_ends(std::size_t i, std::span<const WorldPart> parts, std::span
   }
 }
 
+std::pair<Vec3, Vec3> Links::stretch(const Link& link, const Held& held, const Coordinate& c, double time, Vec3& n,
+                                     Vec3& error) {
+  const Vec3 a = link.a.positions()[held.point], rest = link.b.positions()[held.point],
+             b = link.given.motion ? link.given.motion(time, rest, link.middle) : rest;
+  error = a - b;
+  if (held.hold == Hold::Along) {
+    const double now = error.norm();
+    if (now > 0.0) n = error / now;
+    error = (now - held.length) * n;
+    return {a, b};
+  }
+  if (held.gap != Vec3::Zero()) error -= closing_left(time - link.start) * held.gap;
+  if (held.hold == Hold::Across) n = c.axis, error -= n * n.dot(error);
+  return {a, b};
+}
+
 void Links::append(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q,
                    int space, double time, double dt, ContactSet& set) {
   time_ = time, dt_ = dt;
@@ -113,29 +125,20 @@ void Links::append(std::span<const WorldPart> parts, std::span<const double> q, 
     ++set.link_pairs;
     for (std::size_t k = 0; k < link.held.size(); ++k) {
       const Held& held = link.held[k];
-      Vec3 xa = link.a.positions()[held.point], xb = link.b.positions()[held.point];
       Tie tie;
       tie.link = l, tie.held = k;
-      if (link.given.motion) {
-        const Vec3 at_rest = xb;
-        xb = link.given.motion(time, at_rest, link.middle);
-        tie.target = (link.given.motion(time + dt, at_rest, link.middle) - xb) / dt;
-      }
-      tie.error = xa - xb;
-      if (held.hold == Hold::Along) {
-        const double now = tie.error.norm();
-        if (now > 0.0) tie.n = tie.error / now;
-        tie.error = (now - held.length) * tie.n;
-      } else if (along_coordinate(held.hold)) {
+      const bool along = along_coordinate(held.hold);
+      const auto [at_a, at_b] = along ? std::pair(c.point, c.point) : stretch(link, held, c, time, tie.n, tie.error);
+      Vec3 xa = at_a, xb = at_b;
+      if (along) {
         tie.n = c.n, tie.lever = c.lever;
-        xa = xb = c.point;
       } else {
-        if (held.gap != Vec3::Zero()) {
-          const double now = std::exp(-(time - link.start) / kClosing), next = now * std::exp(-dt / kClosing);
-          tie.error -= now * held.gap;
-          tie.target += (next - now) / dt * held.gap;
-        }
-        if (held.hold == Hold::Across) tie.n = c.axis, tie.error -= c.axis * c.axis.dot(tie.error);
+        if (link.given.motion)
+          tie.target = (link.given.motion(time + dt, link.b.positions()[held.point], link.middle) - xb) / dt;
+        if (held.gap != Vec3::Zero())
+          tie.target += (closing_left(time + dt - link.start) - closing_left(time - link.start)) / dt * held.gap;
+      }
+      if (!along && held.hold != Hold::Along) {
         if (link.b.loose() || (link.b.bound() > link.a.bound() && held.hold != Hold::Across))
           xa = xb;
         else if (link.b.in_space() || held.hold == Hold::Across || link.a.bound() > link.b.bound())
@@ -229,15 +232,6 @@ void Links::begin(const ContactSet& set, std::span<const Vec3> velocity_a, std::
     }
   }
   response.set_bonds(std::move(bonds));
-}
-
-void Links::measure(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q,
-                    StepReport& report) {
-  for (std::size_t l = 0; l < std::min(links_.size(), report.links.size()); ++l) {
-    if (links_[l].broken) continue;
-    links_[l].follow(parts, q, first_q);
-    report.links[l].coordinate = coordinate(links_[l]).value;
-  }
 }
 
 void Links::finish(const ContactSet& set, std::span<const Vec3> force, double time, StepReport& report) {

@@ -71,9 +71,11 @@ class Links {
   /// Passes the links to the response, after its begin. @param velocity_a, velocity_b  [m/s] at all contacts
   void begin(const ContactSet& set, std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b,
              Penalty& response) const;
-  /// Sets the coordinates of the report to those at the end of a step. Bodies must be up to date.
+  /// Sets the coordinates of the report to those at the end of a step, and adds the energy of springs (of links, drives
+  /// and limits that are not rigid) to its potential energy. Bodies must be up to date.
+  /// @param time  [s] now
   void measure(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q,
-               StepReport& report);
+               double time, StepReport& report);
   /// Takes the forces and breaks links whose force is too large. @param force  [N] on side a, all contacts
   void finish(const ContactSet& set, std::span<const Vec3> force, double time, StepReport& report);
 
@@ -139,6 +141,11 @@ class Links {
   static void add_coordinate(Link& link);
   static std::vector<Vec3> joint_points(const LinkJoint& joint, double span);
   static Coordinate coordinate(const Link& link);
+  /// Present ends of a held point, [m], the direction n that its hold means, and its error.
+  static std::pair<Vec3, Vec3> stretch(const Link& link, const Held& held, const Coordinate& c, double time, Vec3& n,
+                                       Vec3& error);
+  /// [J] of what is elastic of a link, with its points as they were followed last.
+  static double spring_energy(const Link& link, const Coordinate& c, double time);
   double rigid(const Link& link) const { return kRigid * link.mass / (dt_ * dt_); }
   /// Stiffness and damping along the coordinate, per length, and the force at the start.
   void drive(const Link& link, const Tie& tie, const Vec3& u, Bond& bond) const;

@@ -129,7 +129,7 @@ void World::Impl::measure(StepReport& report) {
     report.asleep = sleep.count();
   }
   keep_memory();
-  if (!report.links.empty()) links.measure(parts, state.q, first_q, report);
+  if (!links.empty()) links.measure(parts, state.q, first_q, state.time, report);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     report.kinetic_energy += bodies[b]->kinetic_energy(v(b));
     report.potential_energy += bodies[b]->potential_energy(options.environment.scaled(actions.gravity_scale(), b));

@@ -13,8 +13,11 @@ constexpr double kFrictionWidth = 0.01;    ///< ε over what friction stops in a
 constexpr double kLimitStiffness = 100.0;  ///< times m / dt²: stops all but a hundredth of a joint's motion in a step
 constexpr double kUsualStep = 1.0 / 60.0;  ///< [s] where no step is ahead
 
-/// Value and slope of keys at a time.
-std::pair<double, double> value_at(const std::vector<TargetKey>& keys, double time) {
+}  // namespace
+
+std::pair<double, double> target_at(const JointDrive& d, double time) {
+  const std::vector<TargetKey>& keys = d.keys;
+  if (keys.empty()) return {d.target, d.target_velocity};
   if (time <= keys.front().time) return {keys.front().value, 0.0};
   if (time > keys.back().time) return {keys.back().value, 0.0};
   std::size_t i = 1;
@@ -23,7 +26,11 @@ std::pair<double, double> value_at(const std::vector<TargetKey>& keys, double ti
   return {keys[i - 1].value + slope * (time - keys[i - 1].time), slope};
 }
 
-}  // namespace
+double drive_energy(const JointDrive& d, double miss) {
+  if (!(d.stiffness > 0.0)) return 0.0;
+  const double pull = d.stiffness * std::abs(miss), most = std::min(pull, d.force_limit);
+  return most * (pull - 0.5 * most) / d.stiffness;
+}
 
 JointForces::JointForces(const ArticulatedModel& model) {
   for (const LinkModel& l : model.links) {
@@ -51,12 +58,9 @@ JointForces::Term JointForces::term(const Joint& j, double time, double dt, doub
   Term t;
   const JointDrive& d = j.drive;
   if (d.stiffness > 0.0 || d.damping > 0.0) {
-    std::pair<double, double> target{d.target, d.target_velocity};
-    if (!d.keys.empty()) {
-      target = value_at(d.keys, time);
-      // Over a step the mean, so that position and velocity agree where the motion has a kink.
-      if (dt > 0.0) target.second = (target.first - value_at(d.keys, time - dt).first) / dt;
-    }
+    std::pair<double, double> target = target_at(d, time);
+    // Over a step the mean, so that position and velocity agree where the motion has a kink.
+    if (!d.keys.empty() && dt > 0.0) target.second = (target.first - target_at(d, time - dt).first) / dt;
     const Vec3 miss = (ball ? Vec3::Zero() : Vec3(target.first, 0, 0)) - x;
     const Vec3 wanted = d.stiffness * miss + d.damping * ((ball ? Vec3::Zero() : Vec3(target.second, 0, 0)) - u);
     // The secant keeps to the limit where the joint is held, and cannot overshoot where it is free.
@@ -64,10 +68,7 @@ JointForces::Term JointForces::term(const Joint& j, double time, double dt, doub
     t.force += s * wanted;
     t.K.diagonal().array() += s * d.stiffness;
     t.C.diagonal().array() += s * d.damping;
-    const double pull = d.stiffness * miss.norm();
-    if (d.stiffness > 0.0)
-      energy_ += pull <= d.force_limit ? 0.5 * pull * pull / d.stiffness
-                                       : d.force_limit * (miss.norm() - 0.5 * d.force_limit / d.stiffness);
+    energy_ += drive_energy(d, miss.norm());
   }
   double drag = j.damping;
   if (j.friction > 0.0) {

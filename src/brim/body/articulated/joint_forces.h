@@ -6,6 +6,11 @@
 
 namespace brim {
 
+/// Target of a drive and its rate at a time, [s].
+std::pair<double, double> target_at(const JointDrive& drive, double time);
+/// Energy of a drive's spring that misses its target by so much, [J]; beyond the limit of its force that is constant.
+double drive_energy(const JointDrive& drive, double miss);
+
 /// Drives, limits, damping and dry friction of all joints, with derivatives for an implicit step.
 ///   drive     τ = s (kp (target − q) + kd (target' − q')),  s = min(1, force_limit / |τ at s = 1|)
 ///   limit     τ = −k (q − upper + dt q') beyond upper, likewise below lower; τ = −k (q − upper) already when q + dt q'
