@@ -231,11 +231,18 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
     // At the edge of a face the gap rises outwards and does not fall inwards: the nodes' gap is right.
     if (!law.rigid && at_edge_of_face(contacts, model, pair.h))
       model.least_point = model.x, model.least_gap = -contacts.depth[around_.front()];
+    RoundDirections round{Vec3::Zero(), Vec3::Zero()};
+    if (options.side_a != nullptr) {
+      const CubeSide &a = *options.side_a, &b = *options.side_b;
+      round = round_directions(a, b, model.least_point, model.n, model.curvature, pair.h);
+      if (const auto settled = settle_round_gap(a, b, model.least_point, round, pair.h))
+        model.least_point = settled->x, model.least_gap = settled->gap;
+    }
     const std::size_t center = points_.size();
     add_point(contacts, around_.front(), model.least_point, model.n, model.least_gap, law,
               {model.bend_a, model.bend_b});
     if (!law.rigid) return;
-    add_corners(contacts, pair, law, options, model, first, center);
+    add_corners(contacts, pair, law, options, model, round, first, center);
     // Nodes with smaller gaps than the model get points of their own.
     std::erase_if(rest_, [&](std::size_t c) {
       return around(c) || (-contacts.depth[c] >= model.gap_at(contacts.point[c]) - miss &&

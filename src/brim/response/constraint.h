@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "brim/response/moved_rows.h"
 #include "brim/response/node_places.h"
 #include "brim/response/patch_model.h"
+#include "brim/response/round_gap.h"
 #include "brim/response/round_impact.h"
 
 namespace brim {
@@ -125,10 +127,11 @@ class Constraint {
   /// True where a patch's nodes lie at the edge of a face, so that the quadric of their gaps would drop towards its
   /// middle: the model is curved, and a flat node within two voxels of its minimum has a smaller gap than it predicts.
   bool at_edge_of_face(const ContactSet& contacts, const PatchModel& model, double h) const;
-  /// Adds the corners of the flat part of the nodes in rest_. @param first  of the patch's points  @param center  the
-  /// model's
+  /// Adds the corners of the flat part of the nodes in rest_; along round directions they lie at the least gap.
+  /// @param first  of the patch's points  @param center  the model's
   void add_corners(const ContactSet& contacts, const ContactPair& pair, const ConstraintPair& law,
-                   const ConstraintOptions& options, const PatchModel& model, std::size_t first, std::size_t center);
+                   const ConstraintOptions& options, const PatchModel& model, const RoundDirections& round,
+                   std::size_t first, std::size_t center);
   /// Moves the friction points of the corners so that their torque is that of an even pressure (friction_radius.h).
   /// @param first  of the corners
   void place_friction(const ContactSet& contacts, const PatchModel& model, std::size_t first);

@@ -23,8 +23,8 @@ constexpr double kOneNormal = 0.9999, kSlides = 0.999, kLever = 1e-4;
 }  // namespace
 
 void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair, const ConstraintPair& law,
-                             const ConstraintOptions& options, const PatchModel& model, std::size_t first,
-                             std::size_t center) {
+                             const ConstraintOptions& options, const PatchModel& model, const RoundDirections& round,
+                             std::size_t first, std::size_t center) {
   const double h = pair.h;
   // Nodes off the model lie beyond an edge, or on another surface with its own patch. Nodes that fit it belong to it at
   // any distance, even if it was fitted to others nearby.
@@ -50,31 +50,40 @@ void Constraint::add_corners(const ContactSet& contacts, const ContactPair& pair
   const std::size_t right = farthest([&](const Vec3& y) { return -across.dot(y - from); });
   double least = std::numeric_limits<double>::infinity();
   const std::size_t corners = points_.size();
-  const auto add = [&](std::size_t c, const Vec3& y) {
+  const auto add = [&](std::size_t c, const Vec3& y, double gap) {
     for (std::size_t i = first; i < points_.size(); ++i)
       if ((points_.point[i] - y).norm() <= kApart * h) return;
-    // Gaps from the model: bodies would rock on the noise of single nodes.
-    const double gap = model.gap_at(y);
     add_point(contacts, c, y, model.normal_at(y), gap, law, {model.bend_a, model.bend_b});
     least = std::min(least, gap);
   };
+  // Gaps from the model: bodies would rock on the noise of single nodes.
+  const auto add_face = [&](std::size_t c, const Vec3& y) { add(c, y, model.gap_at(y)); };
   if (options.side_a != nullptr && model.bend_a.isZero(0.0) && model.bend_b.isZero(0.0)) {
     // A face ends at its edge, not at its outermost node.
     const FaceCorner face(*options.side_a, *options.side_b, h, {model.x, model.n, model.gap, model.slope});
     for (const std::size_t c : {one, two, left, right}) {
       const Vec3 x = contacts.point[c], out = x - model.x;
       const Vec3 inside = x - std::min(1.0, kInwards * h / out.norm()) * out;
-      add(c, face.find(inside, out).value_or(x));
+      add_face(c, face.find(inside, out).value_or(x));
     }
     // Few nodes may all lead to one corner: those opposite to it and across.
     if (corners < points_.size()) {
       const Vec3 out = points_.point[corners] - model.x, aside = model.n.cross(out);
       for (const Vec3& way : {Vec3(-out), aside, Vec3(-aside)})
         if (points_.size() < corners + 4)
-          if (const auto y = face.find(model.x, way)) add(one, *y);
+          if (const auto y = face.find(model.x, way)) add_face(one, *y);
     }
   } else {
-    for (const std::size_t c : {one, two, left, right}) add(c, contacts.point[c]);
+    // Where the gap is round, a corner ahead would stop what rolls on to it: corners lie along the line of least gap.
+    for (const std::size_t c : {one, two, left, right}) {
+      const Vec3& x = contacts.point[c];
+      const auto settled =
+          options.side_a != nullptr ? settle_round_gap(*options.side_a, *options.side_b, x, round, h) : std::nullopt;
+      if (settled)
+        add(c, settled->x, settled->gap);
+      else
+        add_face(c, x);
+    }
   }
   place_friction(contacts, model, corners);
   // Between three or four corners the first point is redundant, unless it is deeper.

@@ -83,7 +83,7 @@ class ConstraintStep {
   /// Places the rows of balls that will hit each other where they touch (find_round_impact), with the bodies where they
   /// are then.
   void find_round_impacts(std::span<const double> v);
-  /// Velocity of a part's material at x, [m/s].
+  /// Velocity of a rigid part's or a link's material at x, [m/s].
   Vec3 velocity_of(std::int32_t part, const Vec3& x, std::span<const double> v) const;
   /// Velocity of a rigid part, [m/s]. @param arm  [m] from its centre
   Vec3 velocity_at(std::int32_t part, const Vec3& arm, std::span<const double> v) const;

@@ -39,6 +39,27 @@ def link_rolls(case):
     return scene([slope(15, case.h), lone_link("roll", shape, at, case.h)], 2.0, response=case.response)
 
 
+def roller_of_triangles(sides, radius, length):
+    """A prism about y as text of an OBJ file."""
+    places = [(radius * math.cos(t), y, radius * math.sin(t)) for t in (2 * math.pi * (k + 0.5) / sides for k in range(sides)) for y in (-0.5 * length, 0.5 * length)]
+    places += [(0, -0.5 * length, 0), (0, 0.5 * length, 0)]
+    faces = []
+    for k in range(sides):
+        a, b = 2 * k, 2 * ((k + 1) % sides)
+        faces += [(a, a + 1, b), (b, a + 1, b + 1), (2 * sides, a, b), (2 * sides + 1, b + 1, a + 1)]
+    return "".join(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in places) + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces)
+
+
+@experiment(law="a = 2/3 g sin θ", source="rolling without slip, of the cylinder around it", unit="m/s²", tolerance=0.03, study="dt", fast=True,
+            cases=cases(response=BOTH, sides=(128,), dt=(1 / 60, 1 / 240)) + cases(response=BOTH, sides=(64,), dt=(1 / 60,)),
+            theory=2 / 3 * G * math.sin(math.radians(10)), measure=lambda c, r: fits.acceleration(*along_slope(Case(angle=10), r, "roll"), start=0.3))
+def mesh_rolls(case):
+    """A cylinder of triangles, 0.2 m thick and 0.3 m long, rolls down a plane of 10°, friction 0.6; its mesh has so many sides, and its voxels are an eighth of it."""
+    name = f"roll_{case.sides}.obj"
+    return scene([slope(10, 0.025), rigid("roll", {"kind": "mesh", "file": name}, {"position": on_slope(10, 0, 0.1)}, 0.025)], 1.5, dt=case.dt,
+                 friction=0.6, response=case.response, files={name: roller_of_triangles(case.sides, 0.1, 0.3)})
+
+
 CHASSIS, WHEEL = 20.0, 2.0  # [kg]
 
 
