@@ -202,10 +202,13 @@ async function main() {
     if (job.links === false) await browser.evaluate('brim.app.panel.setLinks(false)');
     if (job.slice)
       await browser.evaluate(`brim.app.showSlice(${JSON.stringify(job.slice)}).then(() => true)`);
+    if (job.stress !== null) await browser.evaluate(`brim.app.showStress(${job.stress}).then(() => true)`);
     const picture = async (f) => Buffer.from(await browser.evaluate(`brim.app.png(${f})`), 'base64');
     mkdirSync(dirname(job.out), { recursive: true });
     if (!movie) {
       writeFileSync(job.out, await picture(frame));
+      if (job.stress !== null)
+        console.log(`stress: colours from 0 to ${await browser.evaluate('brim.app.panel.stress.top')} Pa`);
       return;
     }
     let film;

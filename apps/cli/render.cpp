@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct RenderOptions {
-  std::string run, out, size = "1280x720", camera = "fit", contacts, slice, surface, colour;
+  std::string run, out, size = "1280x720", camera = "fit", contacts, slice, stress, surface, colour;
   long long frame = 0;
   double fps = 0.0;  ///< 0: the run's own
   bool tiles = false, no_links = false;
@@ -77,6 +77,17 @@ Json slice_wish(const std::string& text) {
   }
   if (comma < text.size()) wish["body"] = text.substr(comma + 1);
   return wish;
+}
+
+/// [Pa] of the last colour; 0 for "auto", the largest of each frame; null without any.
+Json stress_wish(const std::string& text) {
+  if (text.empty()) return {};
+  if (text == "auto") return 0;
+  const std::string usage =
+      fmt::format("--stress {}: must be auto, or the stress of the last colour in Pa, a number above 0", text);
+  const double top = numbers(text, '\0', usage)[0];
+  if (!(top > 0.0)) throw InputError(usage);
+  return top;
 }
 
 /// Pieces between commas.
@@ -141,9 +152,12 @@ void check_wishes(const Json& run, const RenderOptions& options, const Json& sli
         if (body.at("display") != "points")
           throw InputError(fmt::format("--surface {}: \"{}\" is not made of particles; a surface is shown around those",
                                        options.surface, body.at("name").get<std::string>()));
+  const bool rebuilt = run.at("slices").get<bool>();
+  if (!options.stress.empty() && !rebuilt)
+    throw InputError(fmt::format("--stress {}: the run keeps no scene.json to find stress from", options.stress));
   if (slice.is_null()) return;
   if (slice.contains("body")) named(bodies, slice.at("body").get<std::string>(), false, "--slice " + options.slice);
-  if (!run.at("slices").get<bool>())
+  if (!rebuilt)
     throw InputError(fmt::format("--slice {}: the run keeps no scene.json to make densities from", options.slice));
 }
 
@@ -177,6 +191,7 @@ int render(const RenderOptions& options) {
     if (s < 16 || s > 8192 || s != std::floor(s)) throw InputError(usage);
   const Json pose = camera_pose(options.camera);
   const Json slice = options.slice.empty() ? Json() : slice_wish(options.slice);
+  const Json stress = stress_wish(options.stress);
   const Json colours = colour_wish(options.colour), surface = surface_wish(options.surface);
   const fs::path out = fs::absolute(options.out);
   if (out.extension() != ".png" && out.extension() != ".mp4")
@@ -204,6 +219,7 @@ int render(const RenderOptions& options) {
                     {"tiles", options.tiles},
                     {"links", !options.no_links},
                     {"slice", slice},
+                    {"stress", stress},
                     {"colours", colours},
                     {"surface", surface},
                     {"fps", options.fps > 0 ? options.fps : run.frame_rate()}};
@@ -231,6 +247,9 @@ void add_render(CLI::App& app, int& code) {
       ->check(CLI::IsMember({"points", "forces", "all", "voxels"}));
   command->add_option("--slice", options->slice,
                       "show the densities on a plane: x, y or z, then perhaps =place [m], then perhaps ,body");
+  command->add_option("--stress", options->stress,
+                      "colour elastic solids by their von Mises stress: auto (up to the largest of each frame), or the "
+                      "stress of the last colour [Pa]");
   command->add_option("--surface", options->surface,
                       "show particles as the surface around them: all, or names of bodies separated by commas");
   command->add_option("--colour", options->colour, "colours of bodies: NAME=#rrggbb, several between commas");

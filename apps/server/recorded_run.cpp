@@ -7,6 +7,7 @@
 #include <span>
 #include <thread>
 
+#include "brim/body/stressed_solid.h"
 #include "brim/core/error.h"
 #include "brim/io/regular_file.h"
 #include "brim/record/sensor_record.h"
@@ -23,7 +24,7 @@ namespace {
 constexpr std::size_t kWarningsShown = 1000;
 constexpr double kSilence = 600.0;  // [s]
 constexpr int kAttempts = 4;
-constexpr int kMostSlices = 3;  // fewer than HttpServer has threads
+constexpr int kMostAsked = 3;  // fewer than HttpServer has threads
 constexpr int kFirstAttempts = 25;
 constexpr auto kPause = std::chrono::milliseconds(40);
 
@@ -81,6 +82,21 @@ Json read_json(const fs::path& path) {
   const std::optional<std::string> text = read_regular_file(path.string());
   Json value = text ? Json::parse(*text, nullptr, false) : Json::object();
   return value.is_discarded() ? Json::object() : value;
+}
+
+std::string message_of(const DensitySlice& s) {
+  ArrayMessage message;
+  const double plane[] = {static_cast<double>(s.axis), s.at, s.step, s.lowest, s.highest};
+  const std::int32_t nodes[] = {s.first[0], s.first[1], s.count[0], s.count[1]};
+  const auto rows = static_cast<std::size_t>(s.count[1]), columns = static_cast<std::size_t>(s.count[0]);
+  message.add("plane", plane, 5);
+  message.add("nodes", nodes, 4);
+  message.add("density", s.density.data(), rows, columns);
+  message.add("body", s.body.data(), rows, columns);
+  message.add("second", s.second.data(), rows, columns);
+  message.add("second_body", s.second_body.data(), rows, columns);
+  message.add("overlap", s.overlap.data(), rows, columns);
+  return message.bytes();
 }
 
 }  // namespace
@@ -290,16 +306,16 @@ std::string RecordedRun::frame(std::int64_t frame) {
   return message.bytes();
 }
 
-std::string RecordedRun::slice(std::int64_t frame, const SliceRequest& request) {
-  // One is made at a time; the server has a thread left for all else.
+std::string RecordedRun::with_world(std::int64_t frame, const std::function<std::string(const World&)>& show) {
   struct Counted {
     explicit Counted(std::atomic<int>& n) : count(n), before(count.fetch_add(1)) {}
     ~Counted() { count.fetch_sub(1); }
     std::atomic<int>& count;
     const int before;
-  } const counted(slices_);
-  if (counted.before >= kMostSlices)
-    throw Busy(fmt::format("{} slices are being made or wait; ask again when they have come", kMostSlices));
+  } const counted(asked_);
+  if (counted.before >= kMostAsked)
+    throw Busy(
+        fmt::format("{} slices or fields of stress are being made or wait; ask again when they have come", kMostAsked));
   const std::lock_guard world_lock(world_mutex_);
   const World* world = nullptr;
   {
@@ -310,19 +326,28 @@ std::string RecordedRun::slice(std::int64_t frame, const SliceRequest& request) 
     if (!world_) world_ = std::make_unique<RebuiltWorld>(*reader_);
     world = &world_->at(*reader_, frame);
   }
-  const DensitySlice s = cut_densities(*world, request);
-  ArrayMessage message;
-  const double plane[] = {static_cast<double>(s.axis), s.at, s.step, s.lowest, s.highest};
-  const std::int32_t nodes[] = {s.first[0], s.first[1], s.count[0], s.count[1]};
-  const auto rows = static_cast<std::size_t>(s.count[1]), columns = static_cast<std::size_t>(s.count[0]);
-  message.add("plane", plane, 5);
-  message.add("nodes", nodes, 4);
-  message.add("density", s.density.data(), rows, columns);
-  message.add("body", s.body.data(), rows, columns);
-  message.add("second", s.second.data(), rows, columns);
-  message.add("second_body", s.second_body.data(), rows, columns);
-  message.add("overlap", s.overlap.data(), rows, columns);
-  return message.bytes();
+  return show(*world);
+}
+
+std::string RecordedRun::slice(std::int64_t frame, const SliceRequest& request) {
+  return with_world(frame, [&](const World& world) { return message_of(cut_densities(world, request)); });
+}
+
+std::string RecordedRun::stress(std::int64_t frame) {
+  return with_world(frame, [](const World& world) {
+    ArrayMessage message;
+    for (int b = 0; b < world.body_count(); ++b) {
+      const auto* solid = dynamic_cast<const StressedSolid*>(&world.body(b));
+      if (solid == nullptr) continue;
+      const StressField field = solid->stress_field();
+      std::vector<double> equivalent;
+      for (const Mat3& stress : field.stress) equivalent.push_back(von_mises(stress));
+      std::vector<float> shown(world.body(b).display().vertices);
+      solid->show(equivalent, shown);
+      message.add("von_mises", shown.data(), shown.size(), 1, b);
+    }
+    return message.bytes();
+  });
 }
 
 std::string RecordedRun::series(std::int64_t from) {

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 
@@ -25,6 +26,7 @@ class RecordedRun : public RunSource {
   std::string topology(int body) override;
   std::string frame(std::int64_t frame) override;
   std::string slice(std::int64_t frame, const SliceRequest& request) override;
+  std::string stress(std::int64_t frame) override;
   std::string series(std::int64_t from) override;
 
   /// Frames per second at which the run plays in its own time, at most 60.
@@ -37,6 +39,9 @@ class RecordedRun : public RunSource {
   /// Fills in whether more frames are to be expected.
   void find_end(Progress& progress) const;
   bool writer_gone() const;
+  /// Calls show(world) with the world of a frame, one call at a time; the server has a thread left for all else.
+  /// @throws Busy
+  std::string with_world(std::int64_t frame, const std::function<std::string(const World&)>& show);
 
   std::filesystem::path folder_, file_;
   std::mutex mutex_;
@@ -48,8 +53,8 @@ class RecordedRun : public RunSource {
   ProcessMark writer_;                      ///< of the file as it is open: another one may have begun it anew
   bool world_stale_ = false;                ///< world_ is of a run that has been replaced or gone on with since
   std::mutex world_mutex_;                  ///< taken before mutex_ where both are
-  std::atomic<int> slices_ = 0;             ///< that are made or waited for
-  std::unique_ptr<RebuiltWorld> world_;     ///< made when the first slice is asked for
+  std::atomic<int> asked_ = 0;              ///< calls of with_world that run or wait
+  std::unique_ptr<RebuiltWorld> world_;     ///< made when it is first asked for
 };
 
 }  // namespace brim::viewer

@@ -33,6 +33,8 @@ class RunSource {
   virtual std::string frame(std::int64_t frame) = 0;
   /// Densities on a plane at a frame. @throws TooMuchWork, Busy
   virtual std::string slice(std::int64_t frame, const SliceRequest& request) = 0;
+  /// Von Mises stress of elastic solids at a frame, [Pa] at the vertices of their displays. @throws Busy
+  virtual std::string stress(std::int64_t frame) = 0;
   /// Every recorded scalar from a frame on.
   virtual std::string series(std::int64_t from) = 0;
 };

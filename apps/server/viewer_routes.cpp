@@ -110,6 +110,7 @@ HttpResponse ViewerRoutes::data(const HttpRequest& request) const {
     const auto n = number<std::int64_t>(which);
     if (kind == "topology") return binary(source_.topology(index(n)));
     if (kind == "frame") return binary(source_.frame(n));
+    if (kind == "stress") return binary(source_.stress(n));
     if (kind == "slice") {
       SliceRequest slice;
       slice.axis = index(number<std::int64_t>(given("axis", "2")));

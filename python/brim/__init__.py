@@ -25,12 +25,13 @@ from .running import Frame, Running, StepError
 from .sensor import ContactEvent, RunSensor, Sensor
 from .shapes import (blob, bowl, box, capsule, cup, cylinder, gear, l_profile, mesh, plane, sphere, star, torus,
                      u_profile)
+from .stress import Stress
 from .view import View, view
 from .world import World, load
 
 __all__ = [
     "Attachment", "Body", "ContactEvent", "Defect", "Env", "Envs", "Frame", "InputError", "OwnBody", "Run", "RunBody",
-    "RunSensor", "Running", "Sensor", "State", "StepError", "StepReport", "StepWarning", "View", "World", "__version__", "blob", "bowl", "box", "capsule", "check", "cup",
+    "RunSensor", "Running", "Sensor", "State", "StepError", "StepReport", "StepWarning", "Stress", "View", "World", "__version__", "blob", "bowl", "box", "capsule", "check", "cup",
     "cylinder", "gear", "l_profile", "load", "load_plugin", "mesh", "plane", "set_threads", "sphere", "star", "thread_count",
     "torus", "u_profile", "view",
 ]

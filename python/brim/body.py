@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any, Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from .stress import Stress
+
 if TYPE_CHECKING:
     from .world import World
 
@@ -108,6 +110,15 @@ class Body:
     def surface(self) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
         """Vertices [m] (n, 3) and triangles (m, 3) as the viewer shows them: copies. Lines and points have no triangles."""
         return self._core.positions(self._number), self._core.triangles(self._number)
+
+    @property
+    def stress(self) -> Stress:
+        """Deformation and stress of its elements, now. @raises TypeError for what is no elastic solid: finite elements,
+        deformable image volumes and meshless bodies are"""
+        arrays = self._core.stress(self._number)
+        if arrays is None:
+            raise TypeError(f"{self!r} has no elements of an elastic solid; its stress is not known")
+        return Stress(*arrays)
 
     @property
     def asleep(self) -> bool:

@@ -14,6 +14,7 @@
 #include "recorder.h"
 #include "samples.h"
 #include "session.h"
+#include "stress_arrays.h"
 
 namespace brim::python {
 
@@ -227,6 +228,7 @@ void bind_session(py::module_& m) {
       .def("frame_center", &frame_center)
       .def("positions", &positions)
       .def("triangles", &triangles)
+      .def("stress", &stress_arrays)
       .def("lines", [](Session& s, int b) { return array_of<2>(std::span(s.world().body(b).display().lines)); })
       .def("kinetic_energy", [](Session& s, int b) { return s.world().body(b).kinetic_energy(s.world().v(b)); })
       .def("linear_momentum",

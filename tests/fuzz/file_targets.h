@@ -126,6 +126,7 @@ class NoRun : public viewer::RunSource {
   std::string slice(std::int64_t frame, const viewer::SliceRequest& request) override {
     return fmt::format("{} {} {}", frame, request.axis, request.at);
   }
+  std::string stress(std::int64_t frame) override { return std::to_string(frame); }
   std::string series(std::int64_t from) override { return std::to_string(from); }
 };
 

@@ -231,6 +231,30 @@ TEST_F(RecordedRunTest, SlicesAreThoseOfTheRunThatIsThereNow) {
   EXPECT_NE(decode(run.slice(0, request)).at("nodes").values, wide);
 }
 
+// A bar held at its ends and pulled by a hundredth: E times that, everywhere on its surface.
+TEST_F(RecordedRunTest, StressIsThatOfTheElasticSolidsAtTheFrame) {
+  const Scene scene = parse_scene(R"({"brim": 1, "name": "a", "frames": 1, "world": {"gravity": [0, 0, 0]},
+    "bodies": [{"kind": "rigid", "name": "ball", "shape": {"kind": "sphere", "radius": 0.1}},
+    {"kind": "finite_elements", "name": "bar", "shape": {"kind": "box", "size": [0.4, 0.2, 0.2]}, "lattice_spacing": 0.1,
+     "young_modulus": 1e5, "poisson_ratio": 0, "transform": {"position": [2, 0, 0]}}]})");
+  World world = build_world(scene);
+  State state = world.state();
+  std::vector<double> q(world.q(1).begin(), world.q(1).end());
+  for (std::size_t i = 0; i < q.size(); i += 3) q[i] = 2.0 + 1.01 * (q[i] - 2.0);
+  std::copy(q.begin(), q.end(), state.q.end() - static_cast<std::ptrdiff_t>(q.size()));
+  world.set_state(state);
+  RunPlan plan;
+  plan.folder = folder_.string();
+  plan.info = {scene.name, scene.text, scene.frame_time(), scene.steps_per_frame};
+  plan.frames = plan.scene_frames = scene.frames;
+  record_run(world, plan, {});
+  const auto stress = decode(RecordedRun(folder_.string()).stress(0));
+  ASSERT_EQ(stress.size(), 1u);
+  const auto& values = stress.at("von_mises:1").values;
+  EXPECT_EQ(values.size(), world.body(1).display().vertices);
+  for (const double s : values) EXPECT_NEAR(s, 1e3, 1.0);
+}
+
 TEST_F(RecordedRunTest, SlicesThatManyAskForAtOnceAreRefusedBeyondThree) {
   const Scene scene = parse_scene(R"({"brim": 1, "name": "a", "frames": 1, "world": {"voxel_size": 1e-3},
     "bodies": [{"kind": "rigid", "name": "ball", "shape": {"kind": "sphere", "radius": 0.5}}]})");

@@ -43,6 +43,10 @@ class MadeUpRun : public RunSource {
     if (r.step == 2.0) throw Busy("not now");
     return fmt::format("slice {} {} {} {} {}", f, r.axis, r.at, r.body, r.step);
   }
+  std::string stress(std::int64_t f) override {
+    if (f == 1) throw Busy("not now");
+    return fmt::format("stress {}", f);
+  }
   std::string series(std::int64_t from) override { return "series from " + std::to_string(from); }
 };
 
@@ -101,6 +105,7 @@ TEST_F(ViewerServerTest, ServesThePageAndTheRun) {
   EXPECT_EQ(client_->Get("/api/series")->body, "series from 0");
   EXPECT_EQ(client_->Get("/api/slice/2?axis=0&at=-0.25&body=4&step=1e-2")->body, "slice 2 0 -0.25 4 0.01");
   EXPECT_EQ(client_->Get("/api/slice/2")->body, "slice 2 2 0 -1 0");
+  EXPECT_EQ(client_->Get("/api/stress/2")->body, "stress 2");
   EXPECT_EQ(nlohmann::json::parse(client_->Get("/api/run")->body)["frames"], 3);
 }
 
@@ -119,6 +124,7 @@ TEST_F(ViewerServerTest, ErrorsSayWhatIsWrongAndTheServerGoesOn) {
   EXPECT_EQ(status("/api/slice/1?axis=1.5"), 404);
   EXPECT_EQ(status("/api/slice/1?step=1e-9"), 400);
   EXPECT_EQ(status("/api/slice/1?step=2"), 429);
+  EXPECT_EQ(status("/api/stress/1"), 429);
   EXPECT_EQ(status("/api/nothing"), 404);
   EXPECT_EQ(status("/api/frame/1"), 200);
 }

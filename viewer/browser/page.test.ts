@@ -174,6 +174,24 @@ describe.skipIf(!chromiumPath)('the page', () => {
     await close(o);
   });
 
+  test('stress colours elastic solids, by the largest of the frame or up to a number', async () => {
+    const o = await open(browser);
+    const shot = () => o.page.evaluate(() => window.brim.app.png(60));
+    const plain = await shot();
+    await o.page.keyboard.press('m');
+    await until(o, () => window.brim.app.panel.stress.top > 0);
+    const coloured = await shot();
+    expect(coloured).not.toBe(plain);
+    const most = await o.page.evaluate(() => window.brim.app.panel.stress.top);
+    await o.page.getByRole('spinbutton', { name: 'stress of the last colour' }).fill(String(10 * most));
+    expect(await shot()).not.toBe(coloured);
+    expect(await o.page.locator('.stress .facts').innerText()).toContain('largest');
+    await o.page.keyboard.press('m');
+    expect(await shot()).toBe(plain);
+    expect(o.problems).toEqual([]);
+    await close(o);
+  });
+
   test('a run whose writer is gone is called cut short', async () => {
     const o = await open(browser, fakeRun(5, false));
     expect(await o.page.locator('.status').innerText()).toContain('growing');

@@ -5,6 +5,7 @@
 import { array, encodeArrays, type NamedArray } from '../src/codec';
 import type { RunInfo } from '../src/run';
 import type { SliceWish } from '../src/slice';
+import { elasticKinds } from '../src/stress';
 import { box, sheet, sphere, type Shape } from './shapes';
 
 type Move = (time: number) => Float32Array<ArrayBuffer>;
@@ -32,6 +33,7 @@ export interface FakeRun {
   topology(body: number): ArrayBuffer | undefined;
   frame(f: number): ArrayBuffer | undefined;
   slice(f: number, wish: SliceWish): ArrayBuffer | undefined;
+  stress(f: number): ArrayBuffer | undefined;
   series(from: number): ArrayBuffer;
 }
 
@@ -111,7 +113,7 @@ function makeBodies(): FakeBody[] {
     },
     {
       name: 'jelly ball',
-      kind: 'elastic',
+      kind: 'finite_elements',
       display: 'triangles',
       twoSided: false,
       radius: 0,
@@ -406,6 +408,22 @@ export function fakeRun(frames = 180, complete = true): FakeRun {
       return encodeArrays(arrays);
     },
     slice: (f, wish) => (f < 0 || f >= run.frames ? undefined : ballSlice(sample(f).positions, wish)),
+    // More towards the floor, and more from frame to frame.
+    stress: (f) => {
+      if (f < 0 || f >= run.frames) return undefined;
+      const { positions } = sample(f);
+      return encodeArrays(
+        bodies.flatMap((b, body) => {
+          const p = positions[body];
+          if (!elasticKinds.includes(b.kind) || !p) return [];
+          const values = Float32Array.from(
+            { length: p.length / 3 },
+            (_, i) => ((1 + f) * 1e3) / (1 + p[3 * i + 2]!),
+          );
+          return [array('von_mises', values, 1, body)];
+        }),
+      );
+    },
     series: (from) => {
       const count = Math.max(0, run.frames - from);
       const column = (value: (f: number) => number) => new Float64Array(count).map((_, i) => value(from + i));

@@ -59,7 +59,8 @@ export function handleApi(run: FakeRun, request: IncomingMessage, response: Serv
     const n = (name: string, otherwise: string) => Number(url.searchParams.get(name) ?? otherwise);
     const wish = { axis: n('axis', '2'), at: n('at', '0'), body: n('body', '-1') };
     binary(response, run.slice(Number(which), wish), `frame ${which}`);
-  } else if (what === 'events') events(run, request, response);
+  } else if (what === 'stress') binary(response, run.stress(Number(which)), `frame ${which}`);
+  else if (what === 'events') events(run, request, response);
   else json(response, 404, { error: `nothing at ${url.pathname}` });
   return true;
 }

@@ -7,6 +7,7 @@ import { Player } from './player';
 import type { Frame, RunInfo, Series } from './run';
 import { defaultPose, type CameraPose } from './scene/stage';
 import { Slicing, type NamedSlice } from './slicing';
+import { Stressing } from './stressing';
 import { Captures } from './ui/captures';
 import { h } from './ui/dom';
 import { headerBar } from './ui/header';
@@ -37,6 +38,7 @@ export class App {
   private readonly picking: Picking;
   private readonly pulling: Pulling;
   private readonly slicing: Slicing;
+  private readonly stressing: Stressing;
   private readonly notices = new Notices();
   private readonly help = helpDialog();
   private readonly view: HTMLElement;
@@ -68,9 +70,11 @@ export class App {
       tiles: (on) => this.picture.setTiles(on),
       links: (on) => this.picture.setLinks(on),
       slice: () => void this.slicing.refresh(),
+      stress: () => void this.stressing.refresh(),
       middle: () => (this.bare ? this.picture.stage.center.toArray() : this.picture.middle()),
     });
     this.slicing = new Slicing(this.picture, this.panel);
+    this.stressing = new Stressing(this.picture, this.panel.stress);
     this.picking = new Picking(this.canvas, this.picture, () => this.run);
     this.pulling = new Pulling(this.canvas, this.picture, this.notices, () =>
       this.acting && this.player.frame === this.player.frames - 1 ? this.run : undefined,
@@ -237,12 +241,18 @@ export class App {
     if (this.notices.has('frame') && frame.index === this.player.frame) this.notices.set('frame');
     if (!this.bare) this.panel.showFrame(frame);
     if (this.panel.slice.on) void this.slicing.refresh();
+    if (this.panel.stress.on) void this.stressing.refresh();
     this.pulling.refresh();
   }
 
   /** Shows the densities on a plane; a body is given by name. For pictures. */
   showSlice(wish: NamedSlice): Promise<void> {
     return this.slicing.show(this.run, wish);
+  }
+
+  /** Colours elastic solids by their stress. @param top [Pa] of the last colour; 0: the largest of each frame */
+  showStress(top: number): Promise<void> {
+    return this.stressing.show(this.run, top);
   }
 
   /** Reads what is under a place of the picture, from -1 to 1 to the right and up. */
@@ -261,6 +271,7 @@ export class App {
     this.player.seek(index);
     if (this.player.frames > 0) this.display(await this.cache.get(this.player.frame));
     await this.slicing.refresh();
+    await this.stressing.refresh();
     await this.picture.settled();
     this.picture.stage.draw(true);
   }

@@ -10,6 +10,7 @@ import {
   type Topology,
 } from './run';
 import { sliceFromArrays, type Slice, type SliceWish } from './slice';
+import { stressFromArrays, type Stress } from './stress';
 
 export interface Progress {
   frames: number;
@@ -57,6 +58,9 @@ export const fetchSeries = async (from: number): Promise<Series> =>
 
 export const fetchSlice = async (frame: number, wish: SliceWish): Promise<Slice> =>
   sliceFromArrays(await arrays(`api/slice/${frame}?axis=${wish.axis}&at=${wish.at}&body=${wish.body}`));
+
+export const fetchStress = async (frame: number): Promise<Stress> =>
+  stressFromArrays(await arrays(`api/stress/${frame}`));
 
 /** What a person does to the bodies of a run that is being made; places in metres. */
 export type HandWish =

@@ -10,6 +10,7 @@ import { Stage } from './scene/stage';
 import { SliceView } from './scene/slice_view';
 import { TileView } from './scene/tile_view';
 import type { Slice } from './slice';
+import { stressColours, type Stress } from './stress';
 
 /** How a person wants to see a body. */
 export interface BodyLook {
@@ -184,6 +185,15 @@ export class Picture {
       );
     const now = slice !== undefined && cut;
     if (now !== before) this.views.forEach((v) => v.setClipping(now ? [this.slice.clip] : null));
+    this.stage.invalidate();
+  }
+
+  /** Colours elastic solids by their stress, or none. @param top [Pa] of the last colour */
+  setStress(stress: Stress | undefined, top: number): void {
+    this.views.forEach((view, body) => {
+      const values = stress?.get(body);
+      view.setValues?.(values && stressColours(values, top));
+    });
     this.stage.invalidate();
   }
 

@@ -68,4 +68,12 @@ double surface_area(const TriMesh& mesh) {
   return 0.5 * a;
 }
 
+std::vector<double> tet_volumes(const TetMesh& mesh) {
+  const auto& x = mesh.vertices;
+  std::vector<double> out;
+  out.reserve(mesh.tets.size());
+  for (const auto& [a, b, c, d] : mesh.tets) out.push_back(tet_volume(x[a], x[b], x[c], x[d]));
+  return out;
+}
+
 }  // namespace brim

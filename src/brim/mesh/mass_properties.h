@@ -37,5 +37,7 @@ double surface_area(const TriMesh& mesh);
 inline double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return (b - a).cross(c - a).dot(d - a) / 6.0;
 }
+/// Of each tetrahedron, [m³].
+std::vector<double> tet_volumes(const TetMesh& mesh);
 
 }  // namespace brim

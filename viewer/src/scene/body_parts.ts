@@ -8,6 +8,8 @@ export interface BodyView {
   update(positions: Float32Array, cells?: Int32Array): void;
   setColour(colour: string): void;
   setWireframe(on: boolean): void;
+  /** Only surfaces can be coloured by vertex. @param colours (nv, 3) linear; none: in the colour of the body */
+  setValues?(colours: Float32Array | undefined): void;
   /** Hides what lies behind the planes, as the slice does to look inside. */
   setClipping(planes: THREE.Plane[] | null): void;
   /** Only particles can be shown as a surface; it is there once `settled` has come true. */

@@ -46,6 +46,7 @@ function fadeOut(m: THREE.MeshStandardMaterial, center: THREE.Vector3, from: num
 class TriangleView implements BodyView {
   readonly object: THREE.Mesh<THREE.BufferGeometry, THREE.MeshStandardMaterial>;
   private split: SplitMesh | undefined;
+  private colour: string;
 
   constructor(
     body: BodyInfo,
@@ -53,6 +54,7 @@ class TriangleView implements BodyView {
     colour: string,
   ) {
     this.object = new THREE.Mesh(new THREE.BufferGeometry(), material(colour, body));
+    this.colour = colour;
     this.object.castShadow = true;
     this.object.receiveShadow = true;
     this.object.frustumCulled = false; // bounds would have to follow every frame
@@ -86,7 +88,23 @@ class TriangleView implements BodyView {
     this.object.castShadow = false;
   }
   setColour(colour: string) {
-    this.object.material.color.set(colour);
+    this.colour = colour;
+    if (!this.object.material.vertexColors) this.object.material.color.set(colour);
+  }
+  setValues(colours: Float32Array | undefined) {
+    const { geometry, material } = this.object;
+    const source = this.split?.source;
+    const on = colours !== undefined && source !== undefined;
+    if (on) {
+      const spread = new Float32Array(3 * source.length);
+      source.forEach((v, i) => spread.set(colours.subarray(3 * v, 3 * v + 3), 3 * i));
+      geometry.setAttribute('color', new THREE.BufferAttribute(spread, 3));
+    } else geometry.deleteAttribute('color');
+    material.color.set(on ? '#ffffff' : this.colour);
+    if (on !== material.vertexColors) {
+      material.vertexColors = on;
+      material.needsUpdate = true;
+    }
   }
   setWireframe(on: boolean) {
     this.object.material.wireframe = on;

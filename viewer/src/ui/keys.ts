@@ -17,6 +17,7 @@ export function bindKeys(app: App): void {
     t: () => app.panel.setTiles(!app.panel.tilesShown),
     a: () => app.panel.setLinks(!app.panel.linksShown),
     d: () => app.panel.slice.setOn(!app.panel.slice.on),
+    m: () => app.panel.stress.setOn(!app.panel.stress.on),
     x: () => app.panel.slice.setAxis(0),
     y: () => app.panel.slice.setAxis(1),
     z: () => app.panel.slice.setAxis(2),

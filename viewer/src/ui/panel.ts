@@ -14,6 +14,8 @@ import { linkColour } from '../scene/link_view';
 import { h, human, iconButton, setIcon } from './dom';
 import { swatch } from './plots';
 import { SliceCard } from './slice_card';
+import { StressCard } from './stress_card';
+import { elasticKinds } from '../stress';
 
 export interface PanelEvents {
   look(body: number, look: BodyLook): void;
@@ -21,6 +23,7 @@ export interface PanelEvents {
   tiles(on: boolean): void;
   links(on: boolean): void;
   slice(): void;
+  stress(): void;
   middle(): [number, number, number]; // [m] of what is shown
 }
 
@@ -42,6 +45,7 @@ export class Panel {
   tilesShown = false;
   linksShown = true;
   readonly slice: SliceCard;
+  readonly stress: StressCard;
   private readonly status = h('p', { class: 'status' });
   private readonly bodies = h('ul', { class: 'bodies' });
   private readonly pairs = h('div', { class: 'pairs' });
@@ -83,6 +87,7 @@ export class Panel {
       () => this.on.slice(),
       () => this.on.middle(),
     );
+    this.stress = new StressCard(() => this.on.stress());
     this.segments = styles.map(([style, label]) =>
       h('button', { type: 'button', 'data-style': style, onclick: () => this.setContacts(style) }, label),
     );
@@ -124,6 +129,7 @@ export class Panel {
         this.pairs,
       ),
       this.links,
+      this.stress.element,
       this.slice.element,
       h(
         'section',
@@ -176,6 +182,7 @@ export class Panel {
       ...(run.interactive && !run.complete ? [h('span', { class: 'hint' }, 'drag a body to pull it')] : []),
     );
     this.links.hidden = !run.links?.length;
+    this.stress.setRun(run.slices === true && run.bodies.some((b) => elasticKinds.includes(b.kind)));
     this.warnings.hidden = run.warnings.length === 0;
     this.warnings.replaceChildren(
       h('h3', {}, `Warnings (${run.warnings.length})`),
@@ -414,6 +421,7 @@ const keys: [string, string][] = [
   ['t', 'active tiles'],
   ['a', 'attachments and joints'],
   ['d', 'slice through the densities'],
+  ['m', 'stress of elastic solids'],
   ['x y z', 'across which axis'],
   ['l', 'loop'],
   ['p', 'plots'],

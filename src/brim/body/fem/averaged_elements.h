@@ -7,6 +7,7 @@
 #include "brim/body/fem/edge_domains.h"
 #include "brim/body/fem/tet_elements.h"
 #include "brim/body/meshless/sample_elements.h"
+#include "brim/body/stressed_solid.h"
 
 namespace brim {
 
@@ -29,12 +30,21 @@ class AveragedElements {
   /// @return E, if it is a by-product
   std::optional<double> add(std::span<const Vec3> x, std::span<Vec3> force, BlockMatrix& stiffness) const;
   double energy(std::span<const Vec3> x) const;
+  /// Deformation gradient of each tetrahedron and the stress that its forces come from, f_k = −Σ_e V_e P_e g_e,k:
+  ///   P_e = (1 − a) s_e P(F_e) + a/6 Σ_d s_e,d P(F̄_d)
+  /// over the domains of its six edges. @param rest  as at the start  @param F  [-] shape (tets)
+  /// @param P  [Pa] first Piola-Kirchhoff stress, shape (tets)
+  void find_stress(const TetMesh& rest, std::span<const Vec3> x, std::span<Mat3> F, std::span<Mat3> P) const;
+  /// The same as a field. @param filled  as StressField
+  StressField stress_field(const TetMesh& rest, std::span<const Vec3> x, std::span<const double> filled = {}) const;
   const TetElements& tets() const { return tets_; }
 
  private:
   TetElements tets_;
   std::size_t nodes_;
-  std::optional<SampleElements> domains_;  // where the share is positive
+  // Where the share is positive:
+  std::optional<SampleElements> domains_;
+  std::vector<EdgeShares> shares_;  // a s_e,d
 };
 
 }  // namespace brim

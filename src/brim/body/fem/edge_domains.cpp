@@ -76,4 +76,15 @@ EdgeDomains edge_domains(const TetMesh& mesh, std::span<const EdgeShares> stiffn
   return out;
 }
 
+std::vector<std::array<std::int32_t, 6>> domains_of_tets(const TetMesh& mesh) {
+  std::vector<std::array<std::int32_t, 6>> of(mesh.tets.size());
+  const std::vector<EdgeOfTet> edges = edges_of(mesh);
+  std::int32_t domain = -1;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (i == 0 || edges[i].a != edges[i - 1].a || edges[i].b != edges[i - 1].b) ++domain;
+    of[edges[i].tet][edges[i].place] = domain;
+  }
+  return of;
+}
+
 }  // namespace brim

@@ -27,4 +27,7 @@ struct EdgeDomains {
 /// Tests: tests/body/averaged_fem_test.cpp
 EdgeDomains edge_domains(const TetMesh& mesh, std::span<const EdgeShares> stiffness);
 
+/// Domains of the edges 01, 02, 03, 12, 13 and 23 of every tetrahedron, shape (tets).
+std::vector<std::array<std::int32_t, 6>> domains_of_tets(const TetMesh& mesh);
+
 }  // namespace brim

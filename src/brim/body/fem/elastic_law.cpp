@@ -1,6 +1,7 @@
 #include "brim/body/fem/elastic_law.h"
 
 #include "brim/math/small_symmetric.h"
+#include "brim/math/svd3.h"
 
 namespace brim {
 
@@ -48,6 +49,18 @@ double elastic_energy_density(ElasticLaw law, const Lame& lame, const Vec3& s) {
   const double ic = s.squaredNorm(), volume = s.prod() - n.alpha, rest = 1.0 - n.alpha;
   return 0.5 * n.mu * (ic - 3.0) + 0.5 * n.lambda * (volume * volume - rest * rest) -
          0.5 * n.mu * std::log((ic + 1.0) / 4.0);
+}
+
+Mat3 first_piola_stress(ElasticLaw law, const Lame& lame, const Mat3& F) {
+  if (law == ElasticLaw::CorotationalLinear) {
+    const Mat3 R = polar_rotation(F);
+    return 2.0 * lame.mu * (F - R) + lame.lambda * ((R.transpose() * F).trace() - 3.0) * R;
+  }
+  const StableNeoHookean n(lame);
+  Mat3 cofactor;
+  for (int c = 0; c < 3; ++c) cofactor.col(c) = F.col((c + 1) % 3).cross(F.col((c + 2) % 3));
+  const double volume = F.col(0).dot(cofactor.col(0));
+  return n.mu * (1.0 - 1.0 / (F.squaredNorm() + 1.0)) * F + n.lambda * (volume - n.alpha) * cofactor;
 }
 
 PrincipalResponse principal_response(ElasticLaw law, const Lame& lame, const Vec3& s, bool project) {

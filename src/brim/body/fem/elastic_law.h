@@ -50,6 +50,9 @@ struct PrincipalResponse {
 /// Tests: tests/body/elastic_law_test.cpp
 PrincipalResponse principal_response(ElasticLaw law, const Lame& lame, const Vec3& s, bool project = true);
 
+/// First Piola-Kirchhoff stress P = ∂Ψ/∂F, [Pa].
+Mat3 first_piola_stress(ElasticLaw law, const Lame& lame, const Mat3& F);
+
 /// Only the energy density.
 double elastic_energy_density(ElasticLaw law, const Lame& lame, const Vec3& s);
 

@@ -2,6 +2,7 @@
 
 #include "brim/body/particles/tet_contact.h"
 #include "brim/core/error.h"
+#include "brim/mesh/mass_properties.h"
 
 namespace brim {
 
@@ -44,5 +45,9 @@ FemBody::FemBody(const TetMesh& mesh, const FemOptions& options, AveragedElement
 }
 
 void FemBody::display_positions(std::span<Vec3f> x) const { shown_->positions(x_, x); }
+
+void FemBody::show(std::span<const double> value, std::span<float> out) const {
+  shown_->values(node_means(particle_count(), mesh_.tets, tet_volumes(mesh_), {}, value), out);
+}
 
 }  // namespace brim

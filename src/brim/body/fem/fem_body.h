@@ -23,7 +23,7 @@ struct FemOptions : ParticleOptions {
 /// Elastic solid of linear tetrahedra with large rotations and strains (docs/bodies/finite_elements.md).
 /// Contact: the band method (raster_tets) with barycentric weights, exact in linear and angular momentum.
 /// Tests: tests/body/fem_body_test.cpp
-class FemBody final : public ParticleBody {
+class FemBody final : public ParticleBody, public StressedSolid {
  public:
   /// @param mesh  rest shape, world frame; every vertex in a tetrahedron
   /// @throws InputError  when a number is out of range or the mesh cannot be used
@@ -34,6 +34,8 @@ class FemBody final : public ParticleBody {
 
   const Display& display() const override { return shown_->display(); }
   void display_positions(std::span<Vec3f> x) const override;
+  StressField stress_field() const override { return elements_.stress_field(mesh_, x_); }
+  void show(std::span<const double> value, std::span<float> out) const override;
 
   const TetMesh& mesh() const { return mesh_; }
   std::span<const Triangle> surface() const { return surface_; }

@@ -124,6 +124,24 @@ double TetElements::energy(std::span<const Vec3> x) const {
   return std::accumulate(of_element.begin(), of_element.end(), 0.0);
 }
 
+void TetElements::find_stress(std::span<const Vec3> x, std::span<Mat3> F, std::span<Mat3> P) const {
+  BRIM_CHECK(F.size(), ==, size());
+  BRIM_CHECK(P.size(), ==, size());
+  schedule_.for_chunks([&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const TetLanes& lanes = lanes_[first_lanes(begin) + (k - begin) / kLaneCount];
+      const std::size_t lane = (k - begin) % kLaneCount;
+      const auto e = static_cast<std::size_t>(schedule_.order()[k]);
+      const std::int32_t* n = node_.data() + 4 * k;
+      F[e].setZero();
+      for (int i = 0; i < 3; ++i)
+        F[e] += (x[n[i + 1]] - x[n[0]]) *
+                Vec3(lanes.gradient[i][0][lane], lanes.gradient[i][1][lane], lanes.gradient[i][2][lane]).transpose();
+      P[e] = lanes.volume[lane] / volume_[k] * first_piola_stress(law_, lame_, F[e]);
+    }
+  });
+}
+
 double TetElements::volume() const {
   double sum = 0.0;
   for (const double v : volume_) sum += v;

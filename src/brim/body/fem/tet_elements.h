@@ -36,6 +36,10 @@ class TetElements {
   /// E, [J].
   double energy(std::span<const Vec3> x) const;
 
+  /// Deformation gradients and first Piola-Kirchhoff stresses times the stiffness factors, in the order of the rest
+  /// mesh. @param F  [-] shape (tets)  @param P  [Pa] shape (tets)
+  void find_stress(std::span<const Vec3> x, std::span<Mat3> F, std::span<Mat3> P) const;
+
   std::size_t size() const { return volume_.size(); }
   double volume() const;
   /// A quarter of each element's mass at each of its corners, [kg], shape (vertices).

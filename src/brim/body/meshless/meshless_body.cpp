@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "brim/core/error.h"
+#include "brim/core/parallel.h"
 
 namespace brim {
 
@@ -126,6 +127,39 @@ MeshlessBody::Parts MeshlessBody::build(const MeshlessModel& m, const Quat& rota
   parts.surface.triangles = m.surface.triangles;
   parts.surface.weights = moving_least_squares(parts.frames, placed(m.surface.vertices), m.reach).rows;
   return parts;
+}
+
+StressField MeshlessBody::stress_field() const {
+  const std::size_t n = elements_.size();
+  const auto volume = elements_.volume();
+  StressField out{std::vector<Vec3>(n), {}, {volume.begin(), volume.end()}, {}, std::vector<Mat3>(n),
+                  std::vector<Mat3>(n)};
+  const WeightRows& rows = elements_.shape().rows;
+  parallel_for(
+      n,
+      [&](std::size_t s) {
+        out.place[s].setZero();
+        for (auto e = static_cast<std::size_t>(rows.first[s]); e < static_cast<std::size_t>(rows.first[s + 1]); ++e)
+          out.place[s] += rows.weight[e] * x_[static_cast<std::size_t>(rows.source[e])];
+        out.deformation[s] = elements_.deformation(s, x_);
+        out.stress[s] = cauchy_stress(elements_.stress(s, x_), out.deformation[s]);
+      },
+      256);
+  return out;
+}
+
+void MeshlessBody::show(std::span<const double> value, std::span<float> out) const {
+  BRIM_CHECK(value.size(), ==, elements_.size());
+  const WeightRows& rows = elements_.shape().rows;
+  std::vector<double> sum(particle_count(), 0.0), matter(particle_count(), 0.0);
+  for (std::size_t s = 0; s < value.size(); ++s)
+    for (auto e = static_cast<std::size_t>(rows.first[s]); e < static_cast<std::size_t>(rows.first[s + 1]); ++e) {
+      const double share = std::abs(rows.weight[e]) * elements_.volume()[s];
+      sum[static_cast<std::size_t>(rows.source[e])] += share * value[s];
+      matter[static_cast<std::size_t>(rows.source[e])] += share;
+    }
+  for (std::size_t k = 0; k < sum.size(); ++k) sum[k] = matter[k] > 0.0 ? sum[k] / matter[k] : 0.0;
+  show_nodes(sum, out);
 }
 
 MeshlessBody::MeshlessBody(const MeshlessModel& model, const Quat& rotation, const Vec3& position,

@@ -39,6 +39,8 @@ class MeshlessBody final : public CarriedBody {
   std::string_view kind() const override { return "meshless"; }
   double elastic_energy() const override { return elements_.energy(x_) + held_.energy(x_); }
   const SampleElements& elements() const { return elements_; }
+  StressField stress_field() const override;
+  void show(std::span<const double> value, std::span<float> out) const override;
 
  protected:
   void add_inner() override {

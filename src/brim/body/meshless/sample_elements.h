@@ -28,6 +28,12 @@ class SampleElements {
   std::size_t size() const { return volume_.size(); }
   /// F at a sample.
   Mat3 deformation(std::size_t sample, std::span<const Vec3> x) const;
+  /// First Piola-Kirchhoff stress there, [Pa].
+  Mat3 stress(std::size_t sample, std::span<const Vec3> x) const {
+    return first_piola_stress(law_, lame_, deformation(sample, x));
+  }
+  const ShapeFunctions& shape() const { return shape_; }
+  std::span<const double> volume() const { return volume_; }
 
  private:
   static constexpr std::size_t kLanes = SampleLanes::kCount;

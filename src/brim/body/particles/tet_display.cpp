@@ -43,4 +43,13 @@ void TetDisplay::positions(std::span<const Vec3> x, std::span<Vec3f> out) const 
   });
 }
 
+void TetDisplay::values(std::span<const double> value, std::span<float> out) const {
+  BRIM_CHECK(out.size(), ==, carrier_.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    double sum = 0.0;
+    for (int k = 0; k < 4; ++k) sum += weight_[i][k] * value[static_cast<std::size_t>(carrier_[i][k])];
+    out[i] = static_cast<float>(sum);
+  }
+}
+
 }  // namespace brim

@@ -14,6 +14,8 @@ class TetDisplay {
   const Display& display() const { return display_; }
   /// @param x  positions of the mesh's vertices, [m]  @param out  shape (display().vertices)
   void positions(std::span<const Vec3> x, std::span<Vec3f> out) const;
+  /// @param value  at the mesh's vertices  @param out  shape (display().vertices)
+  void values(std::span<const double> value, std::span<float> out) const;
 
  private:
   Display display_;

@@ -74,4 +74,15 @@ void CarriedBody::display_positions(std::span<Vec3f> x) const {
       1024);
 }
 
+void CarriedBody::show_nodes(std::span<const double> value, std::span<float> out) const {
+  BRIM_CHECK(out.size(), ==, surface_.rows());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    double sum = 0.0;
+    for (std::int32_t e = surface_.first[i]; e < surface_.first[i + 1]; ++e)
+      sum += surface_.weight[static_cast<std::size_t>(e)] *
+             value[static_cast<std::size_t>(surface_.source[static_cast<std::size_t>(e)])];
+    out[i] = static_cast<float>(sum);
+  }
+}
+
 }  // namespace brim

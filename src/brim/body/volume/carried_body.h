@@ -2,6 +2,7 @@
 
 #include "brim/body/matter_sources.h"
 #include "brim/body/particles/particle_body.h"
+#include "brim/body/stressed_solid.h"
 #include "brim/body/volume/carried_volume.h"
 #include "brim/mesh/tri_mesh.h"
 
@@ -15,7 +16,7 @@ struct CarriedSurface {
 
 /// Elastic body whose nodes move particles of matter (the volume layer), from which density and map are made. Derived
 /// kinds define the nodes and their forces.
-class CarriedBody : public ParticleBody, public MatterSources {
+class CarriedBody : public ParticleBody, public MatterSources, public StressedSolid {
  public:
   void update(double time, std::span<const double> q, std::span<const double> v) override;
   PartInfo part(int) const override { return part_; }
@@ -37,6 +38,8 @@ class CarriedBody : public ParticleBody, public MatterSources {
   /// @param modulus   [Pa] Young's modulus
   CarriedBody(std::vector<Vec3> nodes, Carriage carriage, LayerWeights weights, CarriedSurface surface, double modulus,
               ParticleOptions options);
+  /// Values of nodes at the vertices of the display.
+  void show_nodes(std::span<const double> value, std::span<float> out) const;
 
  private:
   CarriedVolume volume_;

@@ -179,6 +179,7 @@ SoftImageBody::Parts SoftImageBody::build(const OccupancyGrid& matter, const Tri
     for_nearest_edges(held.embedding.weights[i],
                       [&](std::size_t place, double w) { parts.edges[e][place] += 6.0 * w * more; });
   }
+  parts.filled = parts.stiffness;
   if (!young.empty()) {
     // The pair's stiffness in contact goes by what yields first where both are in it.
     options.young = softness_mean(young, parts.carriage.volume);
@@ -203,6 +204,10 @@ SoftImageBody::Parts SoftImageBody::build(const OccupancyGrid& matter, const Tri
     for (int k = 0; k < 3; ++k) parts.carriage.gradient.push_back(g.col(k));
   }
   return parts;
+}
+
+void SoftImageBody::show(std::span<const double> value, std::span<float> out) const {
+  show_nodes(node_means(particle_count(), parts_.mesh.tets, tet_volumes(parts_.mesh), parts_.filled, value), out);
 }
 
 SoftImageBody::SoftImageBody(const OccupancyGrid& matter, const TriMesh& surface, double spacing, const Quat& rotation,

@@ -38,6 +38,8 @@ class SoftImageBody final : public CarriedBody {
   }
   double elastic_energy() const override { return energy_ ? *energy_ : elements_.energy(x_); }
   const TetMesh& mesh() const { return parts_.mesh; }
+  StressField stress_field() const override { return elements_.stress_field(parts_.mesh, x_, parts_.filled); }
+  void show(std::span<const double> value, std::span<float> out) const override;
 
  protected:
   void add_inner() override { energy_ = elements_.add(x_, force_, stiffness_); }
@@ -47,6 +49,7 @@ class SoftImageBody final : public CarriedBody {
     TetMesh mesh;
     Carriage carriage;
     CarriedSurface surface;
+    std::vector<double> filled;     ///< [-] of each tetrahedron, share of matter
     std::vector<double> stiffness;  ///< [-] of each tetrahedron, relative to a full one of ElasticOptions::young
     std::vector<EdgeShares> edges;  ///< [-] of the sixths, likewise
     double area = 0.0;              ///< [m²] of the surface

@@ -110,8 +110,9 @@ ExportResult export_run(const RunReader& run, const ExportRequest& request, cons
   job.items = make_items(run, choose_bodies(run, request.bodies));
   job.voxel_size = request.voxel_size;
   job.world_at = world_at;
-  if (format.densities && !world_at)
-    throw InputError(fmt::format("format \"{}\" writes densities, which need the scene of the run", format.name));
+  if (format.world && !world_at)
+    throw InputError(
+        fmt::format("format \"{}\" writes what is not recorded and needs the scene of the run", format.name));
   Staging staging(request.folder, request.force);
   job.folder = staging.folder();
   const std::unique_ptr<Writer> writer = format.make(job);

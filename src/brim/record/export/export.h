@@ -33,7 +33,7 @@ FrameRange parse_frames(const std::string& text, std::int64_t frames);
 /// Numbers of the bodies matched by the names, in order. @throws InputError  for a name without match
 std::vector<int> choose_bodies(const RunReader& run, const std::vector<std::string>& names);
 
-/// The world of the run in the state of a frame; only used by formats with densities.
+/// The world of the run in the state of a frame; only used by formats that write what is not recorded.
 using WorldAt = std::function<const World&(std::int64_t frame)>;
 
 /// Result of an export.
@@ -44,7 +44,7 @@ struct ExportResult {
 
 /// Exports a run in another program's format (docs/export.md). Everything is written into a folder beside the requested
 /// one and moved there when complete: a failed export changes nothing.
-/// @param world_at  may be empty when the format needs no densities
+/// @param world_at  may be empty when the format needs no world
 /// @param progress  called with (frames done, total frames); false stops the export and removes it
 /// @throws InputError  for invalid requests, folders with other contents, and files that cannot be written
 /// Tests: tests/record/export_test.cpp, tests/record/export_usda_test.cpp, tests/record/export_readers_test.cpp

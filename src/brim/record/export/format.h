@@ -54,8 +54,8 @@ class Writer {
 
 struct Format {
   const char* name;
-  const char* text;        ///< one-line description
-  bool densities = false;  ///< needs Job::world_at
+  const char* text;    ///< one-line description
+  bool world = false;  ///< needs Job::world_at
   std::unique_ptr<Writer> (*make)(const Job&);
 };
 
@@ -69,6 +69,7 @@ std::unique_ptr<Writer> make_ply(const Job& job);
 std::unique_ptr<Writer> make_usda(const Job& job);
 std::unique_ptr<Writer> make_vdb(const Job& job);
 std::unique_ptr<Writer> make_vtk(const Job& job);
+std::unique_ptr<Writer> make_vtu(const Job& job);
 std::unique_ptr<Writer> make_xdmf(const Job& job);
 
 /// "name_00012.end", with the frame's number in the run.

@@ -7,6 +7,7 @@ namespace brim::exporting {
 std::span<const Format> formats() {
   static constexpr auto kFormats = std::to_array<Format>({
       {"vtk", "VTK XML, one file per body and frame and a .pvd collection: ParaView, VTK", false, make_vtk},
+      {"vtu", "the same, elastic solids as their elements with stress and strain: ParaView, VTK", true, make_vtu},
       {"xdmf", "XDMF 3 with HDF5, one pair of files: ParaView, VisIt", false, make_xdmf},
       {"obj", "Wavefront OBJ, one file per frame: nearly everything", false, make_obj},
       {"ply", "binary PLY, one file per body and frame, with velocities: Houdini, Blender, MeshLab", false, make_ply},

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "brim/body/stressed_solid.h"
+#include "brim/record/export/vtk_file.h"
+
+namespace brim::exporting {
+
+/// Adds the tetrahedra of a solid (or its samples, one vertex each) with stress and strain to an unstructured grid;
+/// the tensors as XX, YY, ZZ, XY, YZ, XZ. @param v  [m/s] of the nodes, shape (nodes, 3) flat, or empty: none
+/// @return the piece
+std::string stress_piece(const StressField& field, std::span<const double> v, VtkFile& file);
+
+}  // namespace brim::exporting
