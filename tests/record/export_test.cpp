@@ -96,7 +96,7 @@ TEST(Export, RefusesWhatItCannotDoAndLeavesNothingBehind) {
     EXPECT_NE(message.find(word), std::string::npos) << message;
     EXPECT_FALSE(fs::exists(out)) << word;
   };
-  refused({.format = "max"}, "must be one of vtk, xdmf");
+  refused({.format = "max"}, "must be one of vtk, vtu, xdmf");
   refused({.format = "obj", .frames = "3:9"}, "frame 9");
   refused({.format = "obj", .bodies = {"nobody"}}, "body \"nobody\" is not in the run; it has floor, ball");
   const MadeRun empty(0);

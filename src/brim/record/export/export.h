@@ -47,7 +47,8 @@ struct ExportResult {
 /// @param world_at  may be empty when the format needs no world
 /// @param progress  called with (frames done, total frames); false stops the export and removes it
 /// @throws InputError  for invalid requests, folders with other contents, and files that cannot be written
-/// Tests: tests/record/export_test.cpp, tests/record/export_usda_test.cpp, tests/record/export_readers_test.cpp
+/// Tests: tests/record/export_test.cpp, tests/record/export_usda_test.cpp, tests/record/export_stress_test.cpp,
+/// tests/record/export_readers_test.cpp
 ExportResult export_run(const RunReader& run, const ExportRequest& request, const WorldAt& world_at = {},
                         const std::function<bool(std::int64_t, std::int64_t)>& progress = {});
 
