@@ -1,11 +1,10 @@
 #include "brim/solve/contact_admm.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
-#include "brim/solve/anderson.h"
 #include "brim/solve/contact_cone.h"
 #include "brim/solve/dense_factor.h"
 
@@ -13,14 +12,33 @@ namespace brim {
 
 namespace {
 
-/// ρ at first, the geometric mean of the largest responses of the scaled contacts, about 10, and of kProximal; its
-/// factor when the residuals part by more than kApart; every how many iterations that and the contacts are asked.
-constexpr double kStart = 0.003, kFactor = 3.0, kApart = 5.0;
-constexpr int kAsk = 20;
+/// ρ at first, over the contacts' own scaled responses, which are 1; its factor when the residuals part by more than
+/// kApart; every how many iterations that is asked.
+constexpr double kStart = 0.1, kFactor = 3.0, kApart = 5.0;
+constexpr int kAsk = 10;
 /// Over-relaxation; and what keeps the system regular where more rows than velocities are.
 constexpr double kRelaxation = 1.6, kProximal = 1e-6;
-/// Changes by which iterations are accelerated.
-constexpr int kMemory = 20;
+/// Change of the iterates over the tolerance, from which on the contacts themselves are asked.
+constexpr double kNear = 10.0;
+/// Tolerance down to which single precision does, over the largest velocity.
+constexpr double kSingle = 1e-5;
+/// Share of the tolerance that it works to, so that what it finds holds in double as well.
+constexpr double kStricter = 0.5;
+
+/// What DenseFactor does, in double precision.
+class DoubleFactor {
+ public:
+  bool factor(const Eigen::MatrixXd& A, double shift) {
+    Eigen::MatrixXd shifted = A;
+    shifted.diagonal().array() += shift;
+    factor_.compute(shifted);
+    return true;
+  }
+  void solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) { x = factor_.solve(b); }
+
+ private:
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+};
 
 template <class V>
 auto at(V& x, std::size_t c) {
@@ -33,11 +51,13 @@ struct Scaled {
   std::span<const double> friction;
   Eigen::MatrixXd G;
   Eigen::VectorXd g;
+  Eigen::VectorXd x, y, z;
+  double rho = kStart;
 
   std::size_t size() const { return s.size(); }
-  /// û of impulses y. @param Gy  G y
-  Eigen::VectorXd velocities(const Eigen::VectorXd& Gy) const {
-    Eigen::VectorXd u = Gy + g;
+  /// û of the impulses y.
+  Eigen::VectorXd velocities() const {
+    Eigen::VectorXd u = G * y + g;
     add_correction(u, u);
     return u;
   }
@@ -48,54 +68,60 @@ struct Scaled {
       u[i] += friction[c] * std::hypot(slip[i + 1], slip[i + 2]);
     }
   }
-  void project(const Eigen::VectorXd& v, Eigen::VectorXd& y) const {
-    for (std::size_t c = 0; c < size(); ++c) at(y, c) = project_to_cone(at(v, c), friction[c]);
-  }
-  /// The largest entry of x over its contact's s, as a velocity, [m/s].
-  double largest(const Eigen::VectorXd& x) const {
-    double most = 0.0;
+  /// Largest miss of a contact at the impulses y, [m/s].
+  double miss() const {
+    const Eigen::VectorXd u = velocities();
+    double worst = 0.0;
     for (std::size_t c = 0; c < size(); ++c)
-      if (s[c] > 0.0) most = std::max(most, at(x, c).cwiseAbs().maxCoeff() / s[c]);
-    return most;
-  }
-  /// Largest miss of a contact at the impulses y of velocities u, [m/s].
-  double miss(const Eigen::VectorXd& y, const Eigen::VectorXd& u) const {
-    Eigen::VectorXd next(y.size());
-    project(y - u, next);
-    return largest(y - next);
+      if (s[c] > 0.0) {
+        const Vec3 own = at(y, c);
+        worst = std::max(worst, (own - project_to_cone(own - at(u, c), friction[c])).cwiseAbs().maxCoeff() / s[c]);
+      }
+    return worst;
   }
 };
 
-/// The iteration as a map of v = y − z / ρ, of which y is the nearest point in the cones and z what is left.
-struct Iteration {
-  explicit Iteration(const Scaled& contacts) : a(contacts) {}
-
-  const Scaled& a;
-  double rho = 0.0, lowest = 0.0;  ///< lowest: below it single precision is not enough
-  DenseFactor factor;
-  Eigen::VectorXd base, G_base;  ///< impulses from which the factor gives the change, so that rounding is of that alone
-  Eigen::VectorXd x, y, z, next;  ///< next: v of the next iteration
-
-  /// Takes another ρ, as near to this one as single precision allows. @return false if ρ stays as it is
-  bool refactor(double to) {
-    const double was = rho;
-    rho = std::max(to, lowest);
-    if (rho == was) return false;
-    while (!factor.factor(a.G, rho + kProximal) && std::isfinite(rho)) rho = lowest = kFactor * rho;
-    return true;
+/// Iterates until the impulses change no more, or the factor is none.
+template <class Factor>
+void iterate(Scaled& a, double tolerance, int max_iterations, ContactAdmm::Report& report) {
+  Factor factor;
+  Eigen::VectorXd rhs;
+  report.converged = false;
+  if (!factor.factor(a.G, a.rho + kProximal)) return;
+  while (report.iterations < max_iterations) {
+    rhs = a.g - a.z;
+    a.add_correction(a.z, rhs);
+    rhs = kProximal * a.x + a.rho * a.y - rhs;
+    factor.solve(rhs, a.x);
+    double primal = 0.0, change = 0.0;  // [m/s]
+    for (std::size_t c = 0; c < a.size(); ++c) {
+      if (!(a.s[c] > 0.0)) continue;
+      const Vec3 ahead = kRelaxation * at(a.x, c) + (1.0 - kRelaxation) * at(a.y, c);
+      const Vec3 next = project_to_cone(ahead - at(a.z, c) / a.rho, a.friction[c]);
+      at(a.z, c) -= a.rho * (ahead - next);
+      primal = std::max(primal, (at(a.x, c) - next).cwiseAbs().maxCoeff() / a.s[c]);
+      change = std::max(change, a.rho * (next - at(a.y, c)).cwiseAbs().maxCoeff() / a.s[c]);
+      at(a.y, c) = next;
+    }
+    ++report.iterations;
+    const double left = std::max(primal, change);
+    report.converged = left <= tolerance;
+    if (report.converged || !std::isfinite(left)) return;
+    if (report.iterations % kAsk != 0) continue;
+    // What is left of the iterates says more than what it means for the contacts.
+    if (left <= kNear * tolerance && a.miss() <= tolerance) {
+      report.converged = true;
+      return;
+    }
+    if (primal > kApart * change)
+      a.rho *= kFactor;
+    else if (change > kApart * primal)
+      a.rho /= kFactor;
+    else
+      continue;
+    if (!factor.factor(a.G, a.rho + kProximal)) return;
   }
-  /// x, y, z and next of v.
-  void evaluate(const Eigen::VectorXd& v) {
-    a.project(v, y);
-    z = rho * (y - v);
-    x = a.g - z + G_base - (rho + kProximal) * (y - base);
-    a.add_correction(z, x);
-    next = -x;
-    factor.solve(next, x);
-    x += base;
-    next = kRelaxation * x + (1.0 - kRelaxation) * y - z / rho;
-  }
-};
+}
 
 }  // namespace
 
@@ -105,46 +131,32 @@ ContactAdmm::Report ContactAdmm::solve(const Eigen::MatrixXd& W, std::span<const
   Report report;
   const std::size_t n = q.size();
   const auto rows = static_cast<Eigen::Index>(3 * n);
-  Scaled a{std::vector<double>(n, 0.0), friction, {}, Eigen::VectorXd::Zero(rows)};
-  Eigen::VectorXd scale = Eigen::VectorXd::Zero(rows), y = scale;
+  Scaled a{std::vector<double>(n, 0.0), friction, {}, Eigen::VectorXd::Zero(rows), {}, Eigen::VectorXd::Zero(rows), {}};
+  Eigen::VectorXd scale = Eigen::VectorXd::Zero(rows);
   for (std::size_t c = 0; c < n; ++c) {
     const auto i = static_cast<Eigen::Index>(3 * c);
     if (!(W(i, i) > 0.0)) continue;
     a.s[c] = 1.0 / std::sqrt(W.block<3, 3>(i, i).trace() / 3.0);
     at(scale, c).setConstant(a.s[c]);
     at(a.g, c) = a.s[c] * q[c];
-    at(y, c) = impulse[c] / a.s[c];
+    at(a.y, c) = impulse[c] / a.s[c];
   }
   a.G = scale.asDiagonal() * (0.5 * (W + W.transpose())) * scale.asDiagonal();
-  Iteration it(a);
-  it.base = it.y = y, it.G_base = a.G * y;
-  Eigen::VectorXd v = y - a.velocities(it.G_base) / kStart, after = y;
-  Anderson ahead(rows, kMemory);
-  it.refactor(kStart);
-  double least = std::numeric_limits<double>::infinity();
-  while (report.iterations < max_iterations) {
-    it.evaluate(v);
-    ++report.iterations;
-    if (!it.next.allFinite()) break;
-    if (report.iterations % kAsk == 0 || report.iterations == max_iterations) {
-      a.project(it.next, after);
-      it.base = after, it.G_base.noalias() = a.G * after;
-      const double miss = a.miss(after, a.velocities(it.G_base));
-      if (miss < least) y = after, least = miss;
-      report.converged = miss <= tolerance;
-      if (report.converged) break;
-      const double primal = a.largest(it.x - after), change = it.rho * a.largest(after - it.y), was = it.rho;
-      const bool more = primal > kApart * change;
-      if ((more || change > kApart * primal) && it.refactor(more ? was * kFactor : was / kFactor)) {
-        v = after + (was / it.rho) * (it.next - after);
-        ahead.forget();
-        continue;
-      }
-    }
-    ahead.step(v, it.next);
-  }
+  a.x = a.y, a.z = a.velocities();
+  double fastest = 0.0;
   for (std::size_t c = 0; c < n; ++c)
-    if (a.s[c] > 0.0) impulse[c] = a.s[c] * at(y, c);
+    if (a.s[c] > 0.0) fastest = std::max(fastest, at(a.z, c).cwiseAbs().maxCoeff() / a.s[c]);
+  // In single precision first: what it finds is judged in double.
+  const Eigen::VectorXd first = a.y;
+  iterate<DenseFactor>(a, std::max(kStricter * tolerance, kSingle * fastest), max_iterations, report);
+  if (!a.y.allFinite()) a.y = first, a.rho = kStart;
+  report.converged = a.miss() <= tolerance;
+  a.x = a.y, a.z = a.velocities();
+  if (!report.converged && report.iterations < max_iterations)
+    iterate<DoubleFactor>(a, tolerance, max_iterations, report);
+  if (!a.y.allFinite()) return report;
+  for (std::size_t c = 0; c < n; ++c)
+    if (a.s[c] > 0.0) impulse[c] = a.s[c] * at(a.y, c);
   return report;
 }
 

@@ -15,10 +15,8 @@ namespace brim {
 /// contacts nor on the path of a load, and converges where projected Gauss-Seidel sweeps cycle (many contacts slipping
 /// on one sheet) or crawl (contacts of unequal mass in one chain).
 /// Each contact is scaled by its own response; ρ follows the ratio of the two residuals, and is refactored when
-/// changed. Between its changes the iteration is a map of λ − z / ρ, z: the multipliers, and is accelerated (Anderson).
-/// The factor is of single precision (DenseFactor) and gives changes from impulses whose velocities are known in
-/// double, so that its rounding shrinks with the changes. Every 20 iterations the contacts are asked, in double; the
-/// best impulses then found are returned.
+/// changed. Iterations use a single-precision factor (DenseFactor); if the result misses the tolerance in double,
+/// further iterations use a double one.
 /// Same bits for any number of threads.  Tests: tests/solve/contact_admm_test.cpp
 struct ContactAdmm {
   struct Report {
