@@ -31,8 +31,9 @@ class Stress:
     @property
     def von_mises(self) -> Array:
         """[Pa] equivalent stress, shape (n,)."""
-        deviator = self.stress - np.trace(self.stress, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
-        return np.sqrt(1.5 * np.sum(deviator**2, axis=(1, 2)))
+        deviator: Array = self.stress - np.trace(self.stress, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
+        equivalent: Array = np.sqrt(1.5 * np.sum(deviator**2, axis=(1, 2)))
+        return equivalent
 
     @property
     def strain(self) -> Array:
@@ -42,4 +43,5 @@ class Stress:
     @property
     def centers(self) -> Array:
         """[m] of the elements, shape (n, 3)."""
-        return self.place[self.tetrahedra].mean(axis=1) if len(self.tetrahedra) else self.place
+        centers: Array = self.place[self.tetrahedra].mean(axis=1) if len(self.tetrahedra) else self.place
+        return centers

@@ -203,6 +203,24 @@ class Contact(unittest.TestCase):
         self.assertEqual(set(contacts["body_a"]) | set(contacts["body_b"]), {floor.number, ball.number})
         self.assertEqual(world.pairs["contacts"].sum(), len(contacts))
 
+    def test_stress_of_a_stretched_solid_is_that_of_hooke_in_elements_and_samples(self):
+        world = brim.World(gravity=(0, 0, 0))
+        box = dict(shape=brim.box((0.4, 0.2, 0.2)), young_modulus=1e5, poisson_ratio=0)
+        bar = world.add("finite_elements", name="bar", lattice_spacing=0.1, **box)
+        jelly = world.add("meshless", name="jelly", frame_spacing=0.1, transform={"position": (0, 1, 0)}, **box)
+        for solid in (bar, jelly):
+            solid.positions[:, 0] *= 1.01
+            s = solid.stress
+            n = len(s.stress)
+            self.assertEqual((s.deformation.shape, s.volume.shape, s.centers.shape), ((n, 3, 3), (n,), (n, 3)))
+            np.testing.assert_allclose(s.von_mises, 1e3, rtol=1e-3)
+            np.testing.assert_allclose(s.strain[:, 0, 0], 0.5 * (1.01**2 - 1), rtol=1e-6)
+        self.assertEqual(bar.stress.tetrahedra.shape, (len(bar.stress.stress), 4))
+        self.assertAlmostEqual(bar.stress.volume.sum(), 0.4 * 0.2 * 0.2, places=6)
+        self.assertEqual(jelly.stress.tetrahedra.shape, (0, 4))
+        with self.assertRaisesRegex(TypeError, "no elements of an elastic solid"):
+            world.add("rigid", name="ball", shape=brim.sphere(0.1), transform={"position": (0, 3, 0)}).stress
+
     def test_density_of_a_ball_sums_to_its_volume(self):
         world, ball = ball_world(height=0.0)
         n = np.arange(-3, 3)

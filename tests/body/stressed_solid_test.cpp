@@ -140,8 +140,8 @@ TEST(StressedSolid, APulledBarHasThatOfTheory_InEveryKind) {
   // A lattice that the matter fills in part.
   expect_pulled(*testing::voxels(Vec3(0.4, 0.3, 0.3), 0.12, 0.05, testing::soft(1e4)), 1e4);
   const Vec3 half(0.2, 0.15, 0.15);
-  MeshlessModel model = fill_with_frames([&](const Vec3& x) { return testing::box_distance(x, half); }, {-half, half},
-                                         0.1, 0.05);
+  MeshlessModel model =
+      fill_with_frames([&](const Vec3& x) { return testing::box_distance(x, half); }, {-half, half}, 0.1, 0.05);
   model.surface = shapes::box(2.0 * half);
   MeshlessBody meshless(model, Quat::Identity(), Vec3::Zero(), testing::soft(1e4));
   expect_pulled(meshless, 1e4);

@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "brim/response/fitting_solids.h"
+
 namespace brim {
 
 namespace {
@@ -180,6 +182,7 @@ void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> n
 
 void Constraint::gather_rigid(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                               const ConstraintPair& law, const ConstraintOptions& options) {
+  fits_ = fit_each_other(contacts, pair);
   // Node lookup, so that patches grow from neighbour to neighbour.
   place_.reset(pair.h);
   for (std::size_t i = 0; i < order_.size(); ++i) place_.set(contacts.node_at(order_[i], pair.h), i);
@@ -232,7 +235,7 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
     if (!law.rigid && at_edge_of_face(contacts, model, pair.h))
       model.least_point = model.x, model.least_gap = -contacts.depth[around_.front()];
     RoundDirections round{Vec3::Zero(), Vec3::Zero()};
-    if (options.side_a != nullptr) {
+    if (options.side_a != nullptr && !fits_) {
       const CubeSide &a = *options.side_a, &b = *options.side_b;
       round = round_directions(a, b, model.least_point, model.n, model.curvature, pair.h);
       if (const auto settled = settle_round_gap(a, b, model.least_point, round, pair.h))

@@ -154,6 +154,7 @@ class Constraint {
   bool targets_differ_ = false, bounces_ = false, breaks_ = false;
   std::vector<std::size_t> order_, patch_, rest_, around_, flat_;
   std::vector<std::uint8_t> taken_;
+  bool fits_ = false;  ///< the surfaces of the pair being gathered lie along each other (fit_each_other)
   PatchFitter fitter_;
   EdgePoints edges_;
   NodePlaces place_;

@@ -50,7 +50,7 @@ def roller_of_triangles(sides, radius, length):
     return "".join(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in places) + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces)
 
 
-@experiment(law="a = 2/3 g sin θ", source="rolling without slip, of the cylinder around it", unit="m/s²", tolerance=0.03, study="dt", fast=True,
+@experiment(law="a = 2/3 g sin θ", source="rolling without slip, of the cylinder around it", unit="m/s²", tolerance=0.03, fast=True,
             cases=cases(response=BOTH, sides=(128,), dt=(1 / 60, 1 / 240)) + cases(response=BOTH, sides=(64,), dt=(1 / 60,)),
             theory=2 / 3 * G * math.sin(math.radians(10)), measure=lambda c, r: fits.acceleration(*along_slope(Case(angle=10), r, "roll"), start=0.3))
 def mesh_rolls(case):
