@@ -163,7 +163,7 @@ describe.skipIf(!chromiumPath)('the page', () => {
     await until(o, () => window.brim.app.picture.slice.shown?.axis === 2);
     await o.page.getByRole('slider', { name: 'place of the slice' }).fill('0.5');
     await until(o, () => Math.abs(window.brim.app.picture.slice.shown!.at - 0.65) < 0.05);
-    expect(await o.page.locator('.facts').innerText()).toContain('nodes');
+    expect(await o.page.locator('.slice .facts').innerText()).toContain('nodes');
     // The picture with the slice differs from the one without.
     const shot = () => o.page.evaluate(() => window.brim.app.png(60));
     const withSlice = await shot();
@@ -182,8 +182,10 @@ describe.skipIf(!chromiumPath)('the page', () => {
     await until(o, () => window.brim.app.panel.stress.top > 0);
     const coloured = await shot();
     expect(coloured).not.toBe(plain);
-    const most = await o.page.evaluate(() => window.brim.app.panel.stress.top);
+    const top = () => o.page.evaluate(() => window.brim.app.panel.stress.top);
+    const most = await top();
     await o.page.getByRole('spinbutton', { name: 'stress of the last colour' }).fill(String(10 * most));
+    expect(await top()).toBeCloseTo(10 * most, 3);
     expect(await shot()).not.toBe(coloured);
     expect(await o.page.locator('.stress .facts').innerText()).toContain('largest');
     await o.page.keyboard.press('m');

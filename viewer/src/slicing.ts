@@ -30,6 +30,7 @@ export class Slicing {
       return Promise.resolve();
     }
     this.slicing ??= (async () => {
+      await Promise.resolve(); // what ends at once must not end before it is kept
       try {
         for (;;) {
           const { shown } = this.picture;

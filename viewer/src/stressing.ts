@@ -22,6 +22,7 @@ export class Stressing {
       return Promise.resolve();
     }
     this.asking ??= (async () => {
+      await Promise.resolve(); // what ends at once must not end before it is kept
       try {
         for (;;) {
           const index = this.picture.shown?.index;

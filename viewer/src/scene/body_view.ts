@@ -96,9 +96,14 @@ class TriangleView implements BodyView {
     const source = this.split?.source;
     const on = colours !== undefined && source !== undefined;
     if (on) {
-      const spread = new Float32Array(3 * source.length);
+      const known = geometry.getAttribute('color') as THREE.BufferAttribute | undefined;
+      const shown =
+        known ??
+        new THREE.BufferAttribute(new Float32Array(3 * source.length), 3).setUsage(THREE.DynamicDrawUsage);
+      if (!known) geometry.setAttribute('color', shown);
+      const spread = shown.array as Float32Array;
       source.forEach((v, i) => spread.set(colours.subarray(3 * v, 3 * v + 3), 3 * i));
-      geometry.setAttribute('color', new THREE.BufferAttribute(spread, 3));
+      shown.needsUpdate = true;
     } else geometry.deleteAttribute('color');
     material.color.set(on ? '#ffffff' : this.colour);
     if (on !== material.vertexColors) {
