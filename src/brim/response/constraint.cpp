@@ -182,7 +182,7 @@ void Constraint::gather_soft(const ContactSet& contacts, std::span<const Vec3> n
 
 void Constraint::gather_rigid(const ContactSet& contacts, std::span<const Vec3> normals, const ContactPair& pair,
                               const ConstraintPair& law, const ConstraintOptions& options) {
-  fits_ = fit_each_other(contacts, pair);
+  fits_ = options.side_a != nullptr && fit_each_other(contacts, pair);
   // Node lookup, so that patches grow from neighbour to neighbour.
   place_.reset(pair.h);
   for (std::size_t i = 0; i < order_.size(); ++i) place_.set(contacts.node_at(order_[i], pair.h), i);
