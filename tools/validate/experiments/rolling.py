@@ -60,6 +60,18 @@ def mesh_rolls(case):
                  friction=0.6, response=case.response, files={name: roller_of_triangles(case.sides, 0.1, 0.3)})
 
 
+@experiment(law="a = g sin θ / (1 + I/m R²)", source="rolling without slip", unit="m/s²", tolerance=0.03, fast=True, study="h",
+            cases=cases(response=BOTH, shape=("ball", "cylinder"), h=(0.025, 0.0125)),
+            theory=lambda c: (5 / 7 if c.shape == "ball" else 2 / 3) * G * math.sin(math.radians(10)),
+            measure=lambda c, r: fits.acceleration(*along_slope(Case(angle=10), r, "roll"), start=0.3))
+def image_rolls(case):
+    """The image of a ball or cylinder of 0.2 m, its own voxels half as wide as those of contact, rolls down a plane of 10°, friction 0.6."""
+    at = {"position": on_slope(10, 0, 0.1)} | ({"rotation": about((1, 0, 0), 90)} if case.shape == "cylinder" else {})
+    image = {"kind": "image_volume", "name": "roll", "shape": ball(0.1) if case.shape == "ball" else cylinder(0.1, 0.3), "image_spacing": case.h / 2,
+             "voxel_size": case.h, "transform": at}
+    return scene([slope(10, case.h), image], 1.5, friction=0.6, response=case.response)
+
+
 CHASSIS, WHEEL = 20.0, 2.0  # [kg]
 
 
