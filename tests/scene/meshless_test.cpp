@@ -33,6 +33,16 @@ TEST(MeshlessScenes, ABoxIsFilledWithFramesThatCarryItsMass) {
   EXPECT_GT(w.body(0).display().triangles.size(), 10u);
 }
 
+TEST(MeshlessScenes, ThinBodiesHaveVoxelsThatShowHowThinTheyAre) {
+  const auto voxel = [](const std::string& keys) { return build(keys).body(0).part(0).voxel_size; };
+  EXPECT_DOUBLE_EQ(voxel(kBox + R"(, "frame_spacing": 0.05)"), 0.025);
+  const std::string domino = R"("shape": {"kind": "box", "size": [0.08, 0.25, 0.5]}, "frame_spacing": 0.07)";
+  EXPECT_DOUBLE_EQ(voxel(domino), 0.01);
+  EXPECT_DOUBLE_EQ(voxel(domino + R"(, "voxel_size": 0.03)"), 0.03);
+  // No more than 20,000 particles.
+  EXPECT_NEAR(voxel(R"("shape": {"kind": "box", "size": [1, 1, 0.02]}, "frame_spacing": 0.2)"), 0.01, 1e-12);
+}
+
 TEST(MeshlessScenes, BadInputIsRefusedWithAMessage) {
   const auto expect = [](const std::string& keys, const std::vector<std::string>& words) {
     const std::string text = message(keys);

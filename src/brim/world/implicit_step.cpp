@@ -72,6 +72,11 @@ bool ImplicitStep::make_passes(std::span<double> delta) {
   scale_.clear(), iterations_made_ = 0;
   for (int pass = 0; pass < passes; ++pass) {
     find_right_hand_side(pass == 0);
+    if (contacts_ == 0 && c.coupling.empty()) {
+      // Free bodies fall and turn as a whole, however stiff they are.
+      residual_ = rhs_;
+      give_back(delta);
+    }
     // Solves that only determine released contacts and friction loads are less accurate than the one that is kept.
     const bool kept = settled_ || pass + 1 == passes;
     const SolveReport s = solve_once(pass, kept, near, delta);

@@ -97,7 +97,10 @@ double least_stiffness(double share, const Loads& loads, double w, double dt) {
 double choose_stiffness(const Loads& loads, double w, double dt) { return least_stiffness(2000.0, loads, w, dt); }
 
 double soften_stiffness(double k, double E, const Loads& loads, double w, double dt) {
-  return std::isinf(E) ? k : std::max(kContactModulus * E, least_stiffness(100.0, loads, w, dt));
+  if (std::isinf(E)) return k;
+  const double voxel = w / 3.0, speed2 = loads.areal_mass > 0.0 ? loads.impact_energy / loads.areal_mass : 0.0;
+  const double most = std::clamp(kMostOfFast * voxel * voxel / (speed2 * dt * dt), kMostOfFast, kMostOfSlow);
+  return std::max(std::min(kContactModulus * E, most * k), least_stiffness(100.0, loads, w, dt));
 }
 
 double conforming_stiffness(double k, double E, const Loads& loads) {

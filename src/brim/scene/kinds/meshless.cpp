@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <cmath>
+
 #include "brim/body/meshless/meshless_body.h"
 #include "brim/scene/carried.h"
 #include "brim/scene/kinds.h"
@@ -19,6 +22,16 @@ void check_meshless(const Node& n) {
   check_constraints(n.at("constraints"), false);
 }
 
+/// Voxels across the smallest extent of a shape, and particles up to which there are so many.
+constexpr double kThinVoxels = 8.0, kParticles = 20'000.0;
+
+/// [m] half the frame spacing, or finer where the shape is thin: a domino of two voxels leans on its edge and falls
+/// over.
+double chosen_voxel_size(double frame_spacing, const Aabb& box, double volume) {
+  const double fine = std::max(box.extent().minCoeff() / kThinVoxels, std::cbrt(volume / kParticles));
+  return std::min(0.5 * frame_spacing, fine);
+}
+
 class MeshlessMaker final : public BodyMaker {
  public:
   MeshlessMaker(const Node& n, const BuildContext& context) : node_(n), material_(context.material) {
@@ -30,7 +43,8 @@ class MeshlessMaker final : public BodyMaker {
     if (spacing > box.extent().maxCoeff())
       throw at.error(fmt::format("{:.6g} m is not allowed; must be at most the shape's largest extent, {:.6g} m",
                                  spacing, box.extent().maxCoeff()));
-    voxel_size_ = n.number("voxel_size") > 0.0 ? n.number("voxel_size") : 0.5 * spacing;
+    voxel_size_ = n.number("voxel_size");
+    if (!(voxel_size_ > 0.0)) voxel_size_ = chosen_voxel_size(spacing, box, solid.unit.volume);
     check_count(at, 2.0 * solid.unit.volume / (spacing * spacing * spacing), kBytesPerFrame, limit, "frames");
     check_count(n.number("voxel_size") > 0.0 ? n.at("voxel_size") : n,
                 solid.unit.volume / (voxel_size_ * voxel_size_ * voxel_size_), kBytesPerSample, limit, "particles");
