@@ -1,12 +1,16 @@
 #include "brim/body/articulated/articulated_body.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "brim/core/error.h"
 
 namespace brim {
 
 namespace {
+
+/// Halvings of the way back from a limit, after which a joint waits for a better step.
+constexpr int kHalvings = 5;
 
 /// Initial coordinates and velocities of one joint.
 void start_of(const JointModel& j, double* q, double* v) {
@@ -38,7 +42,7 @@ void start_of(const JointModel& j, double* q, double* v) {
 }  // namespace
 
 ArticulatedBody::ArticulatedBody(ArticulatedModel model)
-    : tree_(model), joints_(model), self_collision_(model.self_collision) {
+    : tree_(model), joints_(model), stops_(model), self_collision_(model.self_collision) {
   start_q_.resize(tree_.q_size()), start_v_.resize(tree_.v_size());
   for (std::size_t i = 0; i < tree_.size(); ++i)
     start_of(model.links[i].joint, start_q_.data() + tree_.links()[i].q0, start_v_.data() + tree_.links()[i].v0);
@@ -103,12 +107,13 @@ void ArticulatedBody::update(double time, std::span<const double> q, std::span<c
     p.solid.place({l.rotation * p.local.rotation, l.rotation * p.local.translation + l.origin});
   }
   free_inverse_.factor(tree_, pose_, none_);
-  joints_.update(tree_, time_, 0.0, q_, v_, free_inverse_);
+  joints_.update(tree_, time_, 0.0, q_, v_, free_inverse_, stops_);
 }
 
 void ArticulatedBody::begin_solve(double dt) {
   dt_ = dt;
-  joints_.update(tree_, time_ + dt, dt, q_, v_, free_inverse_);
+  stops_.choose(dt, free_inverse_);
+  joints_.update(tree_, time_ + dt, dt, q_, v_, free_inverse_, stops_);
 }
 
 void ArticulatedBody::finish_step(double, double dt, std::span<double> q, std::span<double> v) {
@@ -120,8 +125,34 @@ void ArticulatedBody::finish_step(double, double dt, std::span<double> q, std::s
     tree_.way(straight, q, way);
   }
   std::copy(q_.begin(), q_.end(), q.begin());
+  return_from_limits(dt, q, v);
   if (!way.empty()) flow_.shift(tree_, way, q, v);
-  flow_.run(tree_, dt, q, v);
+  flow_.run(tree_, dt, q, v, stops_);
+}
+
+void ArticulatedBody::return_from_limits(double dt, std::span<double> q, std::span<double> v) {
+  std::vector<Mat3> answer(tree_.size());
+  for (std::size_t i = 0; i < answer.size(); ++i) answer[i] = joints_.system(i, dt);
+  const std::vector<JointStop> stops = joints_.stops(tree_, v, answer);
+  TreeInverse inverse;
+  if (stops.empty() || !inverse.factor(tree_, pose_, answer)) return;
+  std::vector<double> way(v.begin(), v.end()), to(q.begin(), q.end());
+  tree_.move(dt, v, to);
+  std::vector<double> allowed = stops_.excess(tree_, q), excess = stops_.excess(tree_, to);
+  for (std::size_t i = 0; i < allowed.size(); ++i) allowed[i] = std::max({allowed[i], excess[i], 0.0});
+  stops_.hold(tree_, pose_, inverse, answer, stops, v);
+  for (std::size_t i = 0; i < v.size(); ++i) way[i] = dt * (way[i] - v[i]);
+  // Recoil takes other joints along: of a long way a part, so that none of them leaves its range.
+  for (int halving = 0; halving < kHalvings; ++halving) {
+    to.assign(q.begin(), q.end());
+    tree_.move(1.0, way, to);
+    excess = stops_.excess(tree_, to);
+    if (std::equal(excess.begin(), excess.end(), allowed.begin(), std::less_equal<>())) {
+      flow_.carry(tree_, way, q, v);
+      return;
+    }
+    for (double& x : way) x *= 0.5;
+  }
 }
 
 void ArticulatedBody::add_forces(const Environment& env, std::span<double> Q) const {

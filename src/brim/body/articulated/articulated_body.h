@@ -122,8 +122,12 @@ class ArticulatedBody final : public Body,
   Vec6 link_twist(int link, std::span<const double> v) const;
   Vec6 momentum(std::span<const double> v) const;
 
+  /// Moves joints back from beyond their limits, as the solve had it, without the velocity of that.
+  void return_from_limits(double dt, std::span<double> q, std::span<double> v);
+
   Tree tree_;
   JointForces joints_;
+  JointStops stops_;
   TreeFlow flow_;
   std::vector<Part> parts_;
   Display display_;

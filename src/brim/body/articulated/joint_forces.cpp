@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kFrictionWidth = 0.01;    ///< ε over what friction stops in a step
 constexpr double kLimitStiffness = 100.0;  ///< times m / dt²: stops all but a hundredth of a joint's motion in a step
-constexpr double kUsualStep = 1.0 / 60.0;  ///< [s] where no step is ahead
+constexpr double kUsualStep = 1.0 / 60.0;  ///< [s] where no step is ahead, and for strains of limits to return in
 
 }  // namespace
 
@@ -35,26 +35,28 @@ double drive_energy(const JointDrive& d, double miss) {
 JointForces::JointForces(const ArticulatedModel& model) {
   for (const LinkModel& l : model.links) {
     const JointModel& j = l.joint;
-    joint_.push_back({j.lower, j.upper, j.limit_stiffness, j.damping, j.friction, j.drive});
+    joint_.push_back({j.kind == JointKind::Ball, j.lower, j.upper, j.limit_stiffness, j.damping, j.friction, j.drive});
   }
   term_.resize(joint_.size());
 }
 
 void JointForces::update(const Tree& tree, double time, double dt, std::span<const double> q, std::span<const double> v,
-                         const TreeInverse& mass) {
+                         const TreeInverse& mass, const JointStops& stops) {
   energy_ = 0.0;
+  acting_.clear();
   for (std::size_t i = 0; i < tree.size(); ++i) {
     const Tree::Link& l = tree.links()[i];
-    const double *c = q.data() + l.q0, *u = v.data() + l.v0;
-    if (l.dof == 1) term_[i] = term(joint_[i], time, dt, mass.pivot(i), Vec3(c[0], 0, 0), Vec3(u[0], 0, 0), false);
-    if (l.dof == 3)
-      term_[i] = term(joint_[i], time, dt, mass.pivot(i),
-                      vector_from_rotation(Quat(c[0], c[1], c[2], c[3]).normalized()), Vec3(u[0], u[1], u[2]), true);
+    if (l.dof == 0 || l.dof == 6) continue;
+    const double* u = v.data() + l.v0;
+    term_[i] = term(i, time, dt, mass.pivot(i), joint_displacement(l.dof, q.data() + l.q0),
+                    l.dof == 1 ? Vec3(u[0], 0, 0) : Vec3(u[0], u[1], u[2]), stops.hard(i));
   }
 }
 
-JointForces::Term JointForces::term(const Joint& j, double time, double dt, double mass, const Vec3& x, const Vec3& u,
-                                    bool ball) {
+JointForces::Term JointForces::term(std::size_t link, double time, double dt, double mass, const Vec3& x, const Vec3& u,
+                                    bool hard) {
+  const Joint& j = joint_[link];
+  const bool ball = j.ball;
   Term t;
   const JointDrive& d = j.drive;
   if (d.stiffness > 0.0 || d.damping > 0.0) {
@@ -77,31 +79,53 @@ JointForces::Term JointForces::term(const Joint& j, double time, double dt, doub
   }
   t.force -= drag * u;
   t.C.diagonal().array() += drag;
-  add_limits(j, dt, mass, x, u, ball, t);
+  add_limits(link, dt, mass, x, u, hard, t);
   return t;
 }
 
-void JointForces::add_limits(const Joint& j, double dt, double mass, const Vec3& x, const Vec3& u, bool ball, Term& t) {
+void JointForces::add_limits(std::size_t link, double dt, double mass, const Vec3& x, const Vec3& u, bool hard,
+                             Term& t) {
+  const Joint& j = joint_[link];
+  const bool given = j.limit_stiffness > 0.0;
   const double step = dt > 0.0 ? dt : kUsualStep;
-  const double k = j.limit_stiffness > 0.0 ? j.limit_stiffness : kLimitStiffness * mass / (step * step);
+  const double k = given ? j.limit_stiffness : kLimitStiffness * mass / (step * step);
   const auto stop = [&](double beyond, double rate, const Vec3& outwards) {
     if (!(beyond + dt * rate > 0.0)) return;
     t.force -= k * beyond * outwards;
     t.K += k * outwards * outwards.transpose();
-    if (!(beyond > 0.0)) return;
-    // Pushed out within a step, the joint would leave the limit with that speed and fall back, for ever.
-    const double c = k * step;
+    // Pushed out within a step, the joint would leave the limit with that speed and fall back, for ever; and a strain
+    // of a long step would be pushed out in a short one.
+    const double c = beyond > 0.0 ? k * (given ? step : std::max(step, kUsualStep)) : 0.0;
     t.force -= c * rate * outwards;
     t.C += c * outwards * outwards.transpose();
-    energy_ += 0.5 * k * beyond * beyond;
+    if (given && beyond > 0.0) energy_ += 0.5 * k * beyond * beyond;
+    if (hard && dt > 0.0)
+      acting_.push_back({{link, outwards, std::max(-beyond, 0.0) / dt}, dt * k * beyond, dt * (dt * k + c)});
   };
-  if (ball) {
+  if (j.ball) {
     const double angle = x.norm();
     if (angle > 1e-9) stop(angle - j.upper, x.dot(u) / angle, x / angle);
   } else {
     stop(x[0] - j.upper, u[0], Vec3(1, 0, 0));
     stop(j.lower - x[0], -u[0], Vec3(-1, 0, 0));
   }
+}
+
+std::vector<JointStop> JointForces::stops(const Tree& tree, std::span<const double> v, std::span<Mat3> T) const {
+  std::vector<JointStop> out;
+  for (const Acting& a : acting_) {
+    const Tree::Link& l = tree.links()[a.stop.link];
+    const Vec3& n = a.stop.outwards;
+    double rate = 0.0;
+    for (int k = 0; k < l.dof; ++k) rate += n[k] * v[l.v0 + k];
+    JointStop stop = a.stop;
+    stop.impulse = -a.push - a.resist * rate;
+    stop.pulls = stop.impulse > 0.0;
+    if (stop.pulls) stop.most = std::min(rate, 0.0);
+    out.push_back(stop);
+    T[stop.link] -= a.resist * n * n.transpose();
+  }
+  return out;
 }
 
 void JointForces::add_forces(const Tree& tree, std::span<double> Q) const {

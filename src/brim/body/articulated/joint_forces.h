@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "brim/body/articulated/tree_inverse.h"
+#include "brim/body/articulated/joint_stops.h"
 
 namespace brim {
 
@@ -13,8 +13,8 @@ double drive_energy(const JointDrive& drive, double miss);
 
 /// Drives, limits, damping and dry friction of all joints, with derivatives for an implicit step.
 ///   drive     τ = s (kp (target − q) + kd (target' − q')),  s = min(1, force_limit / |τ at s = 1|)
-///   limit     τ = −k (q − upper + dt q') beyond upper, likewise below lower; τ = −k (q − upper) already when q + dt q'
-///             is beyond
+///   limit     τ = −k (q − upper + T q') beyond upper, likewise below lower; τ = −k (q − upper) already when q + dt q'
+///             is beyond; T = dt where k is given, else max(dt, 1/60 s): strains return no faster where steps are short
 ///   damping   τ = −d q'
 ///   friction  τ = −f q' / max(|q'|, ε),  ε = 0.01 f dt / m: a hundredth of the speed that friction stops in a step
 /// m is the inertia felt by the joint. For a ball joint they act along its rotation vector from rest.
@@ -25,7 +25,10 @@ class JointForces {
   /// Reads the state. @param time  [s] for which drive targets are evaluated, the end of the step
   /// @param dt  [s] of the step ahead, 0 for none @param mass  from TreeInverse::pivot
   void update(const Tree& tree, double time, double dt, std::span<const double> q, std::span<const double> v,
-              const TreeInverse& mass);
+              const TreeInverse& mass, const JointStops& stops);
+  /// Stops that are hard and act in the step ahead, with their impulses if the solve ends at velocities v. @param T  of
+  /// system(), per link: loses what is theirs
+  std::vector<JointStop> stops(const Tree& tree, std::span<const double> v, std::span<Mat3> T) const;
 
   /// Q += forces.
   void add_forces(const Tree& tree, std::span<double> Q) const;
@@ -36,7 +39,7 @@ class JointForces {
   void add_system(const Tree& tree, double dt, std::span<const double> x, std::span<double> y) const;
   /// dt C + dt² K of one link's joint.
   Mat3 system(std::size_t link, double dt) const { return dt * term_[link].C + dt * dt * term_[link].K; }
-  /// Energy of limits and of drives within their force limit, [J].
+  /// Energy of limits with a given stiffness and of drives within their force limit, [J].
   double energy() const { return energy_; }
 
   /// Drive of a joint, by its link's number; may be changed between steps.
@@ -49,6 +52,7 @@ class JointForces {
 
  private:
   struct Joint {
+    bool ball;
     double lower, upper, limit_stiffness, damping, friction;
     JointDrive drive;
   };
@@ -57,11 +61,18 @@ class JointForces {
     Mat3 K = Mat3::Zero(), C = Mat3::Zero();
   };
   /// @param x, u  displacement from rest and its rate, along the joint's velocities
-  Term term(const Joint& j, double time, double dt, double mass, const Vec3& x, const Vec3& u, bool ball);
-  void add_limits(const Joint& j, double dt, double mass, const Vec3& x, const Vec3& u, bool ball, Term& t);
+  Term term(std::size_t link, double time, double dt, double mass, const Vec3& x, const Vec3& u, bool hard);
+  void add_limits(std::size_t link, double dt, double mass, const Vec3& x, const Vec3& u, bool hard, Term& t);
+
+  /// A hard stop that acts: its impulse is −push − resist u.
+  struct Acting {
+    JointStop stop;
+    double push, resist;
+  };
 
   std::vector<Joint> joint_;
   std::vector<Term> term_;
+  std::vector<Acting> acting_;
   double energy_ = 0.0;
 };
 

@@ -17,7 +17,7 @@ double TreeFlow::kinetic_energy(const Tree& tree, std::span<const double> q, std
 
 void TreeFlow::acceleration(const Tree& tree) {
   tree.place(stage_q_, pose_);
-  inverse_.factor(tree, pose_, none_);
+  inverse_.factor(tree, pose_, unloaded_);
   tree.twists(pose_, stage_v_, twist_);
   std::fill(bias_.begin(), bias_.end(), 0.0);
   tree.add_bias(pose_, stage_v_, twist_, scratch_, bias_);
@@ -40,6 +40,15 @@ void TreeFlow::piece(const Tree& tree, double dt) {
   }
   q_.swap(sum_q_), v_.swap(sum_v_);
   tree.move(0.0, v_, q_);  // quaternions back to length 1
+}
+
+double TreeFlow::stop(const Tree& tree, double dt, JointStops& stops) {
+  if (stops.empty()) return 0.0;
+  const std::vector<JointStop> ahead = stops.ahead(tree, dt, q_, v_);
+  if (ahead.empty()) return 0.0;
+  tree.place(q_, pose_);
+  inverse_.factor(tree, pose_, unloaded_);
+  return stops.hold(tree, pose_, inverse_, unloaded_, ahead, v_);
 }
 
 void TreeFlow::restore_momentum(const Tree& tree, const Vec6& wanted, const Vec3& point) {
@@ -80,12 +89,37 @@ void TreeFlow::shift(const Tree& tree, std::span<const double> way, std::span<do
   std::copy(v_.begin(), v_.end(), v.begin());
 }
 
-int TreeFlow::run(const Tree& tree, double dt, std::span<double> q, std::span<double> v) {
+void TreeFlow::carry(const Tree& tree, std::span<const double> way, std::span<double> q, std::span<double> v) {
+  bias_.resize(v.size()), twist_.resize(tree.size());
+  const double energy = kinetic_energy(tree, q, v);
+  std::vector<double> to(q.begin(), q.end()), moving(v.begin(), v.end()), together(v.size(), 0.0);
+  shift(tree, way, to, moving);
+  const double after = kinetic_energy(tree, to, moving);
+  if (after > energy) {
+    double least = 0.0;  // of the tree as one stiff body: of its momentum
+    if (tree.floating()) {
+      const Vec3 point = pose_.link[0].origin;
+      tree.twists(pose_, moving, twist_);
+      const Vec6 momentum = tree.momentum(pose_, twist_, point);
+      q_ = to, v_ = together;
+      restore_momentum(tree, momentum, point);
+      together = v_;
+      least = kinetic_energy(tree, to, together);
+    }
+    if (!(least <= energy && least < after)) return;
+    const double scale = std::sqrt((energy - least) / (after - least));
+    for (std::size_t i = 0; i < moving.size(); ++i) moving[i] = together[i] + scale * (moving[i] - together[i]);
+  }
+  std::copy(to.begin(), to.end(), q.begin());
+  std::copy(moving.begin(), moving.end(), v.begin());
+}
+
+int TreeFlow::run(const Tree& tree, double dt, std::span<double> q, std::span<double> v, JointStops& stops) {
   const std::size_t nq = tree.q_size(), nv = tree.v_size();
   for (auto* x : {&q_, &stage_q_, &rate_q_, &sum_q_}) x->resize(nq);
   for (auto* x : {&v_, &stage_v_, &rate_v_, &sum_v_, &bias_}) x->resize(nv);
   twist_.resize(tree.size()), scratch_.resize(tree.size());
-  none_.assign(tree.size(), Mat3::Zero());
+  unloaded_.assign(tree.size(), Mat3::Zero());
 
   const double energy = kinetic_energy(tree, q, v);
   if (!(energy > 0.0) || !std::isfinite(energy)) {
@@ -100,24 +134,29 @@ int TreeFlow::run(const Tree& tree, double dt, std::span<double> q, std::span<do
     momentum = tree.momentum(pose_, twist_, point);
   }
   int pieces = 1;
-  double after = energy;
+  double after = energy, taken = 0.0;
   for (;; pieces *= 2) {
     q_.assign(q.begin(), q.end()), v_.assign(v.begin(), v.end());
-    for (int p = 0; p < pieces; ++p) piece(tree, dt / pieces);
+    taken = 0.0;
+    for (int p = 0; p < pieces; ++p) {
+      taken += stop(tree, dt / pieces, stops);
+      piece(tree, dt / pieces);
+    }
     after = kinetic_energy(tree, q_, v_);
-    if (std::abs(after - energy) <= kEnergyTolerance * energy || 2 * pieces > kMaxPieces) break;
+    if (std::abs(after + taken - energy) <= kEnergyTolerance * energy || 2 * pieces > kMaxPieces) break;
   }
   if (!std::isfinite(after)) {  // hopelessly fast: along straight coordinates
     q_.assign(q.begin(), q.end()), v_.assign(v.begin(), v.end());
     tree.move(dt, v_, q_);
-    after = kinetic_energy(tree, q_, v_);
+    after = kinetic_energy(tree, q_, v_), taken = 0.0;
   }
   if (tree.floating()) {
     restore_momentum(tree, momentum, point);
     after = kinetic_energy(tree, q_, v_);
   }
-  if (!(after <= (1.0 + 2.0 * kEnergyTolerance) * energy)) {  // too fast for the pieces: slower, never faster
-    const double scale = std::sqrt(energy / after);
+  const double left = std::max(energy - taken, 0.0);
+  if (!(after <= left + 2.0 * kEnergyTolerance * energy)) {  // too fast for the pieces: slower, never faster
+    const double scale = std::sqrt(left / after);
     for (double& x : v_) x *= scale;
   }
   std::copy(q_.begin(), q_.end(), q.begin());

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "brim/body/articulated/tree_inverse.h"
+#include "brim/body/articulated/joint_stops.h"
 
 namespace brim {
 
@@ -17,15 +17,22 @@ class TreeFlow {
   static constexpr int kMaxPieces = 64;
 
   /// @param q, v  moved in place @return the number of pieces
-  int run(const Tree& tree, double dt, std::span<double> q, std::span<double> v);
+  int run(const Tree& tree, double dt, std::span<double> q, std::span<double> v) { return run(tree, dt, q, v, none_); }
+  /// The same with joints that stop: what the stops take is the only loss of energy.
+  int run(const Tree& tree, double dt, std::span<double> q, std::span<double> v, JointStops& stops);
 
   /// Displaces a tree without changing velocities. Joint velocities stay; a floating tree keeps its momentum and its
   /// spin about its centre of mass.
   /// @param way  in the coordinates of v  @param q, v  moved in place
   void shift(const Tree& tree, std::span<const double> way, std::span<double> q, std::span<double> v);
+  /// Displaces a tree as shift does, but never with more kinetic energy than before: if its inertia grows on the way,
+  /// the joints are slowed. A floating tree that cannot pay from its joints stays where it is.
+  void carry(const Tree& tree, std::span<const double> way, std::span<double> q, std::span<double> v);
 
  private:
   void piece(const Tree& tree, double dt);
+  /// Energy taken by the stops ahead of a piece.
+  double stop(const Tree& tree, double dt, JointStops& stops);
   /// rate_ = −M⁻¹ C at (stage_q_, stage_v_)
   void acceleration(const Tree& tree);
   double kinetic_energy(const Tree& tree, std::span<const double> q, std::span<const double> v);
@@ -37,7 +44,8 @@ class TreeFlow {
   TreeInverse inverse_;
   std::vector<double> q_, v_, stage_q_, stage_v_, rate_q_, rate_v_, sum_q_, sum_v_, bias_;
   std::vector<Vec6> twist_, scratch_;
-  std::vector<Mat3> none_;
+  std::vector<Mat3> unloaded_;
+  JointStops none_{ArticulatedModel()};
 };
 
 }  // namespace brim
