@@ -50,6 +50,7 @@ void Penalty::begin(const ContactSet& contacts, std::span<const PairState> pairs
   if (!normals_found_) find_normals(contacts, pairs);
   normals_found_ = false;
   patches_.resize(contacts.pairs.size());  // links may have come after their normals were found
+  for (std::size_t p = 0; p < patches_.size(); ++p) patches_[p].hardening = Hardening(pairs_[p].growth);
   start_forces(contacts, velocity_a, velocity_b);
   advect_rates(contacts, velocity_a, velocity_b);
   start_friction(contacts);
@@ -65,14 +66,17 @@ void Penalty::start_forces(const ContactSet& contacts, std::span<const Vec3> vel
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
     const double kv = pairs_[p].stiffness * pair.h * pair.h * pair.h;
+    const Hardening& hardening = patches_[p].hardening;
     for (std::size_t c = pair.begin; c < pair.end; ++c) {
       const double along = std::max(0.0, direction_[c].dot(normal_[c]));
       // Along the normal only: a force that the stiffness below does not resist would accelerate light bodies
       // violently.
-      force_[c] = (kv * contacts.overlap[c] * along) * normal_[c];
+      const Hardening::Line line = hardening.at(contacts.overlap[c]);
+      const double kc = kv * line.stiffness;
+      force_[c] = (kc * line.offset * along) * normal_[c];
       relative_[c] = velocity_a[c] - velocity_b[c];
-      scale_[c] = kv * along;
-      stiffness_[c] = kv * along * along;
+      scale_[c] = kc * along;
+      stiffness_[c] = kc * along * along;
       implicit_time_[c] = options_.dt + (contacts.overlap[c] > 0.0 ? options_.damping : 0.0);
       mu_[c] = pairs_[p].friction;
     }
@@ -85,7 +89,7 @@ double Penalty::overlap_energy(const ContactSet& contacts) const {
     const ContactPair& pair = contacts.pairs[p];
     const double kv = pairs_[p].stiffness * pair.h * pair.h * pair.h;
     for (std::size_t c = pair.begin; c < pair.end; ++c)
-      if (contacts.overlap[c] > 0.0) energy += 0.5 * kv * contacts.overlap[c] * contacts.overlap[c];
+      if (contacts.overlap[c] > 0.0) energy += kv * patches_[p].hardening.energy(contacts.overlap[c]);
   }
   return energy;
 }

@@ -11,6 +11,7 @@
 #include "brim/contact/cube_contacts.h"
 #include "brim/math/types.h"
 #include "brim/response/friction_share.h"
+#include "brim/response/hardening.h"
 
 namespace brim {
 
@@ -37,6 +38,7 @@ struct PairState {
   std::array<std::int32_t, 2> body = {0, 1};  ///< numbers of the two bodies
   bool fixed = false;                         ///< one of the bodies does not move
   bool balls = false;                         ///< one of the parts consists of balls that turn
+  double growth = 1.0;                        ///< [-] stiffness at full overlap over k (hardening.h)
   /// Both parts, if their distances are known and their centres hardly move past each other; else null.
   std::array<const CubeSide*, 2> solids = {};
 };
@@ -57,6 +59,7 @@ struct Bond {
 ///   f_a = k h³ ρ̄ (ĝ·n) n,   ĝ = (1−α) ∇ρ_a − α ∇ρ_b              (equation 2; α = 1/2 is the paper's symmetric form)
 ///   α = κ_a / (κ_a + κ_b): the direction comes from the flatter of the two parts, κ their tangential curvature
 ///   K = k h³ (ĝ·n)² n nᵀ                                     (equation 3, definite part; n smoothed over 3h)
+///   where a pair hardens (PairState::growth), φ'(ρ̄) in the place of ρ̄, and k φ''(ρ̄) of k in K (hardening.h)
 ///   friction: −μ N v_t / max(|v_t|, ε), N the predicted normal force
 ///
 /// The rate of overlap in the right-hand side is taken in the frame that moves with the patch (docs/numerics.md):
@@ -123,7 +126,7 @@ class Penalty {
   bool settled() const { return settled_; }
   /// Smoothed unit normals, towards a, one per contact; available after begin.
   std::span<const Vec3> normals() const { return normal_; }
-  /// Σ ½ k h³ ρ̄², [J].
+  /// Σ ½ k h³ ρ̄², or k h³ φ(ρ̄) where a pair hardens, [J].
   double energy() const { return energy_; }
 
  private:
@@ -206,6 +209,7 @@ class Penalty {
   struct Patch {
     bool fits = false;                        ///< rigid solids that fit each other
     std::array<double, 2> bend = {0.0, 0.0};  ///< curvature of each part, 0 flat to 1
+    Hardening hardening;                      ///< force over overlap
     SlipHistory slip;
     // In update_loads:
     FrictionShare share;         ///< of the loads, for friction
@@ -225,12 +229,12 @@ class Penalty {
   std::vector<Vec3> force_;            ///< f_a at the start, along n, [N]
   std::vector<Vec3> relative_;         ///< v_a − v_b at the start, [m/s]
   std::vector<double> rate_;           ///< −dρ̄/dt seen by the travelling patch, [1/s]
-  std::vector<double> stiffness_;      ///< k h³ (ĝ·n)², [N/m]
+  std::vector<double> stiffness_;      ///< k φ'' h³ (ĝ·n)², [N/m]
   std::vector<double> implicit_time_;  ///< [s] dt + β in overlap, dt before it
   std::vector<std::uint8_t> active_;   ///< 0: no force in this step
   std::vector<std::uint8_t> kept_active_;
   std::vector<double> kept_viscosity_;
-  std::vector<double> scale_;               ///< k h³ (ĝ·n), [N]
+  std::vector<double> scale_;               ///< k φ'' h³ (ĝ·n), [N]
   std::vector<double> load_;                ///< predicted normal force, [N]
   std::vector<double> friction_viscosity_;  ///< C, friction per speed, [N·s/m]
   std::vector<double> mu_;

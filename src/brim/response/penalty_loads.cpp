@@ -90,7 +90,7 @@ void Penalty::start_friction_of(std::size_t p, const ContactSet& contacts) {
   const double slack = touching && deforms ? 0.0 : 1.5 * options_.slack / pair.w;
   double load = 0.0, slip = 0.0;
   for (std::size_t c = pair.begin; c < pair.end; ++c) {
-    const double after = contacts.overlap[c] - implicit_time_[c] * rate_[c];
+    const double after = patches_[p].hardening.at(contacts.overlap[c]).offset - implicit_time_[c] * rate_[c];
     active_[c] = pairs_[p].filled || (scale_[c] > 0.0 && (contacts.overlap[c] > 0.0 || after + slack > 0.0));
     load_[c] = scale_[c] * after;
     load += std::max(0.0, load_[c]), slip += std::max(0.0, load_[c]) * slip_after(c, {}).norm();
@@ -117,7 +117,7 @@ double Penalty::update_loads(const ContactSet& contacts, std::span<const Vec3> d
       // Loads of filled pairs are given, and their friction follows only once: a fluid's is small, and its last load
       // close.
       if (!pairs_[p].filled)
-        load_[c] = scale_[c] * (contacts.overlap[c] - implicit_time_[c] * rate_[c]) -
+        load_[c] = scale_[c] * (patch.hardening.at(contacts.overlap[c]).offset - implicit_time_[c] * rate_[c]) -
                    implicit_time_[c] * stiffness_[c] * n.dot(delta[c]);
       if (active_[c]) net += load_[c], moment += load_[c] * (contacts.point[c] - origin);
       if (active_[c] && load_[c] > 0.0) push += load_[c];

@@ -126,6 +126,19 @@ double ContactParameters::chosen_stiffness(const WorldPart& a, const WorldPart& 
   return std::min(k, kBearable * own);
 }
 
+double ContactParameters::growth_of(const WorldPart& a, const WorldPart& b, double stiffness,
+                                    const WorldOptions& options) const {
+  if (a.info.conforming || b.info.conforming || std::min(a.info.modulus, b.info.modulus) > 0.0) return 1.0;
+  double own = std::numeric_limits<double>::infinity();
+  for (const WorldPart* p : {&a, &b}) {
+    if (is_fixed(*p)) continue;
+    Loads alone = groups_.own(*p);
+    alone.pressure = options.environment.gravity.norm() * alone.areal_mass;  // without what lies above at the start
+    own = std::min(own, stiffness_under(alone, a.info, b.info, options.time_step));
+  }
+  return std::max(1.0, kBearable * own / stiffness);
+}
+
 PairMaterial ContactParameters::material_of(const WorldPart& part_a, const WorldPart& part_b,
                                             const WorldOptions& options) const {
   const Material &a = part_a.info.material, &b = part_b.info.material;
@@ -212,11 +225,12 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
                                      : FixedPart::None};
     const bool hard = std::isinf(a.info.modulus) && std::isinf(b.info.modulus);
     const bool fixed = is_fixed(a) || is_fixed(b);
-    double stiffness = 0.0;
+    double stiffness = 0.0, growth = 1.0;
     if (!constrained && !filled && !(is_fixed(a) && is_fixed(b))) {
       stiffness = m.stiffness > 0.0 ? m.stiffness : chosen_stiffness(a, b, options.time_step);
       if (hard && fixed && !(m.stiffness > 0.0)) stiffness *= faces_of(pairs[i]);
       if (itself && !(m.stiffness > 0.0)) stiffness *= kFolds;
+      if (!itself && !(m.stiffness > 0.0)) growth = growth_of(a, b, stiffness, options);
     }
     const Vec3 velocity_a = a.body->mean_velocity(a.index, velocities_of(a, v, first_v)),
                velocity_b = b.body->mean_velocity(b.index, velocities_of(b, v, first_v));
@@ -241,6 +255,7 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
         .body = {a.body_index, b.body_index},
         .fixed = fixed,
         .balls = balls(a) || balls(b),
+        .growth = growth,
         .solids = {stay ? stage.solid(pairs[i].part_a) : nullptr, stay ? stage.solid(pairs[i].part_b) : nullptr},
     };
   }

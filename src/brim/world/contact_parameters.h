@@ -61,6 +61,11 @@ class ContactParameters {
   double stiffness_under(const Loads& loads, const PartInfo& a, const PartInfo& b, double dt) const;
   /// [Pa] of a pair without a given stiffness, in this sub-step
   double chosen_stiffness(const WorldPart& a, const WorldPart& b, double dt) const;
+  /// [-] PairState::growth of a pair whose stiffness was chosen: up to what the lighter body bears by its own weight
+  /// where one part is a sheet (modulus 0), else 1. The chosen stiffness spreads a body's weight over its footprint,
+  /// but a membrane gathers it on an edge. Matter with a modulus E bears no pressure much above E, and its contact has
+  /// 20 E.
+  double growth_of(const WorldPart& a, const WorldPart& b, double stiffness, const WorldOptions& options) const;
 
   double stiffness_ = 0.0;
   Loads heaviest_;  ///< of the whole world

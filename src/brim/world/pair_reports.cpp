@@ -8,13 +8,20 @@
 
 namespace brim {
 
-void warn_of_saturation(std::span<const WorldPart> parts, const PairReport& r, double time, StepReport& report) {
-  if (r.worst_pressure > 0.6 && report.warnings.size() < kMostWarnings)
-    report.warnings.push_back(
-        {time, "saturation",
-         fmt::format("'{}' and '{}' overlap by {:.2f} of full density: contact pressure is near its limit of k/2; "
-                     "raise the stiffness or lower the time step",
-                     parts[r.part_a].body->name(), parts[r.part_b].body->name(), r.worst_pressure)});
+void warn_of_saturation(std::span<const WorldPart> parts, const PairReport& r, double stiffness, double time,
+                        StepReport& report) {
+  if (!(r.worst_pressure > 0.6) || report.warnings.size() >= kMostWarnings) return;
+  const WorldPart &a = parts[r.part_a], &b = parts[r.part_b];
+  const std::string stiffer =
+      stiffness > 0.0
+          ? fmt::format("give the materials '{}' and '{}' a \"stiffness\" above {:.2g} Pa in \"pairs\", or ",
+                        a.info.material.name, b.info.material.name, stiffness)
+          : std::string();
+  report.warnings.push_back(
+      {time, "saturation",
+       fmt::format(
+           "'{}' and '{}' overlap by {:.2f} of full density, where contact gives way; {}lower the \"time_step\"",
+           a.body->name(), b.body->name(), r.worst_pressure, stiffer)});
 }
 
 void warn_of_start(std::span<const WorldPart> parts, double time, StepReport& report) {
@@ -55,8 +62,8 @@ void warn_of_mass_ratio(std::span<const WorldPart> parts, const ContactParameter
   }
 }
 
-void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const Vec3> normal,
-                  std::span<const Vec3> friction, double time, StepReport& report,
+void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const PairState> parameters,
+                  std::span<const Vec3> normal, std::span<const Vec3> friction, double time, StepReport& report,
                   std::vector<ContactSample>& samples) {
   samples.resize(contacts.first_link());
   report.pairs.clear();
@@ -91,7 +98,7 @@ void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, 
     if (r.contacts == 0) continue;
     if (load > 0.0) r.center = weighted / load;
     report.worst_overlap = std::max(report.worst_overlap, r.worst_overlap);
-    warn_of_saturation(parts, r, time, report);
+    warn_of_saturation(parts, r, parameters[first].stiffness, time, report);
     report.pairs.push_back(r);
   }
   if (contacts.engulfed > 0 && report.warnings.size() < kMostWarnings)

@@ -18,13 +18,16 @@ void warn_of_mass_ratio(std::span<const WorldPart> parts, const ContactParameter
                         double time, StepReport& report);
 
 /// Writes the totals of every touching pair, the contact samples, and the warnings of nearly saturated contacts.
-void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const Vec3> normal,
-                  std::span<const Vec3> friction, double time, StepReport& report, std::vector<ContactSample>& samples);
+/// @param parameters  of each pair of contacts
+void report_pairs(std::span<const WorldPart> parts, const ContactSet& contacts, std::span<const PairState> parameters,
+                  std::span<const Vec3> normal, std::span<const Vec3> friction, double time, StepReport& report,
+                  std::vector<ContactSample>& samples);
 
 /// Adds the impulses of all pairs over a sub-step to those of the bodies.
 void add_impulses(std::span<const WorldPart> parts, std::size_t bodies, double dt, StepReport& report);
 
-/// The warning of a pair whose densities saturate, if they do.
-void warn_of_saturation(std::span<const WorldPart> parts, const PairReport& pair, double time, StepReport& report);
+/// The warning of a pair whose densities saturate, if they do. @param stiffness  [Pa] of penalties, 0 under rows
+void warn_of_saturation(std::span<const WorldPart> parts, const PairReport& pair, double stiffness, double time,
+                        StepReport& report);
 
 }  // namespace brim

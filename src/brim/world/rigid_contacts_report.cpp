@@ -25,7 +25,7 @@ void RigidContacts::report(std::span<const WorldPart> parts, double time, StepRe
     r.worst_pressure = std::max(0.0, double{p.most_overlap});
     r.center = deepest.point;
     report.worst_overlap = std::max(report.worst_overlap, r.worst_overlap);
-    warn_of_saturation(parts, r, time, report);
+    warn_of_saturation(parts, r, 0.0, time, report);
     report.pairs.push_back(r);
   }
   std::inplace_merge(report.pairs.begin(), report.pairs.begin() + static_cast<std::ptrdiff_t>(others),

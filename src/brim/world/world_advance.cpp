@@ -19,7 +19,7 @@ void World::Impl::report_substep(double dt, bool last, StepReport& report) {
   normal_force.resize(contacts.size()), friction_force.resize(contacts.size()), contact_force.resize(contacts.size());
   response.forces(implicit.contact_delta(), normal_force, friction_force);
   fill.add_forces(normal_force);
-  report_pairs(parts, contacts, normal_force, friction_force, state.time, report, samples);
+  report_pairs(parts, contacts, laws.penalties(), normal_force, friction_force, state.time, report, samples);
   stage.rigid().report(parts, state.time, report);
   // Before stiff contact has separated overlapping bodies.
   if (state.step == 0 && report.substeps == 1) warn_of_start(parts, state.time, report);

@@ -5,7 +5,7 @@ import numpy as np
 
 from validate import fits
 from validate.experiment import BOTH, cases, experiment
-from validate.scenes import G, floor, scene
+from validate.scenes import G, about, box, floor, scene
 
 
 @experiment(law="s = 8 f²/3 l of a shallow chain; y = a cosh(x/a)", source="catenary", unit="m", tolerance=0.01, study="segments", fast=True,
@@ -103,6 +103,26 @@ def cloth_weight(case):
     """A sheet of 0.5 x 0.5 m and 1 kg/m² lies on a floor: the load that this carries."""
     return scene([floor(0.02), {"kind": "cloth", "name": "sheet", "grid": {"size": [0.5, 0.5], "cells": [12, 12]}, "areal_density": 1.0,
                                 "thickness": 0.04, "voxel_size": 0.02, "transform": {"position": [0, 0, 0.03]}}], 1.5, response=case.response)
+
+
+ROOF = 0.3  # [m] side of the box
+
+
+def depth_in_roof(case, run):
+    """How far the deepest vertex of the sheet has been inside the box, [voxels]"""
+    x = run.nodes("sheet")[0]
+    across, up = x[:, :, 0] / math.sqrt(2), x[:, :, 2] / math.sqrt(2)
+    inside = np.minimum(0.5 * ROOF - np.maximum(np.abs(across - up), np.abs(across + up)), 0.1 - np.abs(x[:, :, 1]))
+    return max(0.0, inside.max()) / case.h
+
+
+@experiment(law="the middle of a sheet stays outside", source="the sheet is two voxels thick: they overlap by up to one", unit="voxels", tolerance=0.25, scale=1.0,
+            cases=cases(h=(0.02, 0.0125), areal=(0.05, 0.3, 1.0)), theory=lambda c: 0.0, measure=depth_in_roof)
+def sheet_on_a_ridge(case):
+    """A sheet of 0.8 x 0.6 m falls by 4 cm onto the ridge of a box, 0.2 m long, and hangs from it: the depth of its deepest vertex."""
+    return scene([{"kind": "obstacle", "name": "roof", "shape": box(ROOF, 0.2, ROOF), "transform": {"rotation": about((0, 1, 0), 45)}},
+                  {"kind": "cloth", "name": "sheet", "preset": "cotton", "areal_density": case.areal, "grid": {"size": [0.8, 0.6], "cells": [20, 14]},
+                   "thickness": 2 * case.h, "transform": {"position": [0, 0, ROOF / math.sqrt(2) + 0.04 + case.h]}}], 1.0, response="penalty")
 
 
 AIR, WIND, AREAL = 1.2, 2.0, 0.2
