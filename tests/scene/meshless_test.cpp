@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "brim/core/error.h"
 #include "brim/scene/scene.h"
 
@@ -40,7 +42,8 @@ TEST(MeshlessScenes, ThinBodiesHaveVoxelsThatShowHowThinTheyAre) {
   EXPECT_DOUBLE_EQ(voxel(domino), 0.01);
   EXPECT_DOUBLE_EQ(voxel(domino + R"(, "voxel_size": 0.03)"), 0.03);
   // No more than 20,000 particles.
-  EXPECT_NEAR(voxel(R"("shape": {"kind": "box", "size": [1, 1, 0.02]}, "frame_spacing": 0.2)"), 0.01, 1e-12);
+  EXPECT_NEAR(voxel(R"("shape": {"kind": "box", "size": [2, 2, 0.25]}, "frame_spacing": 0.15)"), std::cbrt(1.0 / 20000),
+              1e-12);
 }
 
 TEST(MeshlessScenes, BadInputIsRefusedWithAMessage) {

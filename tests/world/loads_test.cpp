@@ -140,6 +140,20 @@ TEST(Loads, ContactIsStifferThanTheBodiesThatItPressesWhateverTheyWeigh) {
   EXPECT_GE(soften_stiffness(2e8, 1.0, heavy, 0.1, 1e-2), 100.0 * heavy.pressure) << "soft bodies must carry loads too";
 }
 
+TEST(Loads, ContactOfStiffBodiesIsBoundedByHowFarTheyMoveInAStep) {
+  const double m = 40.0, w = 0.09, dt = 0.01, k = 1e5, voxel = w / 3.0;  // kg/m², m, s, Pa, m
+  const auto at = [&](double motion, double E) {
+    const double v = motion * voxel / dt;
+    return soften_stiffness(k, E, Loads{0.0, m, m * v * v}, w, dt);
+  };
+  for (const double motion : {0.0, 0.1, 0.2}) EXPECT_DOUBLE_EQ(at(motion, 1e11), kMostOfSlow * k) << motion;
+  EXPECT_NEAR(at(0.5, 1e11), 4.0 * kMostOfFast * k, 1e-6 * k);
+  EXPECT_DOUBLE_EQ(at(1.0, 1e11), kMostOfFast * k);
+  EXPECT_DOUBLE_EQ(at(0.5, 1e5), kContactModulus * 1e5) << "soft bodies as before";
+  // What stops an impact within a voxel is kept.
+  EXPECT_DOUBLE_EQ(at(30.0, 1e11), std::max(kMostOfFast * k, 8.0 * m * std::pow(30.0 * voxel / dt, 2) / w));
+}
+
 TEST(Loads, ASceneThatMakesContactSofterThanItsBodiesIsToldOnce) {
   const auto codes = [](double stiffness) {
     WorldOptions o = testing::options_at(0.05);

@@ -1,5 +1,6 @@
 /** Keeps the slice through the densities in step with the frame shown and with the card that steers it. */
 import { fetchSlice } from './client';
+import { Latest, type Wish } from './latest';
 import type { Picture } from './picture';
 import type { RunInfo } from './run';
 import type { Slice, SliceWish } from './slice';
@@ -14,45 +15,38 @@ export interface NamedSlice {
 
 export class Slicing {
   private slice: Slice | undefined; // the last that came
-  private sliceKey = ''; // what was asked for it
-  private slicing: Promise<void> | undefined;
+  private readonly latest = new Latest(
+    () => this.wish(),
+    () => this.draw(),
+  );
 
   constructor(
     private readonly picture: Picture,
     private readonly panel: Panel,
   ) {}
 
-  /** Asks for the plane that is wanted until it is there: only the latest wish counts while one is on its way. */
+  /** Asks for the plane that is wanted until it is there. */
   refresh(): Promise<void> {
+    return this.latest.follow();
+  }
+
+  private wish(): Wish | undefined {
     const card = this.panel.slice;
-    if (!card.on || !this.picture.shown) {
-      this.draw();
-      return Promise.resolve();
-    }
-    this.slicing ??= (async () => {
-      await Promise.resolve(); // what ends at once must not end before it is kept
-      try {
-        for (;;) {
-          const { shown } = this.picture;
-          const wish = card.wish;
-          const key = `${shown?.index} ${JSON.stringify(wish)}`;
-          if (!card.on || !shown || key === this.sliceKey) break;
-          try {
-            this.slice = await fetchSlice(shown.index, wish);
-            card.show(this.slice);
-          } catch (error) {
-            this.slice = undefined;
-            card.fail((error as Error).message);
-          }
-          this.sliceKey = key;
-          this.draw();
+    const { shown } = this.picture;
+    if (!card.on || !shown) return undefined;
+    const { wish } = card;
+    return {
+      key: `${shown.index} ${JSON.stringify(wish)}`,
+      ask: async () => {
+        try {
+          this.slice = await fetchSlice(shown.index, wish);
+          card.show(this.slice);
+        } catch (error) {
+          this.slice = undefined;
+          card.fail((error as Error).message);
         }
-      } finally {
-        this.slicing = undefined;
-      }
-      this.draw();
-    })();
-    return this.slicing;
+      },
+    };
   }
 
   draw() {

@@ -1,5 +1,6 @@
 /** Keeps the colours of stress in step with the frame shown and with the card that steers them. */
 import { fetchStress } from './client';
+import { Latest, type Wish } from './latest';
 import type { Picture } from './picture';
 import type { RunInfo } from './run';
 import { largest, type Stress } from './stress';
@@ -7,8 +8,10 @@ import type { StressCard } from './ui/stress_card';
 
 export class Stressing {
   private stress: Stress | undefined; // the last that came
-  private frame = -1; // whose it is
-  private asking: Promise<void> | undefined;
+  private readonly latest = new Latest(
+    () => this.wish(),
+    () => this.draw(),
+  );
 
   constructor(
     private readonly picture: Picture,
@@ -17,31 +20,23 @@ export class Stressing {
 
   /** Asks for the stress of the frame shown until it is there. */
   refresh(): Promise<void> {
-    if (!this.card.on || !this.picture.shown) {
-      this.draw();
-      return Promise.resolve();
-    }
-    this.asking ??= (async () => {
-      await Promise.resolve(); // what ends at once must not end before it is kept
-      try {
-        for (;;) {
-          const index = this.picture.shown?.index;
-          if (!this.card.on || index === undefined || index === this.frame) break;
-          try {
-            this.stress = await fetchStress(index);
-          } catch (error) {
-            this.stress = undefined;
-            this.card.fail((error as Error).message);
-          }
-          this.frame = index;
-          this.draw();
+    return this.latest.follow();
+  }
+
+  private wish(): Wish | undefined {
+    const index = this.picture.shown?.index;
+    if (!this.card.on || index === undefined) return undefined;
+    return {
+      key: `${index}`,
+      ask: async () => {
+        try {
+          this.stress = await fetchStress(index);
+        } catch (error) {
+          this.stress = undefined;
+          this.card.fail((error as Error).message);
         }
-      } finally {
-        this.asking = undefined;
-      }
-      this.draw();
-    })();
-    return this.asking;
+      },
+    };
   }
 
   draw() {

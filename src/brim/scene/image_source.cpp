@@ -20,6 +20,8 @@ namespace {
 
 /// Voxels of contact along the longest extent of an image when the scene does not say.
 constexpr double kVoxelsAcross = 48.0;
+/// Least voxel size over the image's own finest step.
+constexpr double kLeastOfImage = 0.5;
 /// [bytes] a cell takes: its share, and what the field of distances and the search for pieces add.
 constexpr double kBytesPerVoxel = 6.0;
 /// And with a table by intensity: its mean.
@@ -209,7 +211,9 @@ ImageSolid read_image_solid(const Node& n, double scale, double cells_per_voxel,
     box = empty.box();
   }
   solid.voxel_size = n.number("voxel_size");
-  if (!(solid.voxel_size > 0.0)) solid.voxel_size = box.extent().maxCoeff() / kVoxelsAcross;
+  // Finer ones would show the image's own voxels as bumps.
+  if (!(solid.voxel_size > 0.0))
+    solid.voxel_size = std::max(box.extent().maxCoeff() / kVoxelsAcross, kLeastOfImage * step.minCoeff());
   solid.voxel_size = std::max(solid.voxel_size, finest);
   const double spacing = solid.voxel_size / cells_per_voxel;
   const Node size_node = n.number("voxel_size") > 0.0 ? n.at("voxel_size") : n;

@@ -98,9 +98,12 @@ double choose_stiffness(const Loads& loads, double w, double dt) { return least_
 
 double soften_stiffness(double k, double E, const Loads& loads, double w, double dt) {
   if (std::isinf(E)) return k;
-  const double voxel = w / 3.0, speed2 = loads.areal_mass > 0.0 ? loads.impact_energy / loads.areal_mass : 0.0;
-  const double most = std::clamp(kMostOfFast * voxel * voxel / (speed2 * dt * dt), kMostOfFast, kMostOfSlow);
-  return std::max(std::min(kContactModulus * E, most * k), least_stiffness(100.0, loads, w, dt));
+  double chosen = kContactModulus * E;
+  if (loads.areal_mass > 0.0) {  // else nothing that moves is known
+    const double voxel = w / 3.0, motion2 = loads.impact_energy / loads.areal_mass * dt * dt;
+    chosen = std::min(chosen, k * std::clamp(kMostOfFast * voxel * voxel / motion2, kMostOfFast, kMostOfSlow));
+  }
+  return std::max(chosen, least_stiffness(100.0, loads, w, dt));
 }
 
 double conforming_stiffness(double k, double E, const Loads& loads) {
