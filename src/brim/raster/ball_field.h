@@ -7,15 +7,14 @@
 
 namespace brim {
 
-/// Density of an image at one ramp width: the volume fraction of matter in a ball about each point.
+/// Density of matter in cells at one ramp width: the volume fraction of matter in a ball about each point.
 ///   rho(r) = |matter ∩ ball(r, R)| / |ball|,  R = w/2
 /// The volume of a ball cut by a plane is a cubic smoothstep of the plane's distance, so at a flat surface rho =
-/// ramp(d, w) exactly: images meet other bodies with the same density as distances do, without any surface. Stored as
-/// the distance d = ramp_inverse(rho, w) at cell centres, since its trilinear interpolation is exact at flat surfaces;
-/// only bricks of 8x8x8 cells in which rho varies take memory.
-/// Averaging within cells widens the ramp like a box filter of their size; the ball is made smaller by the same
-/// variance, R² = w²/4 − 5 s²/12.
-/// Tests: tests/raster/image_shape_test.cpp
+/// ramp(d, w) exactly: solids averaged for coarse voxels (AveragedSolid) meet others with the density that distances
+/// have, and ramp_inverse(rho, w) is the distance near the surface (distance_of_matter). Stored as the distance d =
+/// ramp_inverse(rho, w) at cell centres, since its trilinear interpolation is exact at flat surfaces; only bricks of
+/// 8x8x8 cells in which rho varies take memory. Averaging within cells widens the ramp like a box filter of their size;
+/// the ball is made smaller by the same variance, R² = w²/4 − 5 s²/12. Tests: tests/raster/image_shape_test.cpp
 class BallField {
  public:
   /// @param w  [m] ramp width; at least twice the spacing of the grid is used

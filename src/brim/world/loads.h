@@ -28,9 +28,17 @@ std::vector<Loads> estimate_loads(std::span<const WorldPart> parts, std::span<co
 ///   4 ρL w / (1.2 dt²)          the implicit step cannot resolve softer contact
 double choose_stiffness(const Loads& loads, double w, double dt);
 
+/// Largest stiffness of contact with stiff material over k, where impacts move by a voxel or more in a step, and where
+/// they move by a quarter of one or less; between the two it falls with the square of the motion. Nodes that are not
+/// foreseen before they overlap bring energy in, up to k h/2 per area at one voxel: bars of 1e8 Pa and of steel dropped
+/// by 0.5 m at steps of 1/60 s left the floor at 600 and 2,400 m/s at 20 E; they come to rest at 300 k and less. Balls
+/// of 2e6 Pa pressed by hand need 450 k for 20 E.
+constexpr double kMostOfFast = 30.0, kMostOfSlow = 500.0;
+
 /// Contact stiffness of a pair whose softer side has the Young's modulus E, [Pa]: k if neither deforms (E infinite),
 /// else
-///   max(min(20 E, 30 to 500 k), 100 p_max, 8 ρL v² / w, 4 ρL w / (1.2 dt²))
+///   max(min(20 E, s k), 100 p_max, 8 ρL v² / w, 4 ρL w / (1.2 dt²))
+/// with s from kMostOfFast to kMostOfSlow.
 /// The contact layer is in series with the material behind it and compresses by δ = p w/(1.2 c² k), c = 0.87: share of
 /// the ramp's slope seen by the stencil. For a patch of radius a on a body of radius R, indented by a²/R with Hertz's
 /// mean pressure p = 4 E a/(3π (1 − ν²) R), and w = 3h,
@@ -40,12 +48,6 @@ double choose_stiffness(const Loads& loads, double w, double dt);
 /// stiff bodies stacked high need all of k. Below kTellingModulus times E the contact layer, not the bodies, takes most
 /// of the compression.
 constexpr double kContactModulus = 20.0;
-/// Largest stiffness of contact with stiff material over k, where impacts move by a voxel or more in a step, and where
-/// they move by a quarter of one or less; between the two it falls with the square of the motion. Nodes that are not
-/// foreseen before they overlap bring energy in, up to k h/2 per area at one voxel: bars of 1e8 Pa and of steel dropped
-/// by 0.5 m at steps of 1/60 s left the floor at 600 and 2,400 m/s at 20 E; they come to rest at 300 k and less. Balls
-/// of 2e6 Pa pressed by hand need 450 k for 20 E.
-constexpr double kMostOfFast = 30.0, kMostOfSlow = 500.0;
 constexpr double kTellingModulus = 5.0;
 double soften_stiffness(double k, double E, const Loads& loads, double w, double dt);
 
