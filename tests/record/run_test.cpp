@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "brim/body/changing_surface.h"
 #include "brim/core/error.h"
@@ -24,7 +25,7 @@ TEST_F(Run, EveryFrameIsReadBackBitForBit) {
   World world = build_world(scene);
   std::vector<State> states = {world.state()};
   std::vector<std::vector<ContactSample>> contacts = {{}};
-  std::vector<StepReport> reports = {{}};
+  std::vector<StepReport> reports = {world.present()};
   std::vector<std::vector<Vec3f>> bar(1), ball(1);
   const auto look = [&] {
     bar.back().resize(world.body(1).display().vertices);
@@ -78,6 +79,23 @@ TEST_F(Run, EveryFrameIsReadBackBitForBit) {
   // The bar rests for five frames and then moves: its early frames must have been filled in.
   EXPECT_EQ(run.positions(1, 3), run.positions(1, 0));
   EXPECT_NE(run.positions(1, 9), run.positions(1, 0));
+}
+
+TEST_F(Run, TheFirstFrameKnowsTheEnergyOfTheStart) {
+  const Scene scene = parse_scene(R"({
+    "brim": 1, "name": "start", "frames": 1, "world": {"time_step": 0.01},
+    "bodies": [{"kind": "rigid", "name": "ball", "density": 500, "shape": {"kind": "sphere", "radius": 0.1},
+                "velocity": [3, 0, 4], "transform": {"position": [0, 0, 2]}}],
+    "attachments": [{"name": "band", "body": "ball", "point": [0, 0, 2], "to_point": [0, 0, 4], "stiffness": 10,
+                     "length": 1}]})");
+  World world = build_world(scene);
+  record_run(world, plan(scene, at("run")), {});
+  const RunReader run(at("run"));
+  const double mass = 500.0 * 4.0 / 3.0 * std::numbers::pi * 1e-3;
+  EXPECT_NEAR(run.series("kinetic_energy")[0], 0.5 * mass * 25.0, 1e-9);
+  EXPECT_NEAR(run.series("potential_energy")[0], mass * 9.81 * 2.0 + 0.5 * 10.0, 1e-9);
+  EXPECT_GE(run.series("max_speed")[0], 5.0);
+  EXPECT_EQ(run.series("substeps")[0], 0.0);
 }
 
 TEST_F(Run, ASurfaceThatChangesIsReadBackFrameByFrameAlsoAfterResuming) {

@@ -48,6 +48,7 @@ inline const std::vector<Mistake> kMistakes = {
     {"NotUtf8", "\"good\"", "\"\xff\xfe\"", "4: /", {"not valid JSON"}},
     // Against the schema.
     {"UnknownKey", "\"duration\"", "\"durration\"", "6: /durration", {"unknown key", "did you mean \"duration\"?"}},
+    {"PartOfAKey", "\"young_modulus\"", "\"young\"", "14: /bodies/2/young", {"did you mean \"young_modulus\"?"}},
     {"UnknownWorldKey", "\"time_step\"", "\"timestep\"", "5: /world/timestep", {"did you mean \"time_step\"?"}},
     {"UnknownBodyKey", "\"density\"", "\"densty\"", "11: /bodies/1/densty", {"did you mean \"density\"?"}},
     {"UnknownShapeKey",

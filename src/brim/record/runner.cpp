@@ -165,10 +165,10 @@ class Recording {
   /// Records the world as built, unless a run is resumed.
   void first_frame() {
     if (!resumes_) {
-      const StepReport nothing;
-      measures_.add(world_, nothing, 0);
-      result_.totals.add(nothing, 0);
-      if (writer_) writer_->add(world_, nothing, 0, measures_.samples());
+      const StepReport present = world_.present();
+      measures_.add(world_, present, 0);
+      result_.totals.add(present, 0);
+      if (writer_) writer_->add(world_, present, 0, measures_.samples());
     }
     if (writer_ && plan_.started) {
       writer_->flush();

@@ -229,6 +229,13 @@ std::string shown(const Json& value) {
   return text;
 }
 
+bool has_words(std::string_view name, std::string_view part) {
+  const auto at = part.empty() ? std::string_view::npos : name.find(part);
+  if (at == std::string_view::npos || part.size() == name.size()) return false;
+  const auto end = at + part.size();
+  return (at == 0 || name[at - 1] == '_') && (end == name.size() || name[end] == '_');
+}
+
 int edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::vector<int>> d(a.size() + 1, std::vector<int>(b.size() + 1));
   for (std::size_t i = 0; i <= a.size(); ++i) d[i][0] = static_cast<int>(i);

@@ -52,9 +52,13 @@ std::string pointer_token(std::string_view key);
 /// A value for messages: compact JSON, truncated when long.
 std::string shown(const Json& value);
 
-/// The word of `known` nearest to `word` in edit distance, or "" when none is near (more than a third of it differs).
+/// The word of `known` nearest to `word` in edit distance. When none is near (more than a third of it differs), the
+/// shortest one that consists of `word` and more, as young_modulus of young, or "".
 template <class Words>
 std::string nearest_word(std::string_view word, const Words& known);
+
+/// True when `part` is a run of whole words of `name`, which are joined by underscores, but not all of it.
+bool has_words(std::string_view name, std::string_view part);
 
 /// Edit distance (Levenshtein): smallest number of inserted, removed or replaced letters; a swap of neighbours counts
 /// as one.
@@ -74,6 +78,9 @@ std::string nearest_word(std::string_view word, const Words& known) {
       best = candidate;
     }
   }
+  if (!best.empty()) return best;
+  for (const auto& candidate : known)
+    if (has_words(candidate, word) && (best.empty() || candidate.size() < best.size())) best = candidate;
   return best;
 }
 

@@ -158,6 +158,8 @@ class World {
 
   /// Advances by options().time_step. Never throws for numerical failure: the report shows it.
   StepReport step();
+  /// The report of no step: energies and speed of the present state, without contact.
+  StepReport present();
   /// True while a body sleeps. Only if options().sleep is set.
   bool asleep(int b) const;
   /// Wakes a body and its island: to be called before an action on it that the world does not see.

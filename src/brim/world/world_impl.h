@@ -178,6 +178,8 @@ struct World::Impl {
   /// Brings the coupling of grid fluids to the state after the sub-step.
   void follow_solids(StepReport& report);
   void measure(StepReport& report);
+  /// Energies of bodies and springs, and the largest speed. Bodies must be up to date.
+  void measure_motion(StepReport& report);
 };
 
 }  // namespace brim

@@ -100,6 +100,14 @@ StepReport World::step() {
   return report;
 }
 
+StepReport World::present() {
+  StepReport report;
+  report.time = impl_->state.time;
+  impl_->update_bodies();
+  impl_->measure_motion(report);
+  return report;
+}
+
 void World::Impl::choose_levels(StepReport& report) {
   update_bodies();
   if (!levels.choose(state.step, bodies)) return;
@@ -129,6 +137,10 @@ void World::Impl::measure(StepReport& report) {
     report.asleep = sleep.count();
   }
   keep_memory();
+  measure_motion(report);
+}
+
+void World::Impl::measure_motion(StepReport& report) {
   if (!links.empty()) links.measure(parts, state.q, first_q, state.time, report);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     report.kinetic_energy += bodies[b]->kinetic_energy(v(b));
