@@ -129,6 +129,26 @@ TEST(OwnBodyMotion, AStiffJellyThatRollsGainsNoEnergy) {
   }
 }
 
+TEST(OwnBodyMotion, AWorldGoesOnFromAnyStateAsIfNothingHadBeen) {
+  WorldOptions o;
+  o.voxel_size = 0.02, o.time_step = 0.01;
+  World w(o), resumed(o);
+  for (World* world : {&w, &resumed}) {
+    world->add(testing::ground(0.5));
+    world->add(own_body_motion_test::jelly(2e4, Vec3(0, 0, 0.15), Vec3(0.5, 0, 0), Vec3(1, 5, 2)));
+  }
+  const State start = w.state();
+  int contacts = 0;
+  for (int i = 0; i < 60; ++i) {
+    const State before = w.state();
+    contacts += w.step().contacts;
+    resumed.set_state(start), resumed.set_state(before);
+    resumed.step();
+    ASSERT_EQ(w.hash(), resumed.hash()) << "step " << i;
+  }
+  EXPECT_GT(contacts, 0);
+}
+
 /// A bar as a bow, of the eight vertices of a box: its ends are 0.4 m above its middle.
 class Bow final : public OwnBody {
  public:

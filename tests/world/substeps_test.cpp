@@ -354,5 +354,16 @@ TEST(Substeps, WhatIsSqueezedOutMovesNoFartherThanAllowed) {
   }
 }
 
+TEST(Substeps, TheFewestThatAreAskedForAreEqual) {
+  for (const int fewest : {1, 4, 7}) {
+    WorldOptions o;
+    o.time_step = 0.02, o.min_substeps = fewest, o.environment.gravity = Vec3(0, 0, -10);
+    World w(o);
+    w.add(ball("ball", {Vec3(0, 0, 5)}));
+    EXPECT_EQ(w.step().substeps, fewest) << "not one short sub-step and one with all the rest";
+    EXPECT_NEAR(w.q(0)[2], 5.0 - 0.5 * 10.0 * 4e-4, 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace brim::substeps_test

@@ -64,8 +64,8 @@ double fall_pieces(std::span<const WorldPart> parts, double gravity, double time
 
 double choose_substep(double pieces, const WorldOptions& options, double left, StepReport& report) {
   const double remaining = std::max(1, options.max_substeps - report.substeps);
-  double n = std::ceil(pieces - 1e-9);
-  if (report.substeps == 0) n = std::max(n, static_cast<double>(options.min_substeps));
+  const double asked = std::max(pieces, options.min_substeps * left / options.time_step);
+  double n = std::ceil(asked - 1e-9);
   if (n > remaining) {
     n = remaining;
     if (report.warnings.empty() || report.warnings.back().code != "substeps_capped")
@@ -73,7 +73,7 @@ double choose_substep(double pieces, const WorldOptions& options, double left, S
           {report.time, "substeps_capped",
            fmt::format("relative motion asks for {} sub-steps, and {} of the {} that max_substeps allows are left; "
                        "bodies may pass through each other",
-                       pieces < 1e9 ? fmt::format("{:.0f}", std::ceil(pieces)) : "too many", remaining,
+                       asked < 1e9 ? fmt::format("{:.0f}", std::ceil(asked)) : "too many", remaining,
                        options.max_substeps)});
   }
   return left / n;

@@ -155,7 +155,9 @@ void OwnBody::finish_step(double, double dt, std::span<double> q, std::span<doub
   std::vector<double> u = piece_velocities(v);
   next_q_.assign(q.begin(), q.end());
   next_x_ = piece_places(next_q_);
-  turn_velocities(pieces(), dt, x_, next_x_, u, given);
+  // Its correction of the places, here of rounding's size, is not in q: update() must find the same places anew.
+  std::vector<double> after = next_x_;
+  turn_velocities(pieces(), dt, x_, after, u, given);
   next_J_.reset(piece_.size(), q.size());
   ask_jacobian(next_q_, piece_, next_J_);
   writable_column(v) = mass_matrix(next_J_).ldlt().solve(gather(next_J_, u));

@@ -96,12 +96,18 @@ void ParticleBody::update(double, std::span<const double> q, std::span<const dou
     box_.extend(x_[i]);
   }
   guided_.clear(), linked_.clear();
-  force_.assign(rest_.size(), Vec3::Zero());
-  stiffness_.set_zero();
+  begin_inner();
   add_inner();
-  stiffness_.close();
+  end_inner();
   if (pieces_) pieces_->set_name(name()), pieces_->follow(x_);
 }
+
+void ParticleBody::begin_inner() {
+  force_.assign(rest_.size(), Vec3::Zero());
+  stiffness_.set_zero();
+}
+
+void ParticleBody::end_inner() { stiffness_.close(); }
 
 void ParticleBody::turns(std::span<const double> v, std::span<Turn> part) const {
   Turn all;

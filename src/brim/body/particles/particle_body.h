@@ -133,6 +133,9 @@ class ParticleBody : public Body,
   /// Adds the internal forces of positions_ to force_ and −∂f/∂x, projected to be positive semi-definite, to
   /// stiffness_.
   virtual void add_inner() = 0;
+  /// Empties what add_inner fills, and ends the filling.
+  virtual void begin_inner();
+  virtual void end_inner();
   /// y += G x, G: geometric stiffness (rotation of the tension) between particles that are both guided; for kinds that
   /// have it.
   virtual void add_turning_stiffness(std::span<const double> x, std::span<const std::uint8_t> guided,

@@ -30,9 +30,13 @@ void StrainDampedBody::share_pattern(BlockMatrix pattern) {
   system_ = std::move(pattern);
 }
 
-void StrainDampedBody::update(double time, std::span<const double> q, std::span<const double> v) {
+void StrainDampedBody::begin_inner() {
+  ParticleBody::begin_inner();
   damper_.set_zero();
-  ParticleBody::update(time, q, v);
+}
+
+void StrainDampedBody::end_inner() {
+  ParticleBody::end_inner();
   damper_.close();
 }
 

@@ -13,7 +13,6 @@ namespace brim {
 /// Momentum of deformable bodies).
 class StrainDampedBody : public ParticleBody {
  public:
-  void update(double time, std::span<const double> q, std::span<const double> v) override;
   void add_forces(const Environment& env, std::span<double> Q) const override;
   void apply_damping(std::span<const double> x, std::span<double> y) const override;
   void begin_solve(double dt) override;
@@ -26,6 +25,8 @@ class StrainDampedBody : public ParticleBody {
   /// Fixes the pattern of K, D and the system: call matrix.begin, add_elements any number of times, then this.
   void share_pattern(BlockMatrix pattern);
 
+  void begin_inner() override;
+  void end_inner() override;
   void add_turning_stiffness(std::span<const double> x, std::span<const std::uint8_t> guided,
                              std::span<double> y) const override;
 
