@@ -204,7 +204,7 @@ TEST(SelfContact, ARopeCoilsUpOnItself) {
     o.radius = 0.05, o.linear_density = 1.0, o.stretch = 5e3, o.bending = 0.01, o.stiffness_damping = 0.01;
     o.self_contact = touches;
     w.add(testing::named<RodBody>("rope", x, o));
-    for (int s = 0; s < 180; ++s) ASSERT_TRUE(w.step().ok);
+    for (int s = 0; s < 300; ++s) ASSERT_TRUE(w.step().ok);
     for (std::size_t i = 2; i < w.q(1).size(); i += 3) highest[touches] = std::max(highest[touches], w.q(1)[i]);
   }
   EXPECT_LT(highest[0], 0.1) << "it lies in itself";

@@ -35,7 +35,7 @@ class Samples {
       return 0;
     }
     if (side_.solid->by_rows()) missing = missing.whole_rows();
-    side_.solid->cube_distances(side_.pose, cube_, missing, 0.5 * w_, d_);
+    side_.solid->cube_distances(side_.pose, cube_, missing, 0.5 * w_ + (side_.by_distances ? cube_.h : 0.0), d_);
     cube_ramp(d_, w_, missing, rho_);
     have_ |= missing;
     return missing.count();

@@ -28,6 +28,7 @@ class GridShape final : public Shape, public KnownDistance, public AveragedDista
     least_values(*grid_, f.base, f.dx, f.dy, f.dz, i, j, k, out);
   }
   bool by_rows() const override { return false; }
+  bool tells_direction() const override { return true; }
   void cube_distances(const Pose& pose, const NodeCube& cube, const NodeMask& wanted, double reach,
                       float* d) const override {
     const CubeFrame f(pose, cube);

@@ -48,6 +48,9 @@ class KnownDistance {
   /// True for distances given by a formula: a whole row then costs no more than one node, and values are exact beyond
   /// reach too.
   virtual bool by_rows() const = 0;
+  /// True when distances tell the direction of the surface better than densities do: values up to a step beyond reach
+  /// are then as good as those within.
+  virtual bool tells_direction() const { return by_rows(); }
   /// The same shape, if it is convex and its distance has a gradient; else null.
   virtual const ConvexDistance* convex() const { return nullptr; }
 };

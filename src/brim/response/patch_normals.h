@@ -19,7 +19,7 @@ class PatchNormals {
   /// @param normal     n, likewise
   /// @param sharp      α from squared curvatures: the edges of a box then leave no trace in its normals on a plane,
   ///                   which would brake its sliding
-  /// @param brink      for a deformable part on a fixed one, or held by rows, hardly overlapping: nodes are weighted by
+  /// @param brink      for a deformable part on a firm one, or held by rows, hardly overlapping: nodes are weighted by
   ///                   their overlap above the smallest of the pair. Else one node in overlap would turn all normals up
   ///                   to 6h away
   void find(const ContactSet& contacts, const ContactPair& pair, std::span<Vec3> direction, std::span<Vec3> normal,

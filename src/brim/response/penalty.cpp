@@ -114,8 +114,8 @@ void Penalty::choose_normals(const ContactSet& contacts, std::span<const PairSta
     }
     patches_[p].fits = pairs[p].rigid && pairs[p].stiffness > 0.0 && pairs[p].solids[0] != nullptr &&
                        pairs[p].solids[1] != nullptr && fit_each_other(contacts, pair);
-    const bool brink = !pairs[p].rigid && (pairs[p].stiffness == 0.0 || pairs[p].fixed);
-    workspaces_->borrow()->find(contacts, pair, direction_, normal_, pairs[p].fixed, brink);
+    const bool brink = !pairs[p].rigid && (pairs[p].stiffness == 0.0 || pairs[p].firm);
+    workspaces_->borrow()->find(contacts, pair, direction_, normal_, pairs[p].firm, brink);
     for (std::size_t c = pair.begin; c < pair.end && patches_[p].fits; ++c)
       if (const double length = direction_[c].norm(); length > 0.0) normal_[c] = direction_[c] / length;
     bend_of_patch(contacts, pair, p);

@@ -254,6 +254,7 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
         .inverse_mass = {inverse_mass_of(a), inverse_mass_of(b)},
         .body = {a.body_index, b.body_index},
         .fixed = fixed,
+        .firm = fixed || is_rigid(a) != is_rigid(b),
         .balls = balls(a) || balls(b),
         .growth = growth,
         .solids = {stay ? stage.solid(pairs[i].part_a) : nullptr, stay ? stage.solid(pairs[i].part_b) : nullptr},

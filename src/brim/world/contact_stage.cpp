@@ -120,7 +120,7 @@ void ContactStage::access(std::span<const WorldPart> parts) {
         a.solid.solid = solid != nullptr ? solid->known_distance() : nullptr;
         a.posed = solid;
         if (a.is_solid()) a.solid.pose = solid->pose();
-        a.solid.by_distances = a.is_solid() && a.solid.solid->by_rows();
+        a.solid.by_distances = a.is_solid() && a.solid.solid->tells_direction();
         a.immobile = is_fixed(parts[p]);
       },
       64);
@@ -131,7 +131,7 @@ CubeSide ContactStage::side_of(std::int32_t part, const Candidate& c) const {
   if (side.solid == nullptr || !(c.averaged || (c.level > 0 && average_))) return side;
   using Averaged = PosedShape::Averaged;
   side.solid = access_[part].posed->known_distance_averaged(c.pair.w, c.averaged ? Averaged::All : Averaged::Detailed);
-  side.by_distances = side.by_distances && side.solid->by_rows();
+  side.by_distances = side.by_distances && side.solid->tells_direction();
   return side;
 }
 

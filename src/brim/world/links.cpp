@@ -132,6 +132,12 @@ void Links::append(std::span<const WorldPart> parts, std::span<const double> q, 
       Vec3 xa = at_a, xb = at_b;
       if (along) {
         tie.n = c.n, tie.lever = c.lever;
+        // A rigid hinge closes the error at its axis within the sub-step: that motion is no turning.
+        if (link.given.joint->kind == JointKind::Revolute && !(link.given.stiffness > 0.0))
+          for (std::size_t i = 0; i < 2; ++i) {
+            const Tie& end = ties_[ties_.size() - k + i];
+            tie.axis += 0.5 * (end.target - end.error / dt);
+          }
       } else {
         if (link.given.motion)
           tie.target = (link.given.motion(time + dt, link.b.positions()[held.point], link.middle) - xb) / dt;
@@ -169,7 +175,7 @@ void Links::append(std::span<const WorldPart> parts, std::span<const double> q, 
 void Links::drive(const Link& link, const Tie& tie, const Vec3& velocity, Bond& bond) const {
   const LinkJoint& j = *link.given.joint;
   const Hold hold = link.held[tie.held].hold;
-  const double value = coordinate_[tie.link].value, lever = tie.lever, u = tie.n.dot(velocity) / lever;
+  const double value = coordinate_[tie.link].value, lever = tie.lever, u = tie.n.dot(velocity - tie.axis) / lever;
   double force = 0.0, K = 0.0, D = 0.0;  // along the coordinate
   if (hold == Hold::Drive) {
     const JointDrive& d = j.drive;
@@ -252,6 +258,18 @@ void Links::finish(const ContactSet& set, std::span<const Vec3> force, double ti
       continue;
     }
     r.error = std::max(r.error, tie.error.norm());
+  }
+  for (std::size_t l = 0; l < links_.size(); ++l) {
+    Link& link = links_[l];
+    const double error = report.links[l].error;
+    if (link.given.stiffness > 0.0 || link.told || link.broken || !(error > link.apart)) continue;
+    link.told = true;
+    if (report.warnings.size() < kMostWarnings)
+      report.warnings.push_back(
+          {time, "link_apart",
+           fmt::format("'{}' is rigid and {:.2g} m apart: its bodies turn too fast, or are pulled "
+                       "too hard, for the sub-step; take shorter ones (time_step, min_substeps)",
+                       link.given.name, error)});
   }
   for (std::size_t l = 0; l < links_.size(); ++l) {
     const double load = report.links[l].force.norm();

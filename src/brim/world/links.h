@@ -29,6 +29,8 @@ class Links {
   static constexpr double kRigid = 1000.0;
   /// Largest ratio of the two sides' masses that is taken into account.
   static constexpr double kUnequal = 100.0;
+  /// Swing of a solid in one sub-step, see swing_pieces; chains of them are stable up to 2.
+  static constexpr double kSwing = 1.5;
   /// Maximum number of points for a region of a solid: a rigid part needs no more.
   static constexpr std::size_t kMostOfSolid = 16;
 
@@ -76,6 +78,12 @@ class Links {
   /// @param time  [s] now
   void measure(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q,
                double time, StepReport& report);
+  /// Number of pieces of a sub-step in which the swing of solids under the pull of their links is stable: the torque of
+  /// a link's force changes as its lever turns, which the sub-step's system leaves out. With κ = Σ r·f about the middle
+  /// of a solid and its moment of inertia I, dt √(κ/I) may be kSwing.
+  /// @param force  [N] on side a, all contacts  Bodies must be up to date.
+  double swing_pieces(std::span<const WorldPart> parts, const ContactSet& set, std::span<const Vec3> force,
+                      double dt) const;
   /// Takes the forces and breaks links whose force is too large. @param force  [N] on side a, all contacts
   void finish(const ContactSet& set, std::span<const Vec3> force, double time, StepReport& report);
 
@@ -105,7 +113,8 @@ class Links {
     double start = 0.0;          ///< [s] time of attachment
     double zero = 0.0;           ///< [rad or m] coordinate computed from the joint's points at attachment
     double mass = 0.0;           ///< [kg] mass for which a rigid link is dimensioned
-    bool broken = false;
+    double apart = 0.0;          ///< [m] error from which on a rigid link is told of
+    bool broken = false, told = false;
     /// Adds a held point.
     Held& hold(std::size_t point, Hold how, double share);
     void follow(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q);
@@ -125,6 +134,7 @@ class Links {
     Vec3 target = Vec3::Zero();  ///< [m/s] velocity of a moving target
     Vec3 n = Vec3::UnitZ();
     double lever = 1.0;
+    Vec3 axis = Vec3::Zero();  ///< [m/s] velocity of a hinge's axis on a against b at the end of the sub-step
   };
   static Link make(const Attachment& attachment, std::span<const WorldPart> parts, const Side& a, const Side& b,
                    double ramp_voxels, double time);

@@ -30,6 +30,8 @@ constexpr double kSeam = 0.5;
 constexpr double kJointSeam = 3.0;
 /// Rounds in which each side moves to the other's point, to find a place with material on both sides.
 constexpr int kTogether = 12;
+/// [voxels] Error of a rigid link that shows.
+constexpr double kApart = 1.0;
 /// [voxels] Distance of points that a joint needs to hold a direction.
 constexpr double kLeastSpread = 0.1;
 
@@ -84,14 +86,25 @@ double least_arm(std::span<const Vec3> a, std::span<const Vec3> b) {
 /// about two, and each point needs a node of its own.
 constexpr double kLooseSpan = 2.0;
 
-/// A quarter of the smallest extent of either side, where it has one. @param b  none: space
+/// Distance of the points that a joint holds, relative to the largest extent of solids: as far apart as their mass, so
+/// that a rigid joint is as rigid against turning as against moving. The smaller solid counts up to twice.
+constexpr double kSpanOfSolids = 0.5, kBeyondSmaller = 2.0;
+/// The same, relative to the smallest extent of what holds only the matter that it has.
+constexpr double kSpanOfMatter = 0.25;
+
+/// @param b  none: space
 double span_of(const LinkJoint& joint, const WorldPart& a, const WorldPart* b) {
   if (joint.span > 0.0) return joint.span;
-  double span = std::numeric_limits<double>::infinity();
+  double smaller = std::numeric_limits<double>::infinity(), larger = 0.0, span = smaller;
   for (const WorldPart* part : {&a, b}) {
-    const double least = part != nullptr ? part->body->bounds(part->index).extent().minCoeff() : 0.0;
-    if (std::isfinite(least) && least > 0.0) span = std::min(span, 0.25 * least);
+    if (part == nullptr) continue;
+    const Vec3 extent = part->body->bounds(part->index).extent();
+    if (const double most = extent.maxCoeff(); std::isfinite(most) && most > 0.0)
+      smaller = std::min(smaller, most), larger = std::max(larger, most);
+    if (const double least = extent.minCoeff(); !MatterPoints::takes_any(*part) && std::isfinite(least) && least > 0.0)
+      span = std::min(span, kSpanOfMatter * least);
   }
+  if (larger > 0.0) span = std::min(span, kSpanOfSolids * std::min(larger, kBeyondSmaller * smaller));
   for (const WorldPart* part : {&a, b})
     if (part != nullptr && dynamic_cast<const LooseNodes*>(part->body) != nullptr)
       span = std::max(span, kLooseSpan * part->h);
@@ -271,6 +284,7 @@ Links::Link Links::make(const Attachment& given, std::span<const WorldPart> part
     for (const Vec3& p : link.b.positions()) link.middle += p / static_cast<double>(link.b.size());
     choose_held(link, parts[link.part_a].h);
     find_mass(link, parts);
+    link.apart = kApart * parts[link.part_a].h;
     return link;
   } catch (const InputError& e) {
     throw InputError(fmt::format("{}: {}", told(given), e.what()));

@@ -13,17 +13,22 @@
 
 namespace brim {
 
+void World::Impl::find_contact_forces() {
+  const std::size_t n = stage.contacts().size();
+  normal_force.resize(n), friction_force.resize(n), contact_force.resize(n);
+  response.forces(implicit.contact_delta(), normal_force, friction_force);
+  fill.add_forces(normal_force);
+  for (std::size_t c = 0; c < n; ++c) contact_force[c] = normal_force[c] + friction_force[c];
+}
+
 void World::Impl::report_substep(double dt, bool last, StepReport& report) {
   const ScopedSeconds timer(report.seconds_of(Phase::Respond));
   const ContactSet& contacts = stage.contacts();
-  normal_force.resize(contacts.size()), friction_force.resize(contacts.size()), contact_force.resize(contacts.size());
-  response.forces(implicit.contact_delta(), normal_force, friction_force);
-  fill.add_forces(normal_force);
+  find_contact_forces();
   report_pairs(parts, contacts, laws.penalties(), normal_force, friction_force, state.time, report, samples);
   stage.rigid().report(parts, state.time, report);
   // Before stiff contact has separated overlapping bodies.
   if (state.step == 0 && report.substeps == 1) warn_of_start(parts, state.time, report);
-  for (std::size_t c = 0; c < contacts.size(); ++c) contact_force[c] = normal_force[c] + friction_force[c];
   std::vector<double> mapped(last && contacts.size() > 0 ? state.v.size() : 0, 0.0);
   if (last && contacts.size() > 0) {
     maps.add_forces(contact_force, mapped);

@@ -170,6 +170,10 @@ struct World::Impl {
   bool solve_system(double dt, StepReport& report);
   /// motion_pieces of the velocities that the solve found, with what it throws.
   double pieces_after_solve(double dt, StepReport& report);
+  /// Pieces of the sub-step in which links pull stably, by the forces that the solve found.
+  double swing_pieces(double dt);
+  /// The forces of all contacts and links that the solve found.
+  void find_contact_forces();
   /// Back to the state before the sub-step.
   void take_back();
   /// Pairs, samples, links and momentum of a solved sub-step. @param last  of its step

@@ -184,6 +184,13 @@ double World::Impl::pieces_after_solve(double dt, StepReport& report) {
                   thrown_pieces(parts, delta, first_v, options, dt, held_pairs, motion_sweep));
 }
 
+double World::Impl::swing_pieces(double dt) {
+  const ContactSet& contacts = stage.contacts();
+  if (contacts.link_pairs == 0) return 0.0;
+  find_contact_forces();
+  return links.swing_pieces(parts, contacts, contact_force, dt);
+}
+
 void World::Impl::take_back() {
   state.q = before_q;
   state.v = before_v;
@@ -197,7 +204,7 @@ double World::Impl::solve_within_limits(double dt, StepReport& report) {
   report.ok = solve_substep(dt, report);
   // Contact may throw a body faster than predicted from the speeds before: cut again, once.
   if (!report.ok || report.substeps + 1 >= options.max_substeps) return dt;
-  const double needed = pieces_after_solve(dt, report);
+  const double needed = std::max(pieces_after_solve(dt, report), swing_pieces(dt));
   if (!(needed > kOutrun)) return dt;
   take_back();
   report.warnings.erase(report.warnings.begin() + static_cast<std::ptrdiff_t>(warnings), report.warnings.end());

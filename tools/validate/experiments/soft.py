@@ -5,7 +5,7 @@ import numpy as np
 
 from validate import fits
 from validate.experiment import BOTH, Case, cases, experiment
-from validate.scenes import G, SOFT, about, ball, block, box, floor, scene, slope
+from validate.scenes import G, SOFT, about, ball, block, box, floor, on_slope, placed, scene, slope
 
 from .rigid import along_slope, slide_law
 
@@ -37,6 +37,25 @@ def soft_slide(case):
     """A block, sheet or layer of grains (that do not turn) of each kind slides down a plane."""
     return scene([slope(case.angle, 0.025), block(case.kind, "body", (0, 0, 0), degrees=case.angle)], 0.9, friction=case.friction,
                  response=case.response)
+
+
+@experiment(law="a = g (sin θ − μ cos θ)", source="Coulomb", unit="m/s²", tolerance=0.05, theory=slide_law,
+            cases=cases(response=BOTH, kind=SOFT, board=("jointed", "lies"), angle=(20,), friction=(0.2,)),
+            measure=lambda c, r: fits.acceleration(*along_slope(c, r, "body"), start=0.3))
+def slides_on_a_board(case):
+    """A block, sheet or layer of grains of each kind slides down an image of a board that can move: a joint holds it, or it lies on a rough plane."""
+    size, h = 0.2, 0.025
+    board = {"kind": "image_volume", "name": "board", "shape": box(2.0, 0.6, size), "image_spacing": 0.5 * h, "voxel_size": h,
+             "density": 1000, "transform": placed(case.angle, -0.5 * size, along=0.6)}
+    s = scene([board, block(case.kind, "body", (0, 0, 0), degrees=case.angle)], 0.9, friction=case.friction, response=case.response)
+    if case.board == "jointed":
+        s["joints"] = [{"name": "hold", "body": "board", "kind": "fixed", "position": on_slope(case.angle, 0.6, -0.5 * size)}]
+    else:
+        s["bodies"].insert(0, slope(case.angle, h, material="rough"))
+        s["bodies"][0]["transform"]["position"] = on_slope(case.angle, 0, -size)
+        s["materials"]["rough"] = {"friction": 1.0}
+        s["pairs"] = [{"materials": ["rough", "default"], "friction": 1.0}]
+    return s
 
 
 @experiment(law="no motion below the angle of friction", source="Coulomb", unit="m/s", tolerance=1.0, scale=1e-3, theory=0.0,

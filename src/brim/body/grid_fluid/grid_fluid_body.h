@@ -143,6 +143,9 @@ class GridFluidBody final : public Body,
   /// Continues phi_ into solids, with the surface perpendicular to theirs, and closes gaps thinner than half a cell
   /// between the two.
   void extend_into_solids();
+  /// Gives cells beside known ones the mean of these. @param only_open  through open faces alone
+  /// @return false when there are no such cells
+  bool extend_by_a_layer(bool only_open, std::vector<unsigned char>& known, std::vector<int>& unknown);
   /// Removes the inside of solids from the fluid as seen by contact: seen_ = max(phi_, depth in solids).
   void hide_in_solids();
   bool among_solids() const { return !left_.empty(); }

@@ -91,39 +91,40 @@ void GridFluidBody::extend_into_solids() {
       }
   });
   std::copy(next.begin(), next.end(), phi_.begin());
-  // Layer by layer, from cells that are known.
   std::vector<unsigned char> known(g.cells());
-  std::vector<int> front, now;
+  std::vector<int> unknown;
   for (std::size_t c = 0; c < known.size(); ++c) {
     known[c] = !within(static_cast<int>(c));
-    if (!known[c]) front.push_back(static_cast<int>(c));
+    if (!known[c]) unknown.push_back(static_cast<int>(c));
   }
   const double far = g.box().extent().norm();
-  for (const int c : front) phi_[c] = far;
-  while (!front.empty()) {
-    now.clear();
-    std::vector<int> later;
-    for (const int c : front) {
-      const std::array<int, 3> at = {c % g.n.x(), c / g.n.x() % g.n.y(), c / (g.n.x() * g.n.y())};
-      double sum = 0.0;
-      int found = 0;
-      for (int a = 0; a < 3; ++a)
-        for (const int side : {-1, 1}) {
-          if (at[a] + side < 0 || at[a] + side >= g.n[a]) continue;
-          const int other = c + side * g.cell_stride(a);
-          if (known[other] == 1) sum += phi_[other], ++found;
-        }
-      if (found == 0) {
-        later.push_back(c);
-        continue;
-      }
-      phi_[c] = sum / found;
-      now.push_back(c);
+  for (const int c : unknown) phi_[c] = far;
+  // First to where water comes through open faces: beyond a thin wall there may be air.
+  for (const bool only_open : {true, false})
+    while (extend_by_a_layer(only_open, known, unknown)) {
     }
-    if (now.empty()) break;
-    for (const int c : now) known[c] = 1;
-    front.swap(later);
+}
+
+bool GridFluidBody::extend_by_a_layer(bool only_open, std::vector<unsigned char>& known, std::vector<int>& unknown) {
+  const MacGrid& g = model_.grid;
+  std::vector<int> now, later;
+  for (const int c : unknown) {
+    const Vec3i at(c % g.n.x(), c / g.n.x() % g.n.y(), c / (g.n.x() * g.n.y()));
+    double sum = 0.0;
+    int found = 0;
+    for (int a = 0; a < 3; ++a)
+      for (const int side : {-1, 1}) {
+        if (at[a] + side < 0 || at[a] + side >= g.n[a]) continue;
+        const int other = c + side * g.cell_stride(a), face = g.face(a, at) + (side > 0 ? g.face_stride(a) : 0);
+        if (known[other] == 1 && (!only_open || left_of_face_[face] >= WetFaces::kLeastOpen))
+          sum += phi_[other], ++found;
+      }
+    if (found > 0) phi_[c] = sum / found;
+    (found > 0 ? now : later).push_back(c);
   }
+  for (const int c : now) known[c] = 1;
+  unknown.swap(later);
+  return !now.empty();
 }
 
 void GridFluidBody::hide_in_solids() {

@@ -8,8 +8,6 @@ namespace brim {
 namespace {
 /// Least share of a face at the surface: lighter faces would only spoil the condition of the pressure solve.
 constexpr double kLeastWet = 0.05;
-/// Part of a face below which it is closed.
-constexpr double kLeastOpen = 0.03;
 /// Faces of a range that counts as long.
 constexpr std::size_t kLong = 256;
 }  // namespace

@@ -21,6 +21,8 @@ namespace brim {
 ///   open       fraction of a face not taken by solids; cells whose faces are all closed are not wet
 /// The mass of a face is proportional to its share, θ times open.
 struct WetFaces {
+  /// Part of a face below which it is closed.
+  static constexpr double kLeastOpen = 0.03;
   enum class Kind : unsigned char { Dry, Free, Wall };
   std::vector<unsigned char> cell;  ///< 1 where wet, shape (cells)
   std::vector<Kind> kind;           ///< shape (faces)
