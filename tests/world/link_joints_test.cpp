@@ -151,6 +151,80 @@ TEST(LinkJoints, ALimitStopsATurnAndASlide) {
   EXPECT_NEAR(position(w, 0).z(), -0.5, 1e-3);
 }
 
+TEST(LinkJoints, ALimitTakesTheMotionAndGivesNone) {
+  for (const double dt : {1.0 / 60.0, 1.0 / 240.0})
+    for (const double arm : {0.0, 1.0}) {
+      World w(floating(dt));
+      w.add(box("door", {Vec3(arm, 0, 0), Quat::Identity(), Vec3(0, arm, 0), Vec3(0, 0, 1)}));
+      Attachment a = joint(JointKind::Revolute, "door", "", Vec3::Zero());
+      a.joint->upper = 0.5;
+      w.attach(a);
+      run(w, 1.0);
+      EXPECT_NEAR(w.v(0)[5], 0.0, 0.01) << "arm " << arm << ", dt " << dt << ": it left at half its speed";
+      EXPECT_NEAR(w.step().links[0].coordinate, 0.5, 0.01);
+    }
+}
+
+TEST(LinkJoints, AHingeBesideTheMiddleTurnsAsItsDriveAndDampingSay) {
+  // What closes the error at the axis is no turning.
+  for (const double dt : {1.0 / 60.0, 1.0 / 240.0}) {
+    World driven(floating(dt)), damped(floating(dt));
+    const double inertia = 1000.0 * (1.0 + 1.0 / 6.0);
+    driven.add(box("door", {Vec3(1, 0, 0)}));
+    damped.add(box("door", {Vec3(1, 0, 0), Quat::Identity(), Vec3(0, 3, 0), Vec3(0, 0, 3)}));
+    Attachment a = joint(JointKind::Revolute, "door", "", Vec3::Zero());
+    a.joint->drive.damping = 1e4, a.joint->drive.target_velocity = 3.0;
+    driven.attach(a);
+    a.joint->drive = {}, a.joint->damping = 500.0;
+    damped.attach(a);
+    run(driven, 2.0), run(damped, 2.0);
+    EXPECT_NEAR(driven.v(0)[5], 3.0, 0.01) << "1.85 for 3 rad/s";
+    EXPECT_NEAR(damped.v(0)[5], 3.0 * std::exp(-500.0 * 2.0 / inertia), 0.01);
+  }
+}
+
+TEST(LinkJoints, AWeldedBeamIsStraight) {
+  World w(options_at(0.125));
+  const int n = 8;
+  for (int i = 0; i < n; ++i) {
+    w.add(box("box" + std::to_string(i), {Vec3(0.5 * i, 0, 2)}, 0.5, 0.5));
+    Attachment a = joint(JointKind::Fixed, "box" + std::to_string(i), i > 0 ? "box" + std::to_string(i - 1) : "",
+                         Vec3(0.5 * i - 0.25, 0, 2));
+    a.name += std::to_string(i);
+    w.attach(a);
+  }
+  run(w, 2.0);
+  EXPECT_GT(position(w, n - 1).z(), 1.97) << "of 4 m; links as far apart as a quarter of a box hung like a rope";
+}
+
+TEST(LinkJoints, LightSolidsCarryHeavyOnesWithoutSwinging) {
+  for (const int most : {64, 1}) {
+    WorldOptions o = options_at(0.05);
+    o.max_substeps = most;
+    World w(o);
+    const int n = 8;
+    bool told = false;
+    for (int i = 0; i <= n; ++i) {
+      const std::string name = "box" + std::to_string(i);
+      testing::Start start;
+      start.x = Vec3(0, 0, 2.0 - 0.2 * i), start.v = Vec3(1e-3, 0, 0);
+      w.add(box(name, start, 0.5, 0.1, i < n ? 1000.0 : 50e3));
+      Attachment a =
+          joint(JointKind::Ball, name, i > 0 ? "box" + std::to_string(i - 1) : "", Vec3(0, 0, 2.1 - 0.2 * i));
+      a.name += std::to_string(i);
+      w.attach(a);
+    }
+    double energy = 0.0;
+    for (int s = 0; s < 240; ++s) {
+      const StepReport r = w.step();
+      energy = r.kinetic_energy;
+      for (const Warning& warning : r.warnings) told |= warning.code == "link_apart";
+    }
+    EXPECT_EQ(energy<0.1, most> 1) << energy;
+    EXPECT_EQ(told, most == 1) << "one sub-step is too long, and is told to be";
+  }
+}
+
 /// What a hinge carries is the weight, whether the body lies on a limit, is held by a drive or by nothing along it; the
 /// points around the axis carry far more, of a couple with what acts along the coordinate.
 TEST(LinkJoints, TheForceOfAJointAtALimitOrUnderADriveIsWhatTheBodyNeeds) {

@@ -261,9 +261,9 @@ Penalty::SlipForecast Penalty::expected_slip(std::size_t p) {
   const double secant = (found - h.found_before) / less;
   const bool tells = h.solves > 0 && std::abs(less) > kTellingFriction * most && secant > whole;
   const double b = tells ? std::min(secant, kLightest * whole) : whole;
-  // If a part deforms and both move, masses alone underestimate b: a sheet pressed between heavy bodies would alternate
-  // between sticking and slipping. They serve to leave the state of sticking, where friction is beyond its limit, and
-  // where one does not move by friction, as what links hold (leave_to_links).
+  // If a part deforms and both move, masses alone underestimate b, but they serve to leave the state of sticking where
+  // friction is beyond its limit. Not for sheets: one pressed between heavy bodies would alternate between sticking and
+  // slipping. What links hold does not move by friction (leave_to_links).
   const bool one_moves = state.inverse_mass[0] == 0.0 || state.inverse_mass[1] == 0.0;
   double next = found + b * (friction - most);
   if (const double size = f.mean.norm(); size > 0.0) {
@@ -274,7 +274,7 @@ Penalty::SlipForecast Penalty::expected_slip(std::size_t p) {
                 .dot(pushed_[static_cast<std::size_t>(a)] - pushed_[static_cast<std::size_t>(other)] -
                      options_.dt * (light_a + light_b) * patches_[p].found.beyond);
   }
-  if (tells || state.rigid || one_moves || friction > most) f.ratio = std::max(0.0, next / found);
+  if (tells || state.rigid || one_moves || (friction > most && !state.sheet)) f.ratio = std::max(0.0, next / found);
   // If a part deforms, some nodes of a patch stick while others slide, and slip is not linear in friction.
   if (!state.rigid) f.ratio = h.keep_between(f.ratio * found, found, friction > most) / found;
   h.friction_before = friction, h.found_before = found, ++h.solves;

@@ -255,6 +255,7 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
         .body = {a.body_index, b.body_index},
         .fixed = fixed,
         .firm = fixed || is_rigid(a) != is_rigid(b),
+        .sheet = a.info.modulus == 0.0 || b.info.modulus == 0.0,
         .balls = balls(a) || balls(b),
         .growth = growth,
         .solids = {stay ? stage.solid(pairs[i].part_a) : nullptr, stay ? stage.solid(pairs[i].part_b) : nullptr},

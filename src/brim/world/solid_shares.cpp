@@ -11,6 +11,38 @@
 
 namespace brim {
 
+namespace {
+
+/// [eighths] thickness that is sampled without dividing them, and their most pieces along an axis.
+constexpr double kThick = 3.0;
+constexpr int kMostPieces = 4;
+
+/// Pieces along each axis in which the eighths of cells of size dx are sampled.
+int pieces_of(double thickness, double dx) {
+  int m = 1;
+  while (m < kMostPieces && m * thickness < kThick * 0.5 * dx) m *= 2;
+  return m;
+}
+
+/// Adds up the pieces of each eighth; its source is that of the fullest.
+void join_pieces(std::vector<Eighth>& all) {
+  std::stable_sort(all.begin(), all.end(), [](const Eighth& a, const Eighth& b) { return a.place < b.place; });
+  std::size_t n = 0;
+  float fullest = 0.0f;
+  for (const Eighth& e : all) {
+    if (n == 0 || all[n - 1].place != e.place) {
+      all[n++] = e, fullest = e.share;
+      continue;
+    }
+    Eighth& sum = all[n - 1];
+    if (e.share > fullest) fullest = e.share, sum.source = e.source;
+    sum.share = std::min(sum.share + e.share, 1.0f);
+  }
+  all.resize(n);
+}
+
+}  // namespace
+
 const std::vector<Eighth>& SolidShares::of(std::pair<std::int32_t, std::int32_t> two, const MacGrid& g,
                                            const WorldPart& part) {
   Found& found = found_[two];
@@ -25,8 +57,9 @@ const std::vector<Eighth>& SolidShares::of(std::pair<std::int32_t, std::int32_t>
 }
 
 void SolidShares::sample(const MacGrid& g, const WorldPart& part, const PosedShape* solid, std::vector<Eighth>& out) {
-  const double h = 0.5 * g.dx, w = 3.0 * g.dx;
-  const Vec3i n = 2 * g.n;
+  const int m = pieces_of(part.info.thickness, g.dx);
+  const double h = 0.5 * g.dx / m, w = 6.0 * h;
+  const Vec3i n = 2 * m * g.n;
   const Vec3 origin = g.origin / h + Vec3::Constant(0.5);
   const Vec3i first = origin.array().floor().cast<int>();
   const Vec3 t = origin - first.cast<double>();  // centre of an eighth relative to the node below it
@@ -71,11 +104,15 @@ void SolidShares::sample(const MacGrid& g, const WorldPart& part, const PosedSha
               share += 0.125 * std::clamp(0.5 - 2.0 * there / width, 0.0, 1.0);
             }
           }
-          if (share > 0.0)
-            piece[k].push_back({at.x() + n.x() * (at.y() + n.y() * at.z()), static_cast<float>(share), source});
+          if (share > 0.0) {
+            const Vec3i eighth = at / m;
+            piece[k].push_back({eighth.x() + 2 * g.n.x() * (eighth.y() + 2 * g.n.y() * eighth.z()),
+                                static_cast<float>(share / (m * m * m)), source});
+          }
         }
   });
   for (const auto& found : piece) out.insert(out.end(), found.begin(), found.end());
+  if (m > 1) join_pieces(out);
 }
 
 }  // namespace brim

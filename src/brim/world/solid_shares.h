@@ -21,7 +21,8 @@ struct Eighth {
 };
 
 /// The eighths of cells occupied by solids. Solids are rasterized on a grid of eighths, whose densities give the
-/// distance near the surface; shapes with a known distance are evaluated directly, and only when they have moved.
+/// distance near the surface; shapes with a known distance are evaluated directly, and only when they have moved. For
+/// what is thinner than three eighths these are divided.
 /// Same bits for any number of threads.  Tests: tests/world/fluid_coupling_test.cpp
 class SolidShares {
  public:
