@@ -15,7 +15,8 @@ namespace {
 /// Folders in the order in which they are tried.
 std::vector<fs::path> candidates(const char* in_source) {
   std::vector<fs::path> list;
-  if (const char* set = std::getenv("BRIM_VIEWER_DIR"); set && *set) return {fs::path(set)};
+  // The built page may lie in the folder `dist` of the script that renders it.
+  if (const char* set = std::getenv("BRIM_VIEWER_DIR"); set && *set) return {fs::path(set), fs::path(set) / ".."};
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   if (!error) list.push_back(program.parent_path().parent_path() / "share/brim/viewer");

@@ -77,8 +77,8 @@ void bind_reports(py::module_& m) {
       .def_readonly("message", &Warning::message)
       .def("__repr__", [](const Warning& w) { return fmt::format("<StepWarning {}: {}>", w.code, w.message); });
 
-  py::class_<StepReport>(m, "StepReport", "What happened in a step or a frame.")
-      .def_readonly("time", &StepReport::time, "[s] at the end")
+  py::class_<StepReport> report(m, "StepReport", "What happened in a step or a frame.");
+  report.def_readonly("time", &StepReport::time, "[s] at the end")
       .def_readonly("ok", &StepReport::ok)
       .def_readonly("substeps", &StepReport::substeps)
       .def_readonly("wall", &StepReport::wall, "[s]")
@@ -103,6 +103,10 @@ void bind_reports(py::module_& m) {
         return fmt::format("<StepReport at {:.6g} s: {} sub-steps, {} contacts{}>", r.time, r.substeps, r.contacts,
                            r.ok ? "" : ", failed");
       });
+  for (const ReportField& f : report_fields())
+    if (!py::hasattr(report, f.name))
+      report.def_property_readonly(
+          f.name, [get = f.get](const StepReport& r) { return get(r); }, f.unit);
 
   py::class_<State>(m, "State", "All that changes in a world: a copy.")
       .def_readonly("time", &State::time, "[s]")

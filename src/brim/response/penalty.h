@@ -37,7 +37,7 @@ struct PairState {
   std::array<double, 2> inverse_mass = {0.0, 0.0};
   std::array<std::int32_t, 2> body = {0, 1};  ///< numbers of the two bodies
   bool fixed = false;                         ///< one of the bodies does not move
-  bool firm = false;    ///< one of the bodies does not move, or does not deform while the other does
+  bool firm = false;    ///< one of the bodies does not move, or does not yield to pressure while the other does
   bool sheet = false;   ///< one of the parts is a sheet, or a fluid
   bool balls = false;   ///< one of the parts consists of balls that turn
   double growth = 1.0;  ///< [-] stiffness at full overlap over k (hardening.h)
