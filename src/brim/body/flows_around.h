@@ -18,7 +18,8 @@ class FlowsAround {
   virtual ~FlowsAround() = default;
 
   virtual const MacGrid& flow_grid() const = 0;
-  /// False for walls too thin for volume fractions, and for parts that the fluid sticks to: these meet it by contact.
+  /// False for parts too thin for volume fractions, lines aside, and for parts that the fluid sticks to: these meet it
+  /// by contact.
   virtual bool flows_around(const PartInfo& other) const = 0;
 
   /// Sets the solids, after update.

@@ -57,7 +57,7 @@ MassSpringBody::MassSpringBody(const LineMesh& mesh, MassSpringOptions options)
   PartInfo part;
   part.voxel_size = 0.5 * options.thickness;
   part.areal_mass = options.density / options.thickness;
-  part.thickness = part.width = options.thickness;
+  part.thickness = options.thickness, part.lines = true;
   set_contact(std::make_unique<LineContact>(mesh.lines, 0.5 * options.thickness), part);
   display_.kind = Display::Kind::Lines;
   display_.lines = mesh.lines;

@@ -57,7 +57,7 @@ RodBody::RodBody(std::vector<Vec3> nodes, Line line, const RodOptions& options)
   PartInfo part;
   part.voxel_size = options.radius;
   part.areal_mass = options.linear_density / (2.0 * options.radius);
-  part.thickness = part.width = 2.0 * options.radius;
+  part.thickness = 2.0 * options.radius, part.lines = true;
   std::vector<std::array<std::int32_t, 2>> segments;
   for (const Spring& s : line.springs) segments.push_back(s.node), length_ += s.length;
   set_contact(std::make_unique<LineContact>(segments, options.radius), part);
