@@ -254,7 +254,7 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
         .inverse_mass = {inverse_mass_of(a), inverse_mass_of(b)},
         .body = {a.body_index, b.body_index},
         .fixed = fixed,
-        .firm = fixed || std::isinf(a.info.modulus) != std::isinf(b.info.modulus),
+        .firm = fixed || (is_rigid(a) != is_rigid(b) && std::isinf(a.info.modulus) != std::isinf(b.info.modulus)),
         .sheet = a.info.modulus == 0.0 || b.info.modulus == 0.0,
         .balls = balls(a) || balls(b),
         .growth = growth,
