@@ -75,6 +75,15 @@ class EveryKind(unittest.TestCase):
                     self.assertLess(body.linear_momentum[2], 0)
 
 
+class Report(unittest.TestCase):
+    def test_has_every_number_by_name(self):
+        world, _ = ball_world()
+        report = world.step()
+        self.assertIn("momentum_error", report.fields())
+        for name, value in report.fields().items():
+            self.assertEqual(getattr(report, name), value, name)
+
+
 class State(unittest.TestCase):
     def test_free_fall_is_that_of_theory(self):
         world, ball = ball_world(height=10.0)
