@@ -100,9 +100,9 @@ TEST(Timeline, EditsAllThatANameMeansAtItsTime) {
 /// Some kinds of the table fill boxes, which do not fall.
 bool falls(const PairKind& k) { return k.name.find("grid") == std::string::npos; }
 
-TEST(EveryKind, IsFrozenMovedRemovedAndResumed) {
-  PairTable table = standard_pairs();
-  table.drop.speed = 0.5;
+/// Calls f(kind, scene) with each kind of the table above a plane.
+template <class F>
+void for_kinds_on_a_plane(const PairTable& table, const F& f) {
   const PairKind* ground = nullptr;
   for (const PairKind& k : table.kinds)
     if (k.name == "plane") ground = &k;
@@ -110,8 +110,16 @@ TEST(EveryKind, IsFrozenMovedRemovedAndResumed) {
   for (const PairKind& kind : table.kinds) {
     if (&kind == ground || kind.name == "mesh") continue;
     SCOPED_TRACE(kind.name);
-    const std::string text = pair_scene_text(table, *ground, kind);
-    World w = build_world(parse_scene(text)), resumed = build_world(parse_scene(text));
+    f(kind, parse_scene(pair_scene_text(table, *ground, kind)));
+    if (::testing::Test::HasFatalFailure()) return;
+  }
+}
+
+TEST(EveryKind, IsFrozenMovedRemovedAndResumed) {
+  PairTable table = standard_pairs();
+  table.drop.speed = 0.5;
+  for_kinds_on_a_plane(table, [](const PairKind& kind, const Scene& scene) {
+    World w = build_world(scene), resumed = build_world(scene);
     const auto upper = [&] { return std::vector<double>(w.q(1).begin(), w.q(1).end()); };
     for (int s = 0; s < 3; ++s) ASSERT_TRUE(w.step().ok);
     w.freeze(1);
@@ -155,20 +163,13 @@ TEST(EveryKind, IsFrozenMovedRemovedAndResumed) {
       ASSERT_EQ(w.hash(), resumed.hash());
     }
     EXPECT_EQ(upper(), last);
-  }
+  });
 }
 
 TEST(EveryKind, GoesOnFromAnyStateOfASpinningFallAsIfNothingHadBeen) {
   PairTable table = standard_pairs();
-  const PairKind* ground = nullptr;
-  for (const PairKind& k : table.kinds)
-    if (k.name == "plane") ground = &k;
-  ASSERT_NE(ground, nullptr);
-  for (const PairKind& kind : table.kinds) {
-    if (&kind == ground || kind.name == "mesh") continue;
-    SCOPED_TRACE(kind.name);
-    const std::string text = pair_scene_text(table, *ground, kind);
-    World w = build_world(parse_scene(text)), resumed = build_world(parse_scene(text));
+  for_kinds_on_a_plane(table, [](const PairKind&, const Scene& scene) {
+    World w = build_world(scene), resumed = build_world(scene);
     State start = w.state();
     const std::size_t first = w.v(0).size();
     w.body(1).rigid_motion(Vec3(0, 0, -0.5), Vec3(3, 1, -2), std::span(start.v).subspan(first, w.v(1).size()));
@@ -182,7 +183,7 @@ TEST(EveryKind, GoesOnFromAnyStateOfASpinningFallAsIfNothingHadBeen) {
       ASSERT_EQ(w.hash(), resumed.hash()) << "step " << s;
     }
     EXPECT_GT(contacts, 0) << "it must land, or the test is half blind";
-  }
+  });
 }
 
 }  // namespace

@@ -171,7 +171,7 @@ struct World::Impl {
   /// motion_pieces of the velocities that the solve found, with what it throws.
   double pieces_after_solve(double dt, StepReport& report);
   /// Pieces of the sub-step in which links pull stably, by the forces that the solve found.
-  double swing_pieces(double dt);
+  double swing_pieces(double dt, StepReport& report);
   /// The forces of all contacts and links that the solve found.
   void find_contact_forces();
   /// Back to the state before the sub-step.

@@ -184,9 +184,10 @@ double World::Impl::pieces_after_solve(double dt, StepReport& report) {
                   thrown_pieces(parts, delta, first_v, options, dt, held_pairs, motion_sweep));
 }
 
-double World::Impl::swing_pieces(double dt) {
+double World::Impl::swing_pieces(double dt, StepReport& report) {
   const ContactSet& contacts = stage.contacts();
   if (contacts.link_pairs == 0) return 0.0;
+  const ScopedSeconds timer(report.seconds_of(Phase::Respond));
   find_contact_forces();
   return links.swing_pieces(parts, contacts, contact_force, dt);
 }
@@ -204,7 +205,7 @@ double World::Impl::solve_within_limits(double dt, StepReport& report) {
   report.ok = solve_substep(dt, report);
   // Contact may throw a body faster than predicted from the speeds before: cut again, once.
   if (!report.ok || report.substeps + 1 >= options.max_substeps) return dt;
-  const double needed = std::max(pieces_after_solve(dt, report), swing_pieces(dt));
+  const double needed = std::max(pieces_after_solve(dt, report), swing_pieces(dt, report));
   if (!(needed > kOutrun)) return dt;
   take_back();
   report.warnings.erase(report.warnings.begin() + static_cast<std::ptrdiff_t>(warnings), report.warnings.end());
