@@ -24,7 +24,7 @@ std::vector<Contact> centred(const CubeSide& a, const CubeSide& b, const Vec3& p
   const Vec3i lo = ((place - Vec3::Constant(reach)) / h).array().floor().cast<int>(),
               hi = ((place + Vec3::Constant(reach)) / h).array().ceil().cast<int>();
   find_between_solids(a, b, pair, {lo, hi}, finds);
-  center_on_least_gap(a, b, a, h, finds.contacts);
+  center_on_least_gap(a, b, a, 1.0, h, finds.contacts);
   return finds.contacts;
 }
 
@@ -132,7 +132,7 @@ TEST(PatchCenter, WhatLiesCloseInAHollowKeepsThePointsOfItsArc) {
     CubeFinds finds;
     find_between_solids(a, b, pair, {Vec3i(-9, 3, -2), Vec3i(9, 10, 2)}, finds);
     const std::vector<Contact> before = finds.contacts;
-    center_on_least_gap(a, b, a, h, finds.contacts);
+    center_on_least_gap(a, b, a, 1.0, h, finds.contacts);
     double widest = 0.0;
     for (std::size_t i = 0; i < before.size(); ++i) {
       EXPECT_NEAR(finds.contacts[i].point.x(), before[i].point.x(), 0.05 * std::abs(before[i].point.x()) + 1e-3 * h);
@@ -151,9 +151,26 @@ TEST(PatchCenter, FacesAndEdgesStay) {
     find_between_solids(a, b, pair, {Vec3i(-4, -4, -4), Vec3i(4, 4, 4)}, finds);
     std::vector<Vec3> before;
     for (const Contact& c : finds.contacts) before.push_back(c.point);
-    center_on_least_gap(a, b, a, h, finds.contacts);
+    center_on_least_gap(a, b, a, 1.0, h, finds.contacts);
     for (std::size_t c = 0; c < before.size(); ++c) EXPECT_LT((finds.contacts[c].point - before[c]).norm(), 1e-6);
   }
+}
+
+TEST(PatchCenter, OfTwoThatMoveTheRounderIsTold) {
+  const auto ball = make_sphere(0.4), small = make_sphere(0.2), plane = make_half_space();
+  const CubeSide low = solid_side(*ball, {Mat3::Identity(), Vec3(0.01, 0.02, -0.39)}),
+                 flat = solid_side(*plane, {Mat3::Identity(), Vec3::Zero()}),
+                 high = solid_side(*ball, {Mat3::Identity(), Vec3(0.01, 0.02, 0.39)}),
+                 little = solid_side(*small, {Mat3::Identity(), Vec3(0.01, 0.02, 0.19)});
+  const auto more = [](const CubeSide& one, const CubeSide& other) {
+    CubeFinds finds;
+    find_between_solids(one, other, {0, 1, h, 3.0 * h, 0.0, 0, 0}, {Vec3i::Constant(-4), Vec3i::Constant(4)}, finds);
+    return rounder(one, other, h, finds.contacts);
+  };
+  EXPECT_NEAR(more(high, flat), 1.0, 1e-3);
+  EXPECT_NEAR(more(flat, high), -1.0, 1e-3);
+  EXPECT_NEAR(more(high, low), 0.0, 1e-3);
+  EXPECT_NEAR(more(little, low), 1.0 / 3.0, 0.05);
 }
 
 }  // namespace

@@ -209,6 +209,27 @@ TEST(CellMeans, OfABallWhoseDensityFallsWithTheRadiusAreTheIntegrals) {
   EXPECT_LT((m.inertia - inertia * Mat3::Identity()).norm(), 5e-3 * inertia);
 }
 
+TEST(Occupancy, MiddleLiesBetweenHalfFullPlacesNotBetweenFaintBorders) {
+  // The border of a layer of cells is faint on one side alone.
+  for (const double shift : {0.0, 0.3, 0.5, 0.77}) {
+    OccupancyGrid grid;
+    grid.spacing = 0.1;
+    grid.cells = Vec3i(12, 5, 5);
+    grid.origin = Vec3(0.02, 0.0, 0.0);
+    grid.share.assign(300, 0);
+    const double lo = 0.25 + 0.1 * shift, hi = 0.75 + 0.1 * shift;
+    for (int n = 0; n < 300; ++n) {
+      const Vec3i at(n % 12, n / 12 % 5, n / 60);
+      if (at.y() == 0 || at.z() == 0 || at.y() == 4 || at.z() == 4) continue;
+      const double x = grid.origin.x() + 0.1 * at.x();
+      grid.share[n] =
+          static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(0.5 + std::min(x - lo, hi - x) / 0.2, 0.0, 1.0)));
+    }
+    EXPECT_NEAR(grid.middle().x(), 0.5 * (lo + hi), 1e-3) << shift;
+    EXPECT_NEAR(grid.middle().y(), 0.2, 1e-9);
+  }
+}
+
 TEST(CellMeans, OfABarDenserAtOneEndMoveItsCentre) {
   // ρ = 1000 (1 + x/L) along a bar of 0 < x < L: m = 3/2 · 1000 V, centre 5/9 L, Θ about y through it 13/162 m L² for a
   // thin one.

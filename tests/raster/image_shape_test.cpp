@@ -169,6 +169,26 @@ TEST(ImageShape, ThinMatterIsKept) {
       }
 }
 
+/// Images of voxels of four cells. Where their border fades, rows of cells that are equally faint, or that a bulge
+/// makes a little fuller than their neighbours, are no thin matter: lumps of half a voxel lay there beside the surface.
+TEST(ImageShape, TheFaintBorderOfCoarseVoxelsIsNoMatter) {
+  const double voxel = 0.02, cell = 0.25 * voxel;
+  const auto check = [&](const auto& distance, const char* what) {
+    const DistanceGrid grid = distance_of_matter(sample_occupancy(
+        testing::scan({Vec3(-0.18, -0.18, -0.13), Vec3(0.18, 0.18, 0.13)}, voxel, distance), {0, 100}, cell));
+    double least = 0.0;
+    for (double x = -0.17; x < 0.17; x += 0.004)
+      for (double y = -0.17; y < 0.17; y += 0.004)
+        for (double z = -0.12; z < 0.12; z += 0.004) {
+          const double d = distance(Vec3(x, y, z));
+          if (d > 0.0 && d < voxel) least = std::min(least, grid.value(Vec3(x, y, z)) - d);
+        }
+    EXPECT_GT(least, -0.15 * voxel) << what;
+  };
+  check([](const Vec3& x) { return (x.cwiseAbs() - Vec3(0.15, 0.15, 0.1)).maxCoeff(); }, "box");
+  check([](const Vec3& x) { return x.norm() - 0.1; }, "ball");
+}
+
 TEST(ImageShape, ThreadsDoNotChangeABit) {
   std::vector<float> first;
   for (const int threads : {1, 2, 4}) {

@@ -197,8 +197,11 @@ TEST(FluidCoupling, AnObstacleThatIsMovedIsSeenWhereItIs) {
   EXPECT_NEAR(center().x() - before.x(), 0.13, 0.02);
 }
 
-TEST(FluidCoupling, WhatIsThinOrStickyMeetsItByContact) {
-  PartInfo thick, sheet, other;
+TEST(FluidCoupling, ThinWallsAndStickyFluidsMeetByContact) {
+  PartInfo thick, sheet, other, small, plank, rod;
+  small.thickness = small.width = 0.3 * kCell;
+  plank.thickness = 0.6 * kCell, plank.width = 1.4 * kCell;
+  rod.thickness = 0.3 * kCell, rod.lines = true;
   thick.thickness = 2.0 * kCell;
   sheet.thickness = 0.5 * kCell;
   other.thickness = 2.0 * kCell, other.conforming = true;
@@ -206,6 +209,7 @@ TEST(FluidCoupling, WhatIsThinOrStickyMeetsItByContact) {
   EXPECT_TRUE(slips->flows_around(thick));
   EXPECT_FALSE(slips->flows_around(sheet));
   EXPECT_FALSE(slips->flows_around(other));
+  for (const PartInfo& no_wall : {small, plank, rod}) EXPECT_TRUE(slips->flows_around(no_wall));
   EXPECT_FALSE(sticks->flows_around(thick));
 }
 

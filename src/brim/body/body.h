@@ -34,13 +34,21 @@ struct Material {
   double rolling_resistance = 0.0;
 };
 
+/// PartInfo::width of matter of a volume [m³] and thickness [m] within a box.
+inline double width_of(double volume, double thickness, const Aabb& box) {
+  const double across = thickness * box.extent().maxCoeff();
+  return across > 0.0 ? volume / across : std::numeric_limits<double>::infinity();
+}
+
 /// Parameters of a part for contact besides its density.
 struct PartInfo {
   double voxel_size = 0.0;  ///< [m] grid step that resolves the part's detail; the world rounds it to h0 2^l
   double areal_mass = 0.0;  ///< [kg/m²] mass per contact area, for the choice of stiffness; 0 if fixed
   /// [m] Smallest extent: thick parts may move farther in a sub-step, thin parts are not resolved by coarser voxels.
   double thickness = std::numeric_limits<double>::infinity();
-  /// Made of lines, as rods and nets are: fluids flow around it however thin it is.
+  /// [m] Volume over thickness and diameter: much more than the thickness is the width of a wall, which holds fluids.
+  double width = std::numeric_limits<double>::infinity();
+  /// Made of lines, as rods and nets are: no wall, and its drag is that of a cylinder.
   bool lines = false;
   /// [Pa] Young's modulus of the material behind the surface: contact need not be much stiffer.
   double modulus = std::numeric_limits<double>::infinity();

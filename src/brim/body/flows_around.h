@@ -18,8 +18,9 @@ class FlowsAround {
   virtual ~FlowsAround() = default;
 
   virtual const MacGrid& flow_grid() const = 0;
-  /// False for parts too thin for volume fractions, lines aside, and for parts that the fluid sticks to: these meet it
-  /// by contact.
+  virtual double flow_density() const = 0;    ///< [kg/m³]
+  virtual double flow_viscosity() const = 0;  ///< [Pa s]
+  /// False for walls too thin for volume fractions, and for parts that the fluid sticks to: these meet it by contact.
   virtual bool flows_around(const PartInfo& other) const = 0;
 
   /// Sets the solids, after update.
@@ -37,6 +38,8 @@ class FlowsAround {
   virtual std::span<const std::int32_t> wet_cells() const = 0;
   /// Fluid fraction of face f, [0, 1]; 0 when it is closed.
   virtual double open_share(int face) const = 0;
+  /// Share of face f that is fluid free to flow, [0, 1].
+  virtual double flowing_share(int face) const = 0;
   /// out_c = D_f u of wet cells, [m³/s]; others are left alone.
   virtual void add_flow(std::span<const double> u, std::span<double> out) const = 0;
   /// impulse += D_fᵀ π. @param pressure  [Pa s] per cell

@@ -13,6 +13,7 @@ namespace brim {
 class SpinningBalls {
  public:
   virtual ~SpinningBalls() = default;
+  virtual std::int32_t balls() const = 0;  ///< number of them; sources are 0 to that
   /// [m] centre of the ball of a node's source, in the last updated state.
   virtual const Vec3& ball_center(std::int32_t source) const = 0;
   virtual double ball_radius(std::int32_t source) const = 0;  ///< [m]

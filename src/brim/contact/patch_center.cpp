@@ -182,7 +182,7 @@ void move_points(const Bend& bend, std::span<Contact> contacts) {
 }
 
 /// Moves the points of a round contact to the contact point. @return false when it is not round
-bool roll(const CubeSide& a, const CubeSide& b, const CubeSide& moving, Touch touch, double h,
+bool roll(const CubeSide& a, const CubeSide& b, const CubeSide& moving, double carried, Touch touch, double h,
           std::span<Contact> contacts) {
   if (!(touch.weight > 0.0) && !contacts.empty()) {
     // Nothing overlaps yet: use the node closest to overlap.
@@ -212,11 +212,22 @@ bool roll(const CubeSide& a, const CubeSide& b, const CubeSide& moving, Touch to
     share = std::max(share, bends[k].share);
   }
   for (const Bend& bend : bends) move_points(bend, contacts);
-  if (share > 0.0) carry_to_surface(moving, least_gap, h, share, contacts);
+  if (share > 0.0) carry_to_surface(moving, least_gap, h, carried * share, contacts);
   return share > 0.0;
 }
 
 }  // namespace
+
+double rounder(const CubeSide& one, const CubeSide& other, double h, std::span<const Contact> contacts) {
+  const Touch touch = middle_of(contacts, kWaiting);
+  if (!(touch.weight > 0.0)) return 0.0;
+  const auto bend = [&](const CubeSide& side) {
+    const Principal v = principal_directions(side, side, touch.x, touch.n, h, false);
+    return std::max(std::abs(bend_of(side, touch.x, v.major, h)), std::abs(bend_of(side, touch.x, v.minor, h)));
+  };
+  const double bent = bend(one), sum = bent + bend(other);
+  return sum > 0.0 ? 2.0 * bent / sum - 1.0 : 0.0;
+}
 
 double roundness(const CubeSide& a, const CubeSide& b, double h, std::span<const Contact> contacts) {
   const Touch touch = middle_of(contacts, kWaiting);
@@ -237,10 +248,10 @@ double roundness(const CubeSide& a, const CubeSide& b, double h, std::span<const
   return at(gap_between(a, b, touch.x) + deepest->depth < kBeside * h ? touch.x : deepest->point);
 }
 
-void center_on_least_gap(const CubeSide& a, const CubeSide& b, const CubeSide& moving, double h,
+void center_on_least_gap(const CubeSide& a, const CubeSide& b, const CubeSide& moving, double carried, double h,
                          std::span<Contact> contacts) {
   const Touch touch = middle_of(contacts, 0.0);
-  if (roll(a, b, moving, touch, h, contacts) || !(touch.weight > 0.0)) return;
+  if (roll(a, b, moving, carried, touch, h, contacts) || !(touch.weight > 0.0)) return;
   // A contact that is not round rests on an edge.
   const auto [major, minor] = principal_directions(a, b, touch.x, touch.n, h, false);
   for (const Vec3& v : {major, minor}) {

@@ -31,6 +31,34 @@ Aabb OccupancyGrid::matter_box() const {
   return box;
 }
 
+Vec3 OccupancyGrid::middle() const {
+  std::array<std::vector<double>, 3> fullest;
+  for (int a = 0; a < 3; ++a) fullest[a].assign(static_cast<std::size_t>(cells[a]), 0.0);
+  for (int k = 0; k < cells.z(); ++k)
+    for (int j = 0; j < cells.y(); ++j)
+      for (int i = 0; i < cells.x(); ++i) {
+        const double s = share[index(i, j, k)];
+        fullest[0][i] = std::max(fullest[0][i], s);
+        fullest[1][j] = std::max(fullest[1][j], s);
+        fullest[2][k] = std::max(fullest[2][k], s);
+      }
+  constexpr double kHalf = 127.5;
+  const Aabb all = matter_box();
+  Vec3 x = all.center();
+  for (int a = 0; a < 3; ++a) {
+    const std::vector<double>& f = fullest[a];
+    const auto full = [](double s) { return s > kHalf; };
+    const auto first = std::ranges::find_if(f, full);
+    if (first == f.end() || first == f.begin() || full(f.back())) continue;
+    const auto last = std::find_if(f.rbegin(), f.rend(), full).base() - 1;
+    // Centres beyond the half full places, and how far these lie from them.
+    const double low = static_cast<double>(first - f.begin()) - (*first - kHalf) / (*first - *(first - 1));
+    const double high = static_cast<double>(last - f.begin()) + (*last - kHalf) / (*last - *(last + 1));
+    x[a] = origin[a] + 0.5 * spacing * (low + high);
+  }
+  return x;
+}
+
 namespace {
 
 /// Calls put(cell, sum, samples) with the sum of of(intensity) over samples of each inner cell of a grid; those outside

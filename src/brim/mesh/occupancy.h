@@ -27,6 +27,9 @@ struct OccupancyGrid {
   Vec3 center(int i, int j, int k) const { return origin + spacing * Vec3(i, j, k); }
   /// Box of the cells with matter, [m]. Empty when there are none.
   Aabb matter_box() const;
+  /// Middle of the matter's extents, [m]: along each axis midway between the outermost places where the fullest cell of
+  /// a layer is half full, between centres; without such, of the box of all cells with matter.
+  Vec3 middle() const;
 };
 
 /// No cell of a volume is half filled.

@@ -39,21 +39,26 @@ std::vector<float> near_distances(const OccupancyGrid& grid) {
 /// Puts cells inside that are fuller than those on both sides of them along some axis, where none around is: by half
 /// the thickness of the matter there, the sum of the three shares.
 void keep_thin_matter(const OccupancyGrid& grid, std::vector<float>& d) {
-  const std::vector<float> before = d;
+  const std::vector<float> found = d;
   const std::array<std::size_t, 3> step = {1, grid.index(0, 1, 0), grid.index(0, 0, 1)};
-  for (int k = 1; k + 1 < grid.cells.z(); ++k)
-    for (int j = 1; j + 1 < grid.cells.y(); ++j)
-      for (int i = 1; i + 1 < grid.cells.x(); ++i) {
+  // Two cells on, a thin layer has ended; a bulge of wider matter, or its faint border, has not.
+  const auto ridge = [&](std::size_t c, std::size_t s) {
+    const int here = grid.share[c];
+    return here >= grid.share[c - s] && here > grid.share[c + s] &&
+           here > 2 * std::max(grid.share[c - 2 * s], grid.share[c + 2 * s]);
+  };
+  for (int k = 2; k + 2 < grid.cells.z(); ++k)
+    for (int j = 2; j + 2 < grid.cells.y(); ++j)
+      for (int i = 2; i + 2 < grid.cells.x(); ++i) {
         const std::size_t c = grid.index(i, j, k);
-        if (grid.share[c] < kThinShare || before[c] < 0.0f) continue;
+        if (grid.share[c] < kThinShare || found[c] < 0.0f) continue;
         int thinnest = std::numeric_limits<int>::max();
         for (const std::size_t s : step)
-          if (grid.share[c] >= grid.share[c - s] && grid.share[c] > grid.share[c + s])
-            thinnest = std::min(thinnest, grid.share[c - s] + grid.share[c] + grid.share[c + s]);
+          if (ridge(c, s)) thinnest = std::min(thinnest, grid.share[c - s] + grid.share[c] + grid.share[c + s]);
         if (thinnest == std::numeric_limits<int>::max()) continue;
         bool alone = true;
         for (int n = 0; n < 27 && alone; ++n)
-          alone = !(before[grid.index(i + n % 3 - 1, j + n / 3 % 3 - 1, k + n / 9 - 1)] < 0.0f);
+          alone = !(found[grid.index(i + n % 3 - 1, j + n / 3 % 3 - 1, k + n / 9 - 1)] < 0.0f);
         if (alone) d[c] = -0.5f / 255.0f * static_cast<float>(grid.spacing * thinnest);
       }
 }

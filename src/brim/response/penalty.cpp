@@ -102,6 +102,19 @@ void Penalty::take_normals_of(bool side_b, const ContactSet& contacts, const Con
   }
 }
 
+void Penalty::take_exact_normals(const CubeSide& solid, bool is_b, const ContactSet& contacts,
+                                 const ContactPair& pair) {
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    const Vec3 slope = is_b ? Vec3(-contacts.gradient_b[c]) : contacts.gradient_a[c];
+    Vec3 away;
+    solid.solid->convex()->distance_and_gradient(solid.pose.to_local(contacts.point[c]), away);
+    const double length = slope.norm();
+    normal_[c] = (is_b ? 1.0 : -1.0) * (solid.pose.rotation * away);
+    if (away.isZero(0.0)) normal_[c] = length > 0.0 ? Vec3(slope / length) : Vec3::UnitZ();
+    direction_[c] = length * normal_[c];
+  }
+}
+
 void Penalty::choose_normals(const ContactSet& contacts, std::span<const PairState> pairs) {
   parallel_for(contacts.pairs.size(), [&](std::size_t p) {
     const ContactPair& pair = contacts.pairs[p];
@@ -111,6 +124,11 @@ void Penalty::choose_normals(const ContactSet& contacts, std::span<const PairSta
       take_normals_of(conforming_a, contacts, pair);
       patches_[p].bend = {0.0, 0.0};
       return;
+    }
+    if (const auto& [solid_a, solid_b] = pairs[p].solids;
+        (pairs[p].sheet || pairs[p].balls) && (solid_a != nullptr) != (solid_b != nullptr)) {
+      take_exact_normals(solid_a != nullptr ? *solid_a : *solid_b, solid_b != nullptr, contacts, pair);
+      return bend_of_patch(contacts, pair, p);
     }
     patches_[p].fits = pairs[p].rigid && pairs[p].stiffness > 0.0 && pairs[p].solids[0] != nullptr &&
                        pairs[p].solids[1] != nullptr && fit_each_other(contacts, pair);

@@ -41,7 +41,8 @@ struct PairState {
   bool sheet = false;   ///< one of the parts is a sheet, or a fluid
   bool balls = false;   ///< one of the parts consists of balls that turn
   double growth = 1.0;  ///< [-] stiffness at full overlap over k (hardening.h)
-  /// Both parts, if their distances are known and their centres hardly move past each other; else null.
+  /// Of two solids both, if their centres hardly move past each other; the convex solid that a sheet or grains lie on;
+  /// else null.
   std::array<const CubeSide*, 2> solids = {};
 };
 
@@ -145,6 +146,9 @@ class Penalty {
   /// @param changed, total  [N] added to
   void update_bonds(std::span<const Vec3> delta, double& changed, double& total);
   void choose_normals(const ContactSet& contacts, std::span<const PairState> pairs);
+  /// Of a sheet or grains on a convex solid: the gradient of the solid's own distance at the point. Within a step of an
+  /// edge the densities' gradients lean outwards, and two pads would shoot out what is between them.
+  void take_exact_normals(const CubeSide& solid, bool is_b, const ContactSet& contacts, const ContactPair& pair);
   /// Takes the normals of the surface that a conforming side lies against.
   void take_normals_of(bool side_b, const ContactSet& contacts, const ContactPair& pair);
   /// Curvature of a patch as the harmonic mean over its nodes: a patch with a flat middle counts as flat, whatever its

@@ -12,6 +12,7 @@ namespace brim {
 namespace {
 
 using Mat2 = Eigen::Matrix2d;
+using Vec2 = Eigen::Vector2d;
 
 /// [h] distance of the displaced solids, and the smallest that is sufficient.
 constexpr double kParted = 0.5, kLeastParted = 0.1;
@@ -22,6 +23,9 @@ constexpr double kProximal = 1e-3, kNearlyPlane = 1e-3;
 /// Maximum number of readings of one descent; [h] decrease that ends it.
 constexpr int kMostReadings = 12;
 constexpr double kEnough = 1e-5;
+/// [1/h] curvature of directions of which half of the rest is gone; [h] largest and least step, and how many.
+constexpr double kHardlyBent = 0.02, kMostRest = 0.1, kNoRest = 1e-4;
+constexpr int kRestReadings = 3;
 /// Rounds of displacing along the normal found, and the cosine at which it equals the previous one.
 constexpr int kRounds = 8;
 constexpr double kSameNormal = 1.0 - 2e-5;
@@ -179,6 +183,21 @@ SolidGap::Reading SolidGap::descend(const Reading& first, const Mat2& curvature,
   }
 }
 
+SolidGap::Reading SolidGap::settle(Reading r, const Mat2& bend) const {
+  const double flat = kHardlyBent / h_;
+  const Mat2 inverse = (bend * bend + flat * flat * Mat2::Identity()).inverse() * bend;
+  for (int k = 0; k < kRestReadings; ++k) {
+    Vec2 way = -(inverse * (parting_.across.transpose() * r.slope()));
+    const double size = way.norm();
+    if (size < kNoRest * h_) break;
+    if (size > kMostRest * h_) way *= kMostRest * h_ / size;
+    const Reading there = read(r.x + parting_.across * way);
+    if (there.sum() > r.sum()) break;
+    r = there;
+  }
+  return r;
+}
+
 bool SolidGap::find_least(RowPoint& row, double reach) {
   RowPoint found = row;
   double more = 0.0;
@@ -204,7 +223,9 @@ bool SolidGap::find_least(RowPoint& row, double reach) {
     const double rest = (parting_.across.transpose() * parting_.least.slope()).norm();
     if ((rest < kSlopeLeft && normal.dot(parting_.normal) > kSameNormal) ||
         (round + 1 == kRounds && rest < kMostSlopeLeft)) {
-      found.point -= 0.5 * (parting_.least.a * parting_.least.away_a + parting_.least.b * parting_.least.away_b);
+      const Reading r = settle(parting_.least, bend_a + bend_b);
+      parting_.rest = r.x - parting_.least.x;
+      found.point += parting_.rest - 0.5 * (r.a * r.away_a + r.b * r.away_b);
       const Mat2 turn = tangents_of(normal).transpose() * parting_.across;
       found.bend_a = surface_bend(turn * bend_a * turn.transpose(), parting_.least.a, h_);
       found.bend_b = surface_bend(turn * bend_b * turn.transpose(), parting_.least.b, h_);
@@ -258,6 +279,7 @@ bool SolidGap::find_rows(const RowPoint& near, double widest, std::vector<RowPoi
   ends_.clear();
   face_found_ = false;
   if (!round(least)) find_ends(least);
+  for (RowPoint& r : ends_) r.point += parting_.rest;
   place_friction(least.normal);
   bool deeper = true;
   if (ends_.size() >= 2)

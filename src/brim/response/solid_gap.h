@@ -63,6 +63,9 @@ class SolidGap {
   void bend(const Reading& r, Mat2& a, Mat2& b) const;
   /// Reading of the smallest sum within a tangential reach.
   Reading descend(const Reading& first, const Mat2& curvature, double reach) const;
+  /// From where a descent ended to the minimum, by Newton's steps along the directions in which the sum is bent: a ball
+  /// two steps wide, pressed 0.006 h beside its lowest point, would start to roll on a level box.
+  Reading settle(Reading r, const Mat2& bend) const;
   /// A point on an edge and the tangential direction along it.
   struct Edge {
     Vec3 x, along;
@@ -99,6 +102,7 @@ class SolidGap {
     Vec3 normal = Vec3::UnitZ(), part = Vec3::Zero();  ///< [m] displacement of a along the normal
     Eigen::Matrix<double, 3, 2> across;                ///< tangents of the normal
     Reading least;
+    Vec3 rest = Vec3::Zero();  ///< [m] from there to the minimum
   };
   Parting parting_;
   std::vector<RowPoint> ends_;

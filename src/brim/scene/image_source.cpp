@@ -266,7 +266,7 @@ ImageSolid read_image_solid(const Node& n, double scale, double cells_per_voxel,
   if (is_table(n, "density")) solid.density = on_cells("density");
   if (is_table(n, "young_modulus") && n.string("motion") == "deformable") solid.young = on_cells("young_modulus");
   keep_pieces(n.at("keep"), image, solid.grid, scale);
-  if (n.boolean("center")) solid.grid.origin -= solid.grid.matter_box().center();
+  if (n.boolean("center")) solid.grid.origin -= solid.grid.middle();
   return solid;
 }
 

@@ -243,6 +243,13 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
       stay = travel < std::max(kStays * pairs[i].h / options.time_step, kTurns * turn);
     }
     const auto balls = [](const WorldPart& part) { return interface_of<SpinningBalls>(*part.body) != nullptr; };
+    const bool sheet = a.info.modulus == 0.0 || b.info.modulus == 0.0;
+    // Both solids of a pair that stays, or the convex one on which a sheet or grains lie.
+    const bool grains = balls(a) || balls(b), laid = grains || (sheet && !rigid);
+    const auto known = [&](std::int32_t part) {
+      const CubeSide* side = stay || laid ? stage.solid(part) : nullptr;
+      return side != nullptr && (stay || side->solid->convex() != nullptr) ? side : nullptr;
+    };
     penalties_[i] = {
         .stiffness = stiffness,
         .friction = m.friction,
@@ -254,11 +261,12 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
         .inverse_mass = {inverse_mass_of(a), inverse_mass_of(b)},
         .body = {a.body_index, b.body_index},
         .fixed = fixed,
-        .firm = fixed || (is_rigid(a) != is_rigid(b) && std::isinf(a.info.modulus) != std::isinf(b.info.modulus)),
-        .sheet = a.info.modulus == 0.0 || b.info.modulus == 0.0,
-        .balls = balls(a) || balls(b),
+        .firm =
+            fixed || rigid || (is_rigid(a) != is_rigid(b) && std::isinf(a.info.modulus) != std::isinf(b.info.modulus)),
+        .sheet = sheet,
+        .balls = grains,
         .growth = growth,
-        .solids = {stay ? stage.solid(pairs[i].part_a) : nullptr, stay ? stage.solid(pairs[i].part_b) : nullptr},
+        .solids = {known(pairs[i].part_a), known(pairs[i].part_b)},
     };
   }
 }

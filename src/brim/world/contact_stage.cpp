@@ -238,11 +238,11 @@ void ContactStage::search(Work& work) const {
     const CubeSide a = side_of(c.pair.part_a, c), b = side_of(c.pair.part_b, c);
     if ((lo.array() <= hi.array()).all()) find_between_solids(a, b, c.pair, {lo, hi}, work.finds);
     carry_to_edges(a, b, h, work.finds.contacts);
-    // Only for contact with a fixed part: between two free bodies single points leave an error of momentum.
-    if (access_[c.pair.part_a].immobile || access_[c.pair.part_b].immobile) {
-      work.roundness = roundness(a, b, h, work.finds.contacts);
-      center_on_least_gap(a, b, access_[c.pair.part_a].immobile ? b : a, h, work.finds.contacts);
-    }
+    work.roundness = roundness(a, b, h, work.finds.contacts);
+    // Of two that move the rounder one rolls on the other.
+    const bool still_a = access_[c.pair.part_a].immobile, still_b = access_[c.pair.part_b].immobile;
+    const double more_b = still_a ? 1.0 : still_b ? -1.0 : rounder(b, a, h, work.finds.contacts);
+    center_on_least_gap(a, b, more_b > 0.0 ? b : a, std::abs(more_b), h, work.finds.contacts);
     return;
   }
   CubeSide a = side_of(c.pair.part_a, c), b = side_of(c.pair.part_b, c);

@@ -61,11 +61,13 @@ void FluidCoupling::find(std::span<const std::unique_ptr<Body>> bodies, std::spa
   first_.assign(first_v.begin(), first_v.end());
   body_.clear();
   for (const auto& b : bodies) body_.push_back(b.get());
+  drag_.clear();
   for (Fluid& fluid : fluids) {
     const ProfileScope scope("flows around", *parts[fluid.part].body);
     find_shares(fluid, parts, filter);
     fluid.flow->set_solids(octant_, v.empty() ? v : slice(v, fluid.body));
     if (!fluid.sides.empty()) find_rows(fluid, parts);
+    for (const Side& s : fluid.sides) drag_.add(*fluid.flow, fluid.body, parts[s.part], s.part, *s.eighths);
     fluid.told = !octant_.empty();
   }
   // A fluid that knows of solids leaves its pressure to the solve, even if they are far from its wet cells.
@@ -100,65 +102,6 @@ void FluidCoupling::find_shares(Fluid& fluid, std::span<const WorldPart> parts, 
   std::erase_if(fluid.sides, [](const Side& s) { return s.eighths->empty(); });
 }
 
-void FluidCoupling::find_rows(Fluid& fluid, std::span<const WorldPart> parts) {
-  const MacGrid& g = fluid.flow->flow_grid();
-  const Vec3i n = 2 * g.n;
-  std::vector<float> share(g.faces(), 0.0f), best(g.faces(), 0.0f);
-  std::vector<std::int32_t> source(g.faces(), 0), touched, sources;
-  std::vector<float> all(g.faces(), 0.0f);
-  // Calls f(face, share of its cube); overlapping solids divide what is available.
-  const auto for_faces = [&](const Eighth& e, const auto& f) {
-    const Vec3i at(e.place % n.x(), e.place / n.x() % n.y(), e.place / (n.x() * n.y()));
-    const float part = 0.125f * e.share / std::max(1.0f, octant_[e.place]);
-    for (int a = 0; a < 3; ++a) {
-      Vec3i cell = at / 2;
-      // At the box's sides as the fluid extrapolates its solids (set_solids).
-      for (const int side : {0, g.n[a]}) {
-        const int layer = side == 0 ? at[a] : n[a] - 1 - at[a];
-        if (layer > 1) continue;
-        cell[a] = side;
-        f(g.face(a, cell), layer == 0 ? 3.0f * part : -part);
-      }
-      cell[a] = (at[a] + 1) / 2;
-      if (cell[a] > 0 && cell[a] < g.n[a]) f(g.face(a, cell), part);
-    }
-  };
-  for (const Side& side : fluid.sides)
-    for (const Eighth& e : *side.eighths) for_faces(e, [&](int f, float part) { all[f] += part; });
-  std::vector<Side> kept;
-  for (Side& side : fluid.sides) {
-    touched.clear(), sources.clear();
-    for (const Eighth& e : *side.eighths)
-      for_faces(e, [&](int f, float part) {
-        if (best[f] == 0.0f) touched.push_back(f);
-        share[f] += part;
-        if (e.share > best[f]) best[f] = e.share, source[f] = e.source;
-      });
-    std::sort(touched.begin(), touched.end());
-    for (const int f : touched) {
-      const int a = f % 3, place = f / 3;
-      const Vec3i hi(place % (g.n.x() + 1), place / (g.n.x() + 1) % (g.n.y() + 1),
-                     place / ((g.n.x() + 1) * (g.n.y() + 1)));
-      const int high = g.cell(hi), low = high - g.cell_stride(a);
-      const bool wet_low = hi[a] > 0 && fluid.flow->is_wet(low);
-      const bool wet_high = hi[a] < g.n[a] && fluid.flow->is_wet(high);
-      if ((wet_low || wet_high) && all[f] > 0.0f && share[f] > 0.0f) {
-        // Everything not open to the fluid belongs to solids.
-        const double part = std::min(double{share[f]} / all[f], 1.0) * (1.0 - fluid.flow->open_share(f));
-        side.rows.push_back({wet_low ? low : -1, wet_high ? high : -1, a, part * g.dx * g.dx});
-        side.points.push_back(g.face_position(a, hi.x(), hi.y(), hi.z()));
-        sources.push_back(source[f]);
-      }
-      share[f] = best[f] = 0.0f;
-    }
-    if (side.rows.empty()) continue;
-    const WorldPart& part = parts[side.part];
-    part.body->make_map(part.index, side.points, sources, side.map);
-    kept.push_back(std::move(side));
-  }
-  fluid.sides = std::move(kept);
-}
-
 void FluidCoupling::give_back(std::span<const double> residual, std::span<double> delta) const {
   for (const Fluid& f : fluids_) {
     const Body& body = *body_[f.body];
@@ -178,7 +121,8 @@ void FluidCoupling::give_back(std::span<const double> residual, std::span<double
   }
 }
 
-void FluidCoupling::report(double dt, StepReport& report, std::vector<ContactSample>& samples) const {
+void FluidCoupling::report(double dt, std::span<const double> v, StepReport& report,
+                           std::vector<ContactSample>& samples) {
   for (const Fluid& f : fluids_)
     for (const Side& s : f.sides) {
       PairReport r;
@@ -199,6 +143,11 @@ void FluidCoupling::report(double dt, StepReport& report, std::vector<ContactSam
         load += std::abs(push);
       }
       if (load > 0.0) r.center /= load;
+      drag_.for_forces(f.body, s.part, v, [&](const Vec3& x, const Vec3& force) {
+        on_solid += force;
+        const Vec3 on_a = s.part < f.part ? force : Vec3(-force);
+        samples.push_back({x.cast<float>(), Vec3f::Zero(), on_a.cast<float>(), 0.0f, r.part_a, r.part_b});
+      });
       r.force_on_a = s.part < f.part ? on_solid : Vec3(-on_solid);
       report.contacts += r.contacts;
       report.pairs.push_back(r);

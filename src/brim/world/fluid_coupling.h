@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "brim/body/flows_around.h"
+#include "brim/world/fluid_drag.h"
 #include "brim/world/solid_shares.h"
 #include "brim/world/step_report.h"
 #include "brim/world/world_part.h"
@@ -68,8 +69,11 @@ class FluidCoupling {
 
   /// Gives the fluids the momentum missing after a solve. @param residual  as left by finish
   void give_back(std::span<const double> residual, std::span<double> delta) const;
+  /// Of the solids found that the grid does not resolve.
+  FluidDrag& drag() { return drag_; }
   /// Forces of the last solve, per pair and per face. @param dt  [s]
-  void report(double dt, StepReport& report, std::vector<ContactSample>& samples) const;
+  /// @param v  [m/s] after it, of all bodies
+  void report(double dt, std::span<const double> v, StepReport& report, std::vector<ContactSample>& samples);
 
  private:
   /// A face of a fluid and the area of it taken by a solid.
@@ -148,6 +152,7 @@ class FluidCoupling {
   std::vector<double> impulse_, velocity_;
   std::vector<Vec3> at_points_;
   SolidShares shares_;
+  FluidDrag drag_;
   std::map<std::pair<std::int32_t, std::int32_t>, std::vector<Eighth>> left_by_filter_;  ///< of fluid and solid
   std::vector<float> octant_;
 };

@@ -213,9 +213,9 @@ void ImplicitStep::ignore_of_relieved() {
 }
 
 void ImplicitStep::give_back(std::span<double> delta) {
-  if (whole_ || alone_) return;
+  if (alone_) return;
   const StepContext& c = *context_;
-  modes_.give_back(residual_, delta);
+  if (!whole_) modes_.give_back(residual_, delta);
   c.coupling.give_back(residual_, delta);
   for (std::size_t b = 0; b < c.bodies.size(); ++b) {
     if (lone_[b] == 0 || c.bodies[b]->immobile() || unmoved(b)) continue;

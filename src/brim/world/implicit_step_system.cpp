@@ -113,6 +113,10 @@ void ImplicitStep::gather_bodies() {
   });
   for (std::size_t i = 0; i < n; ++i)
     internal_[i] = dt * (internal_[i] + dt * scratch_[i]) + (c.impulse.empty() ? 0.0 : c.impulse[i]);
+  if (FluidDrag& drag = c.coupling.drag(); !c.coupling.empty()) {
+    drag.begin(c.v, c.first_v);
+    drag.add_impulse(dt, c.v, internal_);
+  }
   for (std::size_t i = 0; i < taken_.size(); ++i) internal_[i] += taken_[i];
 
   std::vector<int> sizes;
@@ -215,6 +219,7 @@ void ImplicitStep::multiply(std::span<const double> x, std::span<double> y) {
       Eigen::Map<Vec3>(yb.data() + 3 * i) +=
           settings_->dt * (air[i] * Eigen::Map<const Vec3>(x.data() + c.first_v[b] + 3 * i));
   });
+  if (!c.coupling.empty()) c.coupling.drag().add_product(settings_->dt, x, y);
   if (contacts_ == 0) return;
   const ScopedSeconds contact_timer(contact_seconds());
   const ProfileScope scope("contact product");

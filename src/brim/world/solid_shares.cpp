@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "brim/body/posed_shape.h"
 #include "brim/body/solid_of.h"
+#include "brim/body/spinning_balls.h"
+#include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
 #include "brim/math/ramp.h"
 #include "brim/raster/trilinear.h"
@@ -15,7 +18,7 @@ namespace {
 
 /// [eighths] thickness that is sampled without dividing them, and their most pieces along an axis.
 constexpr double kThick = 3.0;
-constexpr int kMostPieces = 4;
+constexpr int kMostPieces = 8;
 
 /// Pieces along each axis in which the eighths of cells of size dx are sampled.
 int pieces_of(double thickness, double dx) {
@@ -24,19 +27,65 @@ int pieces_of(double thickness, double dx) {
   return m;
 }
 
+/// Side of the cube with the volume of a ball, over its radius.
+constexpr double kCube = 1.6119919540164696;
+
+/// Calls f(eighth, share) for the eighths of side h that a ball takes, up to scale: by the distance of their middles
+/// from its surface, or as a cube of its volume if it is smaller than one.
+/// @param c  [h] centre from the low corner of the grid  @param r  [h]
+template <class F>
+void for_eighths_of_ball(const Vec3& c, double r, const F& f) {
+  const bool small = r < 1.0;
+  const double reach = small ? 0.5 * kCube * r : r + 0.5;
+  const Vec3i low = (c.array() - reach).floor().cast<int>(), high = (c.array() + reach).floor().cast<int>();
+  for (int k = low.z(); k <= high.z(); ++k)
+    for (int j = low.y(); j <= high.y(); ++j)
+      for (int i = low.x(); i <= high.x(); ++i) {
+        const Vec3 corner(i, j, k);
+        const double share =
+            small ? ((c.array() + reach).min(corner.array() + 1.0) - (c.array() - reach).max(corner.array()))
+                        .max(0.0)
+                        .prod()
+                  : std::clamp(0.5 + r - (corner + Vec3::Constant(0.5) - c).norm(), 0.0, 1.0);
+        if (share > 0.0) f(Vec3i(i, j, k), share);
+      }
+}
+
+/// The eighths that balls take, each with its whole volume.
+void sample_balls(const MacGrid& g, const SpinningBalls& balls, std::vector<Eighth>& out) {
+  const double h = 0.5 * g.dx;
+  const Vec3i n = 2 * g.n;
+  out.clear();
+  for (std::int32_t b = 0; b < balls.balls(); ++b) {
+    const double r = balls.ball_radius(b) / h;
+    const Vec3 c = (balls.ball_center(b) - g.origin) / h;
+    if ((c.array() + (r + 0.5) < 0.0).any() || (c.array() - (r + 0.5) > n.cast<double>().array()).any()) continue;
+    double sum = 0.0;
+    for_eighths_of_ball(c, r, [&](const Vec3i&, double share) { sum += share; });
+    const double scale = 4.0 / 3.0 * std::numbers::pi * r * r * r / sum;
+    for_eighths_of_ball(c, r, [&](const Vec3i& at, double share) {
+      if ((at.array() >= 0).all() && (at.array() < n.array()).all())
+        out.push_back(
+            {at.x() + n.x() * (at.y() + n.y() * at.z()), std::min(static_cast<float>(scale * share), 1.0f), b});
+    });
+  }
+}
+
 /// Adds up the pieces of each eighth; its source is that of the fullest.
 void join_pieces(std::vector<Eighth>& all) {
   std::stable_sort(all.begin(), all.end(), [](const Eighth& a, const Eighth& b) { return a.place < b.place; });
   std::size_t n = 0;
-  float fullest = 0.0f;
-  for (const Eighth& e : all) {
-    if (n == 0 || all[n - 1].place != e.place) {
-      all[n++] = e, fullest = e.share;
-      continue;
+  for (std::size_t begin = 0; begin < all.size();) {
+    Eighth sum{all[begin].place, 0.0f, 0};
+    float fullest = 0.0f;
+    for (; begin < all.size() && all[begin].place == sum.place; ++begin) {
+      const Eighth& e = all[begin];
+      if (e.share > fullest) fullest = e.share, sum.source = e.source;
+      sum.share += e.share, sum.off += e.share * e.off;
     }
-    Eighth& sum = all[n - 1];
-    if (e.share > fullest) fullest = e.share, sum.source = e.source;
-    sum.share = std::min(sum.share + e.share, 1.0f);
+    sum.off /= sum.share;
+    sum.share = std::min(sum.share, 1.0f);
+    all[n++] = sum;
   }
   all.resize(n);
 }
@@ -52,7 +101,11 @@ const std::vector<Eighth>& SolidShares::of(std::pair<std::int32_t, std::int32_t>
                     found.pose.translation == solid->pose().translation;
   found.body = part.body, found.origin = g.origin;
   if (solid != nullptr) found.pose = solid->pose();
-  if (!same) sample(g, part, solid, found.eighths);
+  const auto* balls = interface_of<SpinningBalls>(*part.body);
+  if (balls != nullptr)
+    sample_balls(g, *balls, found.eighths);
+  else if (!same)
+    sample(g, part, solid, found.eighths);
   return found.eighths;
 }
 
@@ -94,20 +147,25 @@ void SolidShares::sample(const MacGrid& g, const WorldPart& part, const PosedSha
           const double length = slope.norm();
           const double width = h * (length > 1e-6 ? slope.lpNorm<1>() / length : 1.0);
           double share = std::clamp(0.5 - d / width, 0.0, 1.0);
+          Vec3f off = Vec3f::Zero();
           if (solid != nullptr && std::abs(d) < h) {
             // A known distance is evaluated at the centres of eighths of the eighth, since edges are no planes.
             share = 0.0;
             const Vec3 middle = g.origin + h * (at.cast<double>() + Vec3::Constant(0.5));
             for (int corner = 0; corner < 8; ++corner) {
-              const Vec3 x = middle + 0.25 * h * Vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
-              const double there = solid->shape().distance(solid->pose().to_local(x));
-              share += 0.125 * std::clamp(0.5 - 2.0 * there / width, 0.0, 1.0);
+              const Vec3 way = 0.25 * Vec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
+              const double there = solid->shape().distance(solid->pose().to_local(middle + h * way));
+              const double piece_share = 0.125 * std::clamp(0.5 - 2.0 * there / width, 0.0, 1.0);
+              share += piece_share, off += (piece_share * way).cast<float>();
             }
+            if (share > 0.0) off /= static_cast<float>(share);
           }
           if (share > 0.0) {
             const Vec3i eighth = at / m;
+            const Vec3f within =
+                ((at - m * eighth).cast<float>() + Vec3f::Constant(0.5f) + off) / static_cast<float>(m);
             piece[k].push_back({eighth.x() + 2 * g.n.x() * (eighth.y() + 2 * g.n.y() * eighth.z()),
-                                static_cast<float>(share / (m * m * m)), source});
+                                static_cast<float>(share / (m * m * m)), source, within - Vec3f::Constant(0.5f)});
           }
         }
   });

@@ -15,9 +15,10 @@ class PosedShape;
 
 /// A solid's share of an eighth of a cell of a fluid's grid.
 struct Eighth {
-  std::int32_t place;   ///< index in the grid of eighths, x fastest, shape (2 nx, 2 ny, 2 nz)
-  float share;          ///< (0, 1]
-  std::int32_t source;  ///< source for the maps of its body
+  std::int32_t place;         ///< index in the grid of eighths, x fastest, shape (2 nx, 2 ny, 2 nz)
+  float share;                ///< (0, 1]
+  std::int32_t source;        ///< source for the maps of its body
+  Vec3f off = Vec3f::Zero();  ///< [eighths] from the eighth's middle to that of the solid in it
 };
 
 /// The eighths of cells occupied by solids. Solids are rasterized on a grid of eighths, whose densities give the

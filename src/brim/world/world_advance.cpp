@@ -42,7 +42,11 @@ void World::Impl::report_substep(double dt, bool last, StepReport& report) {
   constraints.finish(report, samples, last, state.warm_start);
   if (!constraints.empty() && !constraints.converged()) warn_of_mass_ratio(parts, laws, options, state.time, report);
   resist_rolling(parts, first_v, report.pairs, laws, options, dt, state.v, delta);
-  coupling.report(dt, report, samples);
+  if (!coupling.empty()) {
+    way_v = state.v;
+    for (std::size_t i = 0; i < way_v.size(); ++i) way_v[i] += delta[i];
+    coupling.report(dt, way_v, report, samples);
+  }
   add_impulses(parts, bodies.size(), dt, report);
   report.contact_energy = response.energy();
   for (const auto& w : watchers) w->substep(*self, state.time, dt);

@@ -4,7 +4,7 @@ import numpy as np
 from fluid_measures import Grid, Particles, immersed_in_basin
 from validate import fits
 from validate.experiment import cases, experiment
-from validate.scenes import G, ball, box, rigid, scene
+from validate.scenes import G, about, ball, box, rigid, scene
 
 SIDE, DEPTH = 0.5, 0.3
 
@@ -125,17 +125,25 @@ def lift_of_what_is_half_in(case):
     return s
 
 
+def thin_volume(case):
+    d = SPACING * case.cells
+    return {"ball": np.pi / 6 * d**3, "bar": 0.4 * d * d, "rod": 0.4 * np.pi / 4 * d * d + np.pi / 6 * d**3}[case.shape]
+
+
 @experiment(law="F = ρ g V", source="Archimedes", unit="N", tolerance=0.1,
-            cases=cases(cells=(0.4, 0.75, 1.25), place=(0.0, 0.0125, 0.0335), turn=(0, 23)),
-            theory=lambda c: 1000 * G * np.pi * (0.1 * (SPACING * c.cells) ** 2 + (SPACING * c.cells) ** 3 / 6),
-            measure=lambda c, r: np.mean(r.force("body")[r.at(0.3):, 2]))
-def lift_of_thin_rods(case):
-    """A rod of 0.4 m, less than 1.5 cells thick, is held in a grid fluid, in three places and two directions: what the still water lifts it with."""
+            cases=cases(shape=("rod", "bar", "ball"), cells=(0.4, 0.75, 1.25), place=(0.0, 0.0125, 0.0335), turn=(0, 23)),
+            theory=lambda c: 1000 * G * thin_volume(c), measure=lambda c, r: np.mean(r.force("body")[r.at(0.3):, 2]))
+def lift_of_thin_matter(case):
+    """A rod or bar of 0.4 m, or a ball, less than 1.5 cells thick, is held in a grid fluid, in three places and two directions: what the still water lifts it with."""
+    d = SPACING * case.cells
     x = np.array([0.4 + case.place, 0.4 + 0.3 * case.place, 0.35 + 0.6 * case.place])
     angle = np.radians(case.turn)
     along = np.array([np.cos(angle), 0.8 * np.sin(angle), 0.6 * np.sin(angle)])
-    body = {"kind": "rod", "name": "body", "points": [list(x - 0.2 * along), list(x + 0.2 * along)], "segments": 16,
-            "radius": 0.5 * SPACING * case.cells}
+    if case.shape == "rod":
+        body = {"kind": "rod", "name": "body", "points": [list(x - 0.2 * along), list(x + 0.2 * along)], "segments": 16, "radius": 0.5 * d}
+    else:
+        place = {"position": list(x), "rotation": about((0, -0.6, 0.8), case.turn)}
+        body = rigid("body", box(0.4, d, d) if case.shape == "bar" else ball(0.5 * d), place, 0.25 * d, density=500)
     water = {"kind": "grid_fluid", "name": "water", "cell_size": SPACING, "box": {"lo": [0, 0, 0], "hi": [0.8, 0.8, 0.8]},
              "fill": [{"kind": "plane", "point": [0, 0, 0.6], "normal": [0, 0, 1]}]}
     s = scene([body, water], 0.6, dt=0.01, friction=0.0, frame=5)
@@ -145,6 +153,50 @@ def lift_of_thin_rods(case):
 
 def volume_of(case):
     return (SPACING * case.cells) ** 3 * (1 if case.shape == "box" else np.pi / 6)
+
+
+WIDTH, POOL = 0.8, 1.6  # [m] of the pool in which balls sink and rise
+
+
+def fall(case, first, last):
+    """Mean velocity of a ball between two times: weight less lift, half the displaced mass dragged along, Newton's drag."""
+    d, v, sum = SPACING * case.cells, 0.0, 0.0
+    for step in range(round(1000 * last)):
+        v += 1e-3 * (abs(case.density / 1000 - 1) * G - 0.75 * 0.44 * v * v / d) / (case.density / 1000 + 0.5)
+        sum += v if step >= 1000 * first else 0.0
+    return sum / (1000 * (last - first))
+
+
+@experiment(law="v = ∫ (|ρ_s/ρ − 1| g − 0.33 v²/d) / (ρ_s/ρ + 1/2) dt", source="Newton's drag, C_d = 0.44 (Schiller and Naumann 1933); half the displaced mass is dragged along", unit="m/s",
+            tolerance=0.2, cases=cases(cells=(0.4, 0.8, 1.2, 2.0), density=(2000, 400), place=(0.0, 0.0125)),
+            theory=lambda c: fall(c, 0.5, 0.7), measure=lambda c, r: abs(np.mean(r.velocity("ball")[r.at(0.5):, 2])),
+            curve=lambda c, r: (r.time, np.abs(r.velocity("ball")[:, 2])), axes=("t [s]", "speed [m/s]"))
+def sinks_and_rises_in_a_grid(case):
+    """A ball, so many cells wide, sinks or rises in a pool that is a grid fluid, in two places of the grid: its speed from 0.5 to 0.7 s, when it hardly changes any more."""
+    d = SPACING * case.cells
+    at = (0.5 * WIDTH + case.place, 0.5 * WIDTH + 0.8 * case.place, POOL - 0.2 if case.density > 1000 else 0.2)
+    water = {"kind": "grid_fluid", "name": "water", "cell_size": SPACING, "box": {"lo": [0, 0, 0], "hi": [WIDTH, WIDTH, POOL + 0.2]},
+             "fill": [{"kind": "plane", "point": [0, 0, POOL], "normal": [0, 0, 1]}]}
+    return scene([water, rigid("ball", ball(0.5 * d), at, 0.25 * d, density=case.density)], 0.7, dt=0.01, friction=0.0, frame=2)
+
+
+@experiment(law="v = (ρ_s − ρ) g d² / (18 η (1 + 0.15 Re^0.687))", source="Stokes 1851; Schiller and Naumann 1933", unit="m/s", tolerance=0.1,
+            cases=cases(kind=("points", "rigid"), viscosity=(1.0, 10.0)), theory=lambda c: creep(c.viscosity),
+            measure=lambda c, r: abs(np.mean(r.velocity("grain")[r.at(0.3):, 2])))
+def grain_in_oil(case):
+    """A grain of 20 mm, 0.4 cells wide, sinks in a viscous grid fluid: its speed from 0.3 s on."""
+    fluid = {"kind": "grid_fluid", "name": "oil", "cell_size": SPACING, "viscosity": case.viscosity, "box": {"lo": [0, 0, 0], "hi": [WIDTH, WIDTH, 1.0]},
+             "fill": [{"kind": "plane", "point": [0, 0, 0.8], "normal": [0, 0, 1]}]}
+    at = [0.41, 0.39, 0.6]
+    grain = {"kind": "points", "name": "grain", "density": 2500, "radius": 0.01, "positions": [at]} if case.kind == "points" else rigid("grain", ball(0.01), at, 0.005, density=2500)
+    return scene([fluid, grain], 0.6, dt=0.01, friction=0.0, frame=2)
+
+
+def creep(viscosity, d=0.02):
+    v = 0.0
+    for _ in range(200):
+        v += 0.2 * (1500 * G * d * d / (18 * viscosity * (1 + 0.15 * (1000 * v * d / viscosity) ** 0.687)) - v)
+    return v
 
 
 HELD = {"particles": 4.0, "grid": 1.0}  # [s] particles take longer to calm down

@@ -48,7 +48,7 @@ ArticulatedModel chain_model(const ChainOptions& o) {
     l.inertia = Vec3(along, across, across).asDiagonal();
     LinkShape s{shape, {along_x, l.center_of_mass}, surface, o.part};
     s.part.areal_mass = 6.0 * mass / (2.0 * pi * r * straight + 4.0 * pi * r * r);
-    s.part.thickness = shape->thickness();
+    s.part.thickness = s.part.width = shape->thickness();
     if (!(s.part.voxel_size > 0.0)) s.part.voxel_size = 0.25 * r;
     l.shapes.push_back(std::move(s));
     model.links.push_back(std::move(l));

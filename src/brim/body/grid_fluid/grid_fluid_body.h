@@ -101,12 +101,17 @@ class GridFluidBody final : public Body,
   std::span<const VelocityRange> idle_velocities() const override { return wet_.idle; }
 
   const MacGrid& flow_grid() const override { return model_.grid; }
+  double flow_density() const override { return model_.density; }
+  double flow_viscosity() const override { return model_.viscosity; }
   bool flows_around(const PartInfo& other) const override;
   void set_solids(std::span<const float> octant, std::span<double> v) override;
   bool has_taken_solids() const override { return solids_taken_; }
   bool is_wet(int cell) const override { return wet_.cell[cell] != 0; }
   std::span<const std::int32_t> wet_cells() const override { return wet_.wet; }
   double open_share(int face) const override { return wet_.open[face]; }
+  double flowing_share(int face) const override {
+    return wet_.kind[face] == WetFaces::Kind::Free ? wet_.open[face] * wet_.share[face] : 0.0;
+  }
   void add_flow(std::span<const double> u, std::span<double> out) const override { solver_.flow(u, out); }
   void add_push(std::span<const double> pressure, std::span<double> impulse) const override {
     solver_.add_push(pressure, impulse);

@@ -5,8 +5,10 @@ namespace brim {
 
 namespace {
 
-/// [cells] thickness of what is seen as a share of cells: thinner walls would leak. Lines hold nothing back.
-constexpr double kShared = 1.5;
+/// [cells] thickness of walls that are seen as shares of cells; thinner ones would leak.
+constexpr double kTightWall = 1.5;
+/// Width over thickness from which on matter is a wall, and its least width, [cells].
+constexpr double kWall = 2.5, kWideWall = 1.5;
 /// Share of a cell that is solid, from which on its centre lies within.
 constexpr double kWithin = 0.5;
 /// [cells] from the surface within which a cell beside a solid is wet.
@@ -17,8 +19,9 @@ constexpr int kLayers = 4;
 }  // namespace
 
 bool GridFluidBody::flows_around(const PartInfo& other) const {
-  return !other.conforming && model_.material.friction == 0.0 &&
-         (other.lines || other.thickness >= kShared * model_.grid.dx);
+  const double dx = model_.grid.dx;
+  const bool wall = !other.lines && other.width > std::max(kWall * other.thickness, kWideWall * dx);
+  return !other.conforming && model_.material.friction == 0.0 && (!wall || other.thickness >= kTightWall * dx);
 }
 
 void GridFluidBody::set_solids(std::span<const float> octant, std::span<double> v) {

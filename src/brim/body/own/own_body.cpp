@@ -56,6 +56,7 @@ OwnBody::OwnBody(OwnModel model) : model_(std::move(model)) {
   part_.voxel_size = model_.voxel_size > 0.0 ? model_.voxel_size : box.extent().minCoeff() / 8.0;
   part_.areal_mass = 6.0 * mass_ / surface_area(model_.surface);
   part_.thickness = box.extent().minCoeff();
+  part_.width = width_of(mass_ / model_.density, part_.thickness, box);
   part_.material = model_.material;
   model_.surface = with_short_edges(model_.surface, kEdge * box.extent().maxCoeff());
   display_.vertices = model_.surface.vertices.size();

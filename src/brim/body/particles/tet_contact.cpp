@@ -71,6 +71,7 @@ PartInfo TetContact::part_info(std::span<const Vec3> x, double volume, double de
   part.voxel_size = 0.5 * edge / (3.0 * static_cast<double>(surface_.size()));
   part.areal_mass = density * volume * extent.maxCoeff() / extent.prod();
   part.thickness = std::min(extent.minCoeff(), 6.0 * volume / area);
+  part.width = width_of(volume, part.thickness, bounds(x));
   return part;
 }
 

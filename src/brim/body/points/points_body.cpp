@@ -88,7 +88,7 @@ PointsBody::PointsBody(std::vector<Vec3> centers, std::vector<double> radius, co
   PartInfo part;
   part.voxel_size = smallest_ / 1.5;
   part.areal_mass = total * extent.maxCoeff() / extent.prod();
-  part.thickness = 2.0 * smallest_;
+  part.thickness = part.width = 2.0 * smallest_;
   part.modulus = options.young;
   set_contact(std::move(contact), part);
   display_.kind = Display::Kind::Points;

@@ -33,6 +33,7 @@ class PointsBody final : public ParticleBody, public SpinningBalls, public Block
 
   std::string_view kind() const override { return "points"; }
   double elastic_energy() const override { return pairs_.energy(); }
+  std::int32_t balls() const override { return static_cast<std::int32_t>(radius_.size()); }
   const Vec3& ball_center(std::int32_t source) const override { return x_[static_cast<std::size_t>(source)]; }
   double ball_radius(std::int32_t source) const override { return radius_[static_cast<std::size_t>(source)]; }
   double least_radius() const override { return smallest_; }

@@ -31,6 +31,7 @@ CarriedBody::CarriedBody(std::vector<Vec3> nodes, Carriage carriage, LayerWeight
   part_.voxel_size = options_.voxel_size > 0.0 ? options_.voxel_size : std::cbrt(largest);
   part_.areal_mass = immobile() ? 0.0 : matter * extent.maxCoeff() / extent.prod();
   part_.thickness = std::min(extent.minCoeff(), 2.0 * std::cbrt(total));
+  part_.width = width_of(total, part_.thickness, volume_.layer().centers());
   part_.modulus = modulus;
   part_.material = options_.material;
   display_.triangles = std::move(surface.triangles);

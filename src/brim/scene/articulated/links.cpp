@@ -57,6 +57,7 @@ void read_matter(const Node& n, double scale, const Node& body, const BuildConte
   s.part.voxel_size = solid.voxel_size;
   s.part.areal_mass = 6.0 * link.mass / solid.area;
   s.part.thickness = s.shape->thickness();
+  s.part.width = width_of(solid.unit.volume, s.part.thickness, s.shape->bounds());
   s.part.material = context.material;
   link.shapes.push_back(std::move(s));
 }

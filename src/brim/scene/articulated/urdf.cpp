@@ -100,6 +100,7 @@ ArticulatedModel read_urdf_tree(const Node& body, const BuildContext& context) {
       s.part.voxel_size = solid.voxel_size;
       s.part.areal_mass = 6.0 * l.mass / static_cast<double>(piece.link.collision.size()) / solid.area;
       s.part.thickness = solid.shape->thickness();
+      s.part.width = width_of(solid.unit.volume, s.part.thickness, solid.shape->bounds());
       s.part.material = context.material;
       l.shapes.push_back(std::move(s));
     }

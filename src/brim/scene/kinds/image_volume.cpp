@@ -65,6 +65,7 @@ class RigidImageMaker final : public BodyMaker {
     part_.areal_mass = areal_mass(properties_.mass, properties_.volume, surface_area(surface_), solid.grid.matter_box(),
                                   solid.voxel_size);
     part_.thickness = 6.0 * properties_.volume / surface_area(surface_);
+    part_.width = width_of(properties_.volume, part_.thickness, solid.grid.matter_box());
     part_.material = material_;
     shape_ = make_image_shape(solid.grid, part_.thickness);
   }

@@ -55,6 +55,8 @@ class ObstacleMaker final : public BodyMaker {
       model.keys.push_back({k.time, place.position + k.offset, k.rotation * place.rotation});
     model.part.voxel_size = solid_.voxel_size;
     model.part.thickness = solid_.shape->thickness();
+    if (solid_.unit.volume > 0.0)
+      model.part.width = width_of(solid_.unit.volume, model.part.thickness, solid_.shape->bounds());
     model.part.material = material_;
     model.surface = solid_.surface;
     return std::make_unique<ObstacleBody>(std::move(model));

@@ -36,6 +36,7 @@ class RigidMaker final : public BodyMaker {
     // Six times volume over area is a box's column and a ball's diameter.
     model.part.areal_mass = 6.0 * mass_ / solid_.area;
     model.part.thickness = solid_.shape->thickness();
+    model.part.width = width_of(solid_.unit.volume, model.part.thickness, solid_.shape->bounds());
     model.part.material = material_;
     model.surface = solid_.surface;
     return std::make_unique<RigidBody>(std::move(model));
