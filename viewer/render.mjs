@@ -3,7 +3,7 @@
 //   node render.mjs '{"url": ..., "out": ..., "chromium": ..., "ffmpeg": ..., "frame": ..., "width": ..., ...}'
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
-import { mkdtempSync, mkdirSync, rmSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdtempSync, mkdirSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 
@@ -174,6 +174,24 @@ class Film {
   }
 }
 
+const kPicture = /^frame_(\d{5,})\.png$/;
+
+/** Folder of a film's pictures, where there is no ffmpeg: beside the film, and not one that holds anything else. */
+function pictureFolder(film) {
+  const plain = film.replace(/\.mp4$/, '');
+  const free = (folder) => !existsSync(folder) || readdirSync(folder).every((name) => kPicture.test(name));
+  for (let n = 1; ; ++n) {
+    const folder = n === 1 ? plain : `${plain}_frames${n === 2 ? '' : `_${n - 1}`}`;
+    if (free(folder)) return folder;
+  }
+}
+
+/** Of an earlier, longer film: what its pictures would add to the end of this one. */
+function removeLaterPictures(folder, frames) {
+  for (const name of readdirSync(folder))
+    if (Number(kPicture.exec(name)?.[1] ?? -1) >= frames) rmSync(join(folder, name));
+}
+
 async function main() {
   const job = JSON.parse(process.argv[2]);
   const movie = job.out.endsWith('.mp4');
@@ -215,7 +233,7 @@ async function main() {
     let folder;
     if (job.ffmpeg) film = new Film(job.ffmpeg, job.fps, job.out);
     else {
-      folder = job.out.replace(/\.mp4$/, '');
+      folder = pictureFolder(job.out);
       mkdirSync(folder, { recursive: true });
       console.error(`brim: ffmpeg is not installed; pictures go to ${folder}/ instead of ${job.out}`);
     }
@@ -227,6 +245,7 @@ async function main() {
     }
     if (process.stderr.isTTY) process.stderr.write('\n');
     await film?.finish();
+    if (folder) removeLaterPictures(folder, frames);
   } finally {
     await browser.close();
     try {

@@ -269,8 +269,10 @@ std::string RecordedRun::frame(std::int64_t frame) {
   ArrayMessage message;
   const double time = reader_->time(frame);
   message.add("time", &time, 1);
+  const std::vector<std::int32_t> removed = reader_->removed(frame);
+  message.add("removed", removed.data(), removed.size());
   for (std::size_t b = 0; b < reader_->bodies().size(); ++b) {
-    if (fixed(b)) continue;
+    if (fixed(b) || std::ranges::binary_search(removed, static_cast<std::int32_t>(b))) continue;
     const std::vector<Vec3f> x = reader_->positions(static_cast<int>(b), frame);
     message.add("positions", reinterpret_cast<const float*>(x.data()), x.size(), 3, static_cast<int>(b));
     if (!reader_->bodies()[b].changing) continue;

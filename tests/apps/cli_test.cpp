@@ -371,6 +371,23 @@ TEST_F(Program, ARunKilledBeforeItsFirstFrameStartsOver) {
   EXPECT_EQ(read(folder_ / "made/run.h5"), "a letter");
 }
 
+TEST_F(Program, RenderSaysWhatMustLieInAFolderOfOnesOwnPage) {
+  run("run good.json --frames 1 -o made");
+  fs::create_directories(folder_ / "page");
+  write("page/index.html", "the page");
+  ::setenv("BRIM_VIEWER_DIR", (folder_ / "page").c_str(), 1);
+  ::setenv("BRIM_CHROMIUM", "/bin/true", 1);
+  const Outcome o = run("render made -o a.png");
+  ::unsetenv("BRIM_CHROMIUM");
+  ::unsetenv("BRIM_VIEWER_DIR");
+  EXPECT_EQ(o.code, 2);
+  if (o.err.find("needs Node") != std::string::npos) GTEST_SKIP() << "Node is not installed";
+  EXPECT_NE(o.err.find("/page, where render.mjs is missing; pictures need it, viewer/render.mjs of brim's sources, "
+                       "beside index.html or in the folder above"),
+            std::string::npos)
+      << o.err;
+}
+
 TEST_F(Program, ViewServesTheRunWhileItIsMadeAndCtrlCEndsBoth) {
   fs::create_directories(folder_ / "page");
   write("page/index.html", "the page");

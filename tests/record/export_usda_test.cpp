@@ -2,6 +2,7 @@
 // specification of the crate's text form, and then to the formula of tests/support/made_run.h.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstring>
@@ -10,6 +11,7 @@
 
 #include "brim/record/export/export.h"
 #include "support/made_run.h"
+#include "support/removing_run.h"
 
 namespace brim::export_usda_test {
 namespace {
@@ -21,6 +23,7 @@ struct Attribute {
   std::string type;
   std::vector<double> value;                      ///< numbers in order, flattened
   std::map<double, std::vector<double>> samples;  ///< by time code
+  std::map<double, std::string> words;            ///< likewise, of texts; a plain one at time 0
   bool uniform = false;
 };
 struct Prim {
@@ -105,18 +108,18 @@ class Parser {
     at_ += static_cast<std::size_t>(end - begin);
     return x;
   }
-  /// Numbers, texts (taken as nothing), tuples and lists of them; separated by commas, none after the last.
-  void value(std::vector<double>& out) {
+  /// Numbers, texts, tuples and lists of them; separated by commas, none after the last. @param text  the last one
+  void value(std::vector<double>& out, std::string& text) {
     for (const auto& [open, close] : {std::pair{"(", ")"}, {"[", "]"}}) {
       if (!take(open)) continue;
       if (take(close)) return;
-      do value(out);
+      do value(out, text);
       while (take(","));
       expect(close);
       return;
     }
     if (next_is("\""))
-      string();
+      text = string();
     else
       out.push_back(number());
   }
@@ -167,14 +170,14 @@ class Parser {
         while (!take("}")) {
           const double time = number();
           expect(":");
-          value(a.samples[time]);
+          value(a.samples[time], a.words[time]);
           if (!take(",")) {
             expect("}");
             break;
           }
         }
       } else if (take("=")) {
-        value(a.value);
+        value(a.value, a.words[0]);
       }
       metadata_block();
     }
@@ -201,11 +204,13 @@ void expect_near(const std::vector<double>& a, const std::vector<double>& b, con
 
 class Usda : public ::testing::Test {
  protected:
-  Prim read(const std::string& frames) {
-    const RunReader run(made_.folder());
-    export_run(run, {.format = "usda", .folder = (made_.path / frames).string(), .frames = frames});
+  Prim read(const std::string& frames) { return read(made_.folder(), frames); }
+  Prim read(const std::string& folder, const std::string& frames) {
+    const RunReader run(folder);
+    const fs::path out = made_.path / ("frames " + frames);
+    export_run(run, {.format = "usda", .folder = out.string(), .frames = frames});
     std::ostringstream text;
-    text << std::ifstream(made_.path / frames / "run.usda").rdbuf();
+    text << std::ifstream(out / "run.usda").rdbuf();
     Parser parser(text.str());
     Prim root = parser.parse();
     metadata_ = parser.metadata;
@@ -267,6 +272,38 @@ TEST_F(Usda, OneFrameNeedsNoSamples) {
   expect_near(root.children[2].attributes.at("points").value, flat(2, 5), "ball.1");
   EXPECT_TRUE(root.children[2].attributes.at("points").samples.empty());
   EXPECT_EQ(root.children[5].attributes.at("primvars:force").value, (std::vector<double>{0, 0, -5, 0, 0, -5}));
+}
+
+// USD interpolates points between samples: one in the frame of the removal would have motion blur draw every grain on
+// its way to the centre.
+TEST_F(Usda, BodiesThatAreRemovedBecomeInvisibleAndHoldTheirLastPlace) {
+  const testing::RemovingRun removing;
+  const auto prim = [](const Prim& root, const std::string& name) -> const Prim& {
+    return *std::ranges::find(root.children, name, &Prim::name);
+  };
+  const Prim all = read(removing.folder(), ":");
+  EXPECT_FALSE(prim(all, "floor").attributes.contains("visibility"));
+  for (const std::string name : testing::RemovingRun::kNames) {
+    SCOPED_TRACE(name);
+    const auto& a = prim(all, name).attributes;
+    ASSERT_TRUE(a.contains("visibility"));
+    EXPECT_EQ(a.at("visibility").type, "token");
+    EXPECT_EQ(a.at("visibility").words, (std::map<double, std::string>{{0, "inherited"}, {3, "invisible"}}));
+    for (const char* moving : {"points", "velocities", "xformOp:transform", "faceVertexIndices"})
+      if (a.contains(moving) && !a.at(moving).samples.empty()) {
+        EXPECT_EQ(a.at(moving).samples.size(), 3u) << moving;
+        EXPECT_EQ(a.at(moving).samples.rbegin()->first, 2) << moving;
+        EXPECT_FALSE(a.at(moving).samples.rbegin()->second.empty()) << moving;
+      }
+  }
+  for (const char* name : {"grains", "rope", "hoop"}) {
+    const auto& a = prim(all, name).attributes;
+    ASSERT_TRUE(a.contains("velocities")) << name;
+    EXPECT_EQ(a.at("velocities").samples.size(), a.at("points").samples.size()) << name;
+  }
+  const Prim none = read(removing.folder(), "3:4");
+  EXPECT_EQ(prim(none, "hoop").attributes.at("visibility").words.at(0), "invisible");
+  EXPECT_FALSE(prim(none, "hoop").attributes.contains("points"));
 }
 
 }  // namespace

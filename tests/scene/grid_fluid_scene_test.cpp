@@ -38,6 +38,7 @@ TEST(GridFluidScene, EachMistakeIsToldWithItsPlace) {
   const std::string box = kBox, fill = kFill;
   const std::vector<std::pair<std::string, std::vector<const char*>>> cases = {
       {box, {"/bodies/0", "\"fill\""}},
+      {box + R"(, "cell": 0.1)", {"/bodies/0", "did you mean \"cell_size\"?"}},
       {box + R"(, "fill": [])", {"/bodies/0/fill"}},
       {box + R"(, "fill": [{"kind": "corners", "which": [0]}])", {"/bodies/0/fill/0/kind", "cloth"}},
       {box + R"(, "fill": [{"kind": "sphere", "center": [9, 9, 9], "radius": 0.1}])", {"/bodies/0", "no fluid"}},

@@ -46,6 +46,20 @@ TEST(MeshlessScenes, ThinBodiesHaveVoxelsThatShowHowThinTheyAre) {
               1e-12);
 }
 
+TEST(MeshlessScenes, WhatIsShownBendsBetweenTheCornersOfTheShape) {
+  const World w = build(kBox + R"(, "frame_spacing": 0.1)");
+  const Display& display = w.body(0).display();
+  std::vector<Vec3f> x(display.vertices);
+  w.body(0).display_positions(x);
+  Vec3f lo = x[0], hi = x[0];
+  for (const Vec3f& p : x) lo = lo.cwiseMin(p), hi = hi.cwiseMax(p);
+  EXPECT_LT((hi - lo - Vec3f(0.4f, 0.3f, 0.2f)).norm(), 1e-5f) << "the shape is the same";
+  EXPECT_LT(display.vertices, 300u);
+  for (const Triangle& t : display.triangles)
+    for (int k = 0; k < 3; ++k)
+      EXPECT_LE((x[static_cast<std::size_t>(t[k])] - x[static_cast<std::size_t>(t[(k + 1) % 3])]).norm(), 0.1f + 1e-6f);
+}
+
 TEST(MeshlessScenes, BadInputIsRefusedWithAMessage) {
   const auto expect = [](const std::string& keys, const std::vector<std::string>& words) {
     const std::string text = message(keys);

@@ -19,6 +19,7 @@
 #include "brim/record/runner.h"
 #include "brim/scene/scene.h"
 #include "brim/world/report_fields.h"
+#include "support/removing_run.h"
 
 namespace brim::viewer::recorded_run_test {
 namespace {
@@ -382,6 +383,17 @@ TEST_F(RecordedRunTest, WhatIsNotThereIsAnInputError) {
   EXPECT_THROW(run.frame(-1), InputError);
   EXPECT_THROW(run.topology(2), InputError);
   EXPECT_THROW(run.topology(-1), InputError);
+}
+
+TEST(RecordedRunEdits, AFrameNamesTheBodiesThatWereRemovedAndHasNoPositionsOfThem) {
+  const testing::RemovingRun made;
+  RecordedRun run(made.folder());
+  auto arrays = decode(run.frame(testing::RemovingRun::kGone - 1));
+  EXPECT_TRUE(arrays.at("removed").values.empty());
+  for (int b = 1; b <= 8; ++b) EXPECT_TRUE(arrays.contains(fmt::format("positions:{}", b))) << b;
+  arrays = decode(run.frame(testing::RemovingRun::kGone));
+  EXPECT_EQ(arrays.at("removed").values, (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8}));
+  for (int b = 1; b <= 8; ++b) EXPECT_FALSE(arrays.contains(fmt::format("positions:{}", b))) << b;
 }
 
 }  // namespace

@@ -175,6 +175,25 @@ TEST(Links, OneBreaksAboveItsForceAndStaysBrokenWhereTheRunIsTakenUp) {
   EXPECT_EQ(w->hash(), again->hash());
 }
 
+TEST(Links, ManyThatBreakAtOnceAreNamedUpToSixteenAndCounted) {
+  World w(options_at(0.125));
+  constexpr int kBalls = 19;
+  for (int i = 0; i < kBalls; ++i) {
+    const Vec3 at_rest(3.0 * i, 0, 50);
+    w.add(ball(fmt::format("ball_{}", i), {at_rest}));
+    Attachment a = at(fmt::format("thread_{}", i), fmt::format("ball_{}", i), "", at_rest, 1e4);
+    a.break_force = 1e-6 * w.body(i).mass();
+    w.attach(a);
+  }
+  std::vector<std::string> said;
+  for (int s = 0; s < 10; ++s)
+    for (const Warning& warning : w.step().warnings)
+      if (warning.code == "link_broken") said.push_back(warning.message);
+  for (int i = 0; i < kBalls; ++i) EXPECT_TRUE(w.detached(i)) << i;
+  ASSERT_EQ(said.size(), 17u);
+  EXPECT_EQ(said.back(), "and 3 more broke at the same time; the run's links say which");
+}
+
 TEST(Links, ARopeIsSlackUntilItIsAsLongAsItIs) {
   World w(options_at(0.125));
   w.add(ball("ball", {Vec3(0, 0, 0)}, 0.5, 0.2));

@@ -144,22 +144,25 @@ export class Picture {
   show(frame: Frame, visible: (body: number) => boolean): void {
     this.shown = frame;
     for (const [body, positions] of frame.positions) {
-      const view = this.views[body];
-      if (!view) continue;
       this.positions[body] = positions;
-      view.update(positions, frame.cells.get(body));
-      view.object.visible = visible(body);
+      this.views[body]?.update(positions, frame.cells.get(body));
     }
+    this.views.forEach((view, body) => (view.object.visible = visible(body) && this.present(body)));
     this.refreshContacts();
     this.tiles.update(frame.tiles);
     this.refreshLinks();
     this.stage.invalidate();
   }
 
+  /** The frame shown has the body. */
+  private present(body: number): boolean {
+    return this.positions[body] !== undefined && !this.shown?.removed.has(body);
+  }
+
   setLook(body: number, look: BodyLook): void {
     const view = this.views[body];
     if (!view) return;
-    view.object.visible = look.visible && this.positions[body] !== undefined;
+    view.object.visible = look.visible && this.present(body);
     view.setColour(look.colour);
     view.setWireframe(look.wireframe);
     view.setSurface?.(look.surface);

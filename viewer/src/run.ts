@@ -105,6 +105,7 @@ export interface Frame {
   index: number;
   positions: Map<number, Float32Array>; // body -> (nv, 3) [m]
   cells: Map<number, Int32Array>; // body -> (nt, 3), of bodies whose triangles change
+  removed: Set<number>; // bodies that are no longer in the world
   contacts: Contacts;
   tiles: { key: Int32Array; step: Float32Array }; // (n, 3), (n) [m]
   pairs: PairTotal[];
@@ -133,6 +134,7 @@ export function frameFromArrays(index: number, arrays: NamedArray[], bytes: numb
     index,
     positions,
     cells,
+    removed: new Set(ints(arrays, 'removed')),
     contacts: {
       count: position.length / 3,
       position,

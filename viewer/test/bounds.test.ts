@@ -20,6 +20,15 @@ test('what was spilled is followed a little way', () => {
   expect(framed.min.z).toBeGreaterThan(-5);
 });
 
+test('what is fixed is shown whole if it is of the scale of what moves, else only near it', () => {
+  const ring = box(0, 2.5, 3, 4);
+  expect(framing([box(0, 2)], [ring])).toEqual(box(0, 2.5, 0, 4));
+  const floor = box(-50, 50, -1, 0);
+  const framed = framing([box(0, 2)], [floor]);
+  expect(framed.min.x).toBeGreaterThan(-1);
+  expect(framed.max.x).toBeLessThan(3);
+});
+
 test('the first of some frames sets the scale', () => {
   expect(framing([box(0, 2), box(0, 80), box(1, 3)], [])).toEqual(box(0, 3));
 });

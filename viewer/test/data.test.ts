@@ -48,6 +48,12 @@ test('pairs are read as the run recorded them, in the order of their parts', () 
   ]);
 });
 
+test('a frame names the bodies that were removed, and most frames none', () => {
+  const arrays = [array('removed', new Int32Array([2, 5])), array('positions', new Float32Array(3), 3, 0)];
+  expect(frameFromArrays(0, arrays, 0).removed).toEqual(new Set([2, 5]));
+  expect(frameFromArrays(0, [], 0).removed.size).toBe(0);
+});
+
 test('a tile is drawn around its own eight nodes per side', () => {
   const { positions } = tileEdges(new Int32Array([1, 0, -1]), new Float32Array([0.5]));
   const along = (k: number) => [...positions].filter((_, i) => i % 3 === k);

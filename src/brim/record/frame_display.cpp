@@ -67,7 +67,7 @@ void FrameDisplay::add(const World& world) {
   translation_.append(row_.translation.data(), 1);
   positions_.append(row_.positions.data(), 1);
   add_surfaces(world);
-  watch_still();
+  watch_still(world);
   empty_ = false;
 }
 
@@ -128,11 +128,8 @@ std::vector<XdmfFrames::Rows> FrameDisplay::xdmf_rows(std::uint64_t first, std::
   return all;
 }
 
-void FrameDisplay::watch_still() {
-  if (empty_) {
-    first_ = row_;
-    return;
-  }
+void FrameDisplay::watch_still(const World& world) {
+  if (empty_) first_ = row_;
   const auto same = [](const auto& a, const auto& b, std::size_t first, std::size_t size) {
     return std::equal(a.begin() + static_cast<std::ptrdiff_t>(first),
                       a.begin() + static_cast<std::ptrdiff_t>(first + size),
@@ -141,7 +138,8 @@ void FrameDisplay::watch_still() {
   for (std::size_t b = 0; b < still_.size(); ++b) {
     if (still_[b] == 0) continue;
     const RunTables::Place& place = tables_->places[b];
-    if (same(row_.rotation, first_.rotation, 9 * place.first_piece, 9 * place.pieces) &&
+    if (!world.removed(static_cast<int>(b)) &&
+        same(row_.rotation, first_.rotation, 9 * place.first_piece, 9 * place.pieces) &&
         same(row_.translation, first_.translation, 3 * place.first_piece, 3 * place.pieces) &&
         (place.first_position < 0 ||
          same(row_.positions, first_.positions, static_cast<std::size_t>(place.first_position),

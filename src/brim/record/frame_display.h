@@ -44,13 +44,13 @@ class FrameDisplay {
   void place(const World& world);
   void shrink(const RunTables::Place& place, const Body& body);
   void add_surfaces(const World& world);
-  void watch_still();
+  void watch_still(const World& world);
 
   const RunTables* tables_ = nullptr;
   Column rotation_, translation_, positions_;
   std::vector<Surface> surfaces_;
   h5::Dataset still_set_;
-  std::vector<std::int64_t> still_;  ///< per body: 1 until its display differs from the first
+  std::vector<std::int64_t> still_;  ///< per body: 1 until its display differs from the first, or it is gone
   bool still_changed_ = false;
   bool empty_ = true;
   Row row_, first_;

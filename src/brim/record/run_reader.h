@@ -51,8 +51,11 @@ class RunReader {
   std::vector<Vec3f> positions(int body, std::int64_t frame) const;
   /// Triangles of a body in a frame: those of its display, or for a changing surface those of the frame.
   std::vector<Triangle> triangles(int body, std::int64_t frame) const;
-  /// True when all frames so far have the same positions of a body.
+  /// True when all frames so far have the same positions of a body, and none is without it.
   bool still(int body) const;
+  /// Numbers of the bodies that a frame is without, ascending: they were removed (docs/editing.md). Their positions are
+  /// all the same point.
+  std::vector<int> removed(std::int64_t frame) const;
   std::vector<ContactSample> contacts(std::int64_t frame) const;
   std::vector<std::pair<TileKey, double>> tiles(std::int64_t frame) const;
   std::vector<PairReport> pairs(std::int64_t frame) const;

@@ -4,11 +4,21 @@
 
 #include "brim/record/run_layout.h"
 #include "brim/record/run_reader_impl.h"
+#include "brim/world/edits.h"
 
 namespace brim {
 
 using h5::Type;
 using Row = std::vector<std::uint64_t>;
+
+std::vector<int> RunReader::removed(std::int64_t frame) const {
+  const auto [first, n] = impl_->range("/memory", frame);
+  State state;
+  state.warm_start = impl_->rows<double>("/memory/value", first, n, 1, Type::Float64);
+  std::vector<int> list = removed_in(state);
+  std::erase_if(list, [&](int b) { return static_cast<std::size_t>(b) >= impl_->tables.bodies.size(); });
+  return list;
+}
 
 std::vector<ContactSample> RunReader::contacts(std::int64_t frame) const {
   const auto [first, n] = impl_->range("/contacts", frame);

@@ -52,8 +52,9 @@ std::string pointer_token(std::string_view key);
 /// A value for messages: compact JSON, truncated when long.
 std::string shown(const Json& value);
 
-/// The word of `known` nearest to `word` in edit distance. When none is near (more than a third of it differs), the
-/// shortest one that consists of `word` and more, as young_modulus of young, or "".
+/// The word of `known` that `word` may have meant: one that differs by a letter; else the shortest one that consists of
+/// `word` and more, as young_modulus of young; else the nearest in edit distance, if at most a third of it differs, or
+/// "".
 template <class Words>
 std::string nearest_word(std::string_view word, const Words& known);
 
@@ -66,22 +67,20 @@ int edit_distance(std::string_view a, std::string_view b);
 
 template <class Words>
 std::string nearest_word(std::string_view word, const Words& known) {
-  std::string best;
+  std::string near, whole;
   int least = 1 + static_cast<int>(word.size() + 2) / 3;
   for (const auto& candidate : known) {
+    if (has_words(candidate, word) && (whole.empty() || candidate.size() < whole.size())) whole = candidate;
     // The distance is at least the difference of the lengths.
     const auto apart = std::max(word.size(), candidate.size()) - std::min(word.size(), candidate.size());
     if (apart >= static_cast<std::size_t>(least)) continue;
     const int d = edit_distance(word, candidate);
     if (d < least) {
       least = d;
-      best = candidate;
+      near = candidate;
     }
   }
-  if (!best.empty()) return best;
-  for (const auto& candidate : known)
-    if (has_words(candidate, word) && (best.empty() || candidate.size() < best.size())) best = candidate;
-  return best;
+  return whole.empty() || (!near.empty() && least <= 1) ? near : whole;
 }
 
 }  // namespace brim

@@ -271,6 +271,7 @@ void Links::finish(const ContactSet& set, std::span<const Vec3> force, double ti
                        "too hard, for the sub-step; take shorter ones (time_step, min_substeps)",
                        link.given.name, error)});
   }
+  std::size_t untold = 0;
   for (std::size_t l = 0; l < links_.size(); ++l) {
     const double load = report.links[l].force.norm();
     if (links_[l].broken || !(load > links_[l].given.break_force)) continue;
@@ -279,7 +280,12 @@ void Links::finish(const ContactSet& set, std::span<const Vec3> force, double ti
       report.warnings.push_back({time, "link_broken",
                                  fmt::format("'{}' broke: it carried {:.4g} N, above {:.4g} N", links_[l].given.name,
                                              load, links_[l].given.break_force)});
+    else
+      ++untold;
   }
+  if (untold > 0)
+    report.warnings.push_back(
+        {time, "link_broken", fmt::format("and {} more broke at the same time; the run's links say which", untold)});
   report.links.resize(kept());
 }
 

@@ -31,6 +31,7 @@ export function boxWithoutStrays(positions: Float32Array): THREE.Box3 {
 const diagonal = (box: THREE.Box3) => (box.isEmpty() ? 0 : box.min.distanceTo(box.max));
 
 const kScattered = 4; // times their extent at the start: bodies that wide apart do not all matter
+const kWide = 1.5; // times the extent of what moves: fixed bodies up to so wide are of its scale
 const kAround = 1.5; // extents at the start by which what scattered is followed
 
 /**
@@ -50,7 +51,7 @@ export function framing(moving: THREE.Box3[], fixed: THREE.Box3[], start = new T
   const scale = diagonal(box);
   for (const f of fixed) {
     if (f.isEmpty()) continue;
-    if (scale === 0 || diagonal(f) < scale) {
+    if (scale === 0 || diagonal(f) < kWide * scale) {
       box.union(f);
       continue;
     }

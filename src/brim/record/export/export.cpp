@@ -7,6 +7,7 @@
 #include "brim/core/error.h"
 #include "brim/record/export/items.h"
 #include "brim/record/export/staging.h"
+#include "brim/world/edits.h"
 #include "brim/world/measures.h"
 
 namespace brim {
@@ -67,11 +68,23 @@ Frame read_frame(const Job& job, std::int64_t index, std::int64_t order) {
   frame.time = job.run->time(index);
   const State state = job.run->state(index);
   std::vector<char> chosen(job.run->bodies().size(), 0);
+  const std::vector<int> removed = removed_in(state);
   for (const Item& item : job.items) {
     chosen[static_cast<std::size_t>(item.body)] = 1;
-    frame.positions.push_back(job.run->positions(item.body, index));
-    frame.triangles.push_back(job.run->triangles(item.body, index));
-    frame.velocities.push_back(vertex_velocities(*item.recorded, state, frame.positions.back()));
+    const bool gone = std::ranges::binary_search(removed, item.body);
+    frame.gone.push_back(gone ? 1 : 0);
+    std::vector<Vec3f> x;
+    std::vector<Triangle> triangles;
+    std::vector<Line> lines;
+    if (!gone) {
+      x = job.run->positions(item.body, index);
+      triangles = job.run->triangles(item.body, index);
+      lines = item.recorded->display.lines;
+    }
+    frame.velocities.push_back(gone ? std::vector<Vec3f>() : vertex_velocities(*item.recorded, state, x));
+    frame.positions.push_back(std::move(x));
+    frame.triangles.push_back(std::move(triangles));
+    frame.lines.push_back(std::move(lines));
   }
   const auto takes_part = [&](std::int32_t part) {
     const auto& parts = job.run->parts();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <span>
@@ -11,6 +12,8 @@
 
 /// Common parts of the export formats: one file per format, and its line in formats.cpp.
 namespace brim::exporting {
+
+using Line = std::array<std::int32_t, 2>;  ///< vertices of a segment
 
 /// A body to be exported.
 struct Item {
@@ -30,7 +33,9 @@ struct Frame {
   double time = 0.0;                             ///< [s]
   std::vector<std::vector<Vec3f>> positions;     ///< [m], per item, shape (vertices)
   std::vector<std::vector<Triangle>> triangles;  ///< per item; those of this frame for changing surfaces
+  std::vector<std::vector<Line>> lines;          ///< per item
   std::vector<std::vector<Vec3f>> velocities;    ///< [m/s], per item; empty if the run has none per vertex
+  std::vector<char> gone;                        ///< per item: removed, so that all its lists here are empty
   std::vector<ContactSample> contacts;           ///< contacts that involve an item
 };
 

@@ -73,11 +73,11 @@ class GltfWriter : public Writer {
     nodes_.push_back({{"name", "brim"}, {"rotation", {-half, 0, 0, half}}});
     for (std::size_t i = 0; i < job_.items.size(); ++i) {
       if (job_.items[i].recorded->changing) {
-        for (std::size_t f = 0; f < film_.positions[i].size(); ++f)
-          if (!film_.triangles[i][f].empty()) children.push_back(changing(i, f));
+        for (std::size_t s = 0; s < film_.samples[i].size(); ++s)
+          if (!film_.triangles[i][s].empty()) children.push_back(changing(i, s));
         continue;
       }
-      if (film_.positions[i].front().empty()) continue;
+      if (film_.samples[i].empty() || film_.positions[i].front().empty()) continue;
       children.push_back(nodes_.size());
       body(i);
     }
@@ -107,28 +107,21 @@ class GltfWriter : public Writer {
   }
 
   /// One frame of a surface that changes: a mesh of its own, whose node has size only while that frame lasts.
-  std::size_t changing(std::size_t i, std::size_t f) {
+  std::size_t changing(std::size_t i, std::size_t sample) {
     const Item& item = job_.items[i];
-    if (f == 0 || materials_.empty() || materials_.back()["name"] != item.name) material(item);
+    const std::size_t f = film_.samples[i][sample];
+    if (sample == 0 || materials_.empty() || materials_.back()["name"] != item.name) material(item);
     const std::size_t node = nodes_.size();
     const std::string name = numbered(item.name, film_.indices[f], "frame");
     const std::string plain = name.substr(0, name.rfind('.'));
     Json about = {{"name", plain}, {"mesh", meshes_.size()}};
-    mesh(item, plain, {film_.positions[i][f]}, film_.triangles[i][f]);
+    mesh(item, plain, {film_.positions[i][sample]}, film_.triangles[i][sample]);
     if (film_.times.size() > 1) {
-      std::vector<float> times;
-      std::vector<Vec3f> sizes;
-      const auto at = [&](std::size_t frame, float size) {
-        times.push_back(static_cast<float>(film_.times[frame] - film_.times.front()));
-        sizes.push_back(Vec3f::Constant(size));
-      };
-      if (f > 0) at(0, 0.0f);
-      at(f, 1.0f);
-      if (f + 1 < film_.times.size()) at(f + 1, 0.0f);
-      const int input = buffer_.add(times, kFloat, "SCALAR", 1, true);
-      channels_.push_back({{"sampler", samplers_.size()}, {"target", {{"node", node}, {"path", "scale"}}}});
-      samplers_.push_back({{"input", input}, {"output", buffer_.add_points(sizes, false)}, {"interpolation", "STEP"}});
-      if (f > 0) about["scale"] = {0, 0, 0};
+      std::vector<std::pair<std::size_t, bool>> when;
+      if (f > 0) when.push_back({0, false});
+      when.push_back({f, true});
+      if (f + 1 < film_.times.size()) when.push_back({f + 1, false});
+      show(about, when);
     }
     nodes_.push_back(std::move(about));
     return node;
@@ -142,10 +135,15 @@ class GltfWriter : public Writer {
     const auto motion = find_rigid_motion(frames);
     if (motion) {
       mesh(item, item.name, {motion->local}, item.recorded->display.triangles);
-      place(node, *motion);
+      place(node, *motion, i);
     } else {
       mesh(item, item.name, frames, item.recorded->display.triangles);
-      if (frames.size() > 1) morph();
+      if (frames.size() > 1) morph(i);
+    }
+    if (!film_.always(i)) {
+      std::vector<std::pair<std::size_t, bool>> when;
+      for (const std::size_t f : film_.changes(i)) when.push_back({f, film_.present[i][f] != 0});
+      show(node, when);
     }
     nodes_.push_back(std::move(node));
   }
@@ -192,7 +190,7 @@ class GltfWriter : public Writer {
   }
 
   /// Places a node, over time where it moves.
-  void place(Json& node, const RigidMotion& motion) {
+  void place(Json& node, const RigidMotion& motion, std::size_t i) {
     std::vector<Vec3f> where;
     std::vector<std::array<float, 4>> turn;
     for (const Placement& p : motion.placements) {
@@ -203,30 +201,54 @@ class GltfWriter : public Writer {
     node["translation"] = {where[0].x(), where[0].y(), where[0].z()};
     node["rotation"] = turn[0];
     if (where.size() < 2) return;
-    channel("translation", buffer_.add_points(where, false));
-    channel("rotation", buffer_.add(turn, kFloat, "VEC4", 4));
+    const int times = times_of(i);
+    channel("translation", times, buffer_.add_points(where, false), "LINEAR");
+    channel("rotation", times, buffer_.add(turn, kFloat, "VEC4", 4), "LINEAR");
   }
 
-  /// One target after another takes over. All deforming bodies have as many targets, and share the weights.
-  void morph() {
-    const std::size_t frames = film_.times.size();
-    if (weights_ < 0) {
-      std::vector<float> weights(frames * (frames - 1), 0.0f);
-      for (std::size_t f = 1; f < frames; ++f) weights[f * (frames - 1) + f - 1] = 1.0f;
-      weights_ = buffer_.add(weights, kFloat, "SCALAR", 1);
+  /// One target after another takes over. Bodies that are there in all frames have as many targets, and share weights.
+  void morph(std::size_t i) {
+    const std::size_t samples = film_.samples[i].size();
+    const bool shared = samples == film_.times.size();
+    int weights = shared ? weights_ : -1;
+    if (weights < 0) {
+      std::vector<float> list(samples * (samples - 1), 0.0f);
+      for (std::size_t s = 1; s < samples; ++s) list[s * (samples - 1) + s - 1] = 1.0f;
+      weights = buffer_.add(list, kFloat, "SCALAR", 1);
+      if (shared) weights_ = weights;
     }
-    channel("weights", weights_);
+    channel("weights", times_of(i), weights, "LINEAR");
+  }
+
+  /// Gives the node that is added next its size in some frames, and none in others.
+  void show(Json& node, const std::vector<std::pair<std::size_t, bool>>& when) {
+    std::vector<std::size_t> frames;
+    std::vector<Vec3f> sizes;
+    for (const auto& [frame, shown] : when) {
+      frames.push_back(frame);
+      sizes.push_back(Vec3f::Constant(shown ? 1.0f : 0.0f));
+    }
+    const int times = add_times(frames);
+    channel("scale", times, buffer_.add_points(sizes, false), "STEP");
+    if (!when.front().second) node["scale"] = {0, 0, 0};
+  }
+
+  /// Times of the samples of an item, in the run.
+  int times_of(std::size_t i) {
+    if (film_.samples[i].size() < film_.times.size()) return add_times(film_.samples[i]);
+    if (times_ < 0) times_ = add_times(film_.samples[i]);
+    return times_;
+  }
+  int add_times(const std::vector<std::size_t>& frames) {
+    std::vector<float> times;
+    for (const std::size_t f : frames) times.push_back(static_cast<float>(film_.times[f]));
+    return buffer_.add(times, kFloat, "SCALAR", 1, true);
   }
 
   /// Animates a quantity of the node that is added next.
-  void channel(const char* path, int values) {
-    if (times_ < 0) {
-      std::vector<float> times;
-      for (const double t : film_.times) times.push_back(static_cast<float>(t - film_.times.front()));
-      times_ = buffer_.add(times, kFloat, "SCALAR", 1, true);
-    }
+  void channel(const char* path, int times, int values, const char* interpolation) {
     channels_.push_back({{"sampler", samplers_.size()}, {"target", {{"node", nodes_.size()}, {"path", path}}}});
-    samplers_.push_back({{"input", times_}, {"output", values}, {"interpolation", "LINEAR"}});
+    samplers_.push_back({{"input", times}, {"output", values}, {"interpolation", interpolation}});
   }
 
   void write(const Json& root) const {

@@ -10,16 +10,29 @@ namespace brim::exporting {
 void Film::add(const Job& job, const Frame& frame) {
   times.push_back(frame.time);
   indices.push_back(frame.index);
+  samples.resize(job.items.size());
+  present.resize(job.items.size());
   positions.resize(job.items.size());
   triangles.resize(job.items.size());
   velocities.resize(job.items.size());
   for (std::size_t i = 0; i < job.items.size(); ++i) {
-    if (job.items[i].still && frame.order > 0) continue;
+    present[i].push_back(frame.gone[i] == 0 ? 1 : 0);
+    if (frame.gone[i] != 0 || (job.items[i].still && !samples[i].empty())) continue;
+    samples[i].push_back(static_cast<std::size_t>(frame.order));
     positions[i].push_back(frame.positions[i]);
     if (job.items[i].recorded->changing) triangles[i].push_back(frame.triangles[i]);
     velocities[i].push_back(frame.velocities[i]);
   }
   contacts.push_back(frame.contacts);
+}
+
+bool Film::always(std::size_t item) const { return std::ranges::find(present[item], 0) == present[item].end(); }
+
+std::vector<std::size_t> Film::changes(std::size_t item) const {
+  std::vector<std::size_t> list;
+  for (std::size_t f = 0; f < present[item].size(); ++f)
+    if (f == 0 || present[item][f] != present[item][f - 1]) list.push_back(f);
+  return list;
 }
 
 namespace {

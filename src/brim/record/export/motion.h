@@ -12,12 +12,17 @@ namespace brim::exporting {
 struct Film {
   std::vector<double> times;                                  ///< [s], shape (frames)
   std::vector<std::int64_t> indices;                          ///< frames in the run
-  std::vector<std::vector<std::vector<Vec3f>>> positions;     ///< [item][frame]; a single frame for still items
+  std::vector<std::vector<char>> present;                     ///< [item][frame]: 0 where the item was removed
+  std::vector<std::vector<std::size_t>> samples;              ///< [item]: frames of its samples; one for still items
+  std::vector<std::vector<std::vector<Vec3f>>> positions;     ///< [item][sample]
   std::vector<std::vector<std::vector<Triangle>>> triangles;  ///< likewise for changing surfaces; else empty
   std::vector<std::vector<std::vector<Vec3f>>> velocities;    ///< likewise; empty lists if the run has none
   std::vector<std::vector<ContactSample>> contacts;           ///< [frame]
 
   void add(const Job& job, const Frame& frame);
+  bool always(std::size_t item) const;
+  /// Frames in which an item comes or goes, and the first one.
+  std::vector<std::size_t> changes(std::size_t item) const;
 };
 
 /// Placement of a body in a frame: world = rotation * local + translation.

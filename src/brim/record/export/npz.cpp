@@ -58,6 +58,7 @@ class NpzWriter : public Writer {
     std::vector<std::int64_t> index;
     for (std::int64_t k = 0; k < job_.frames.count(); ++k) index.push_back(frame_at(k));
     numbers("frames/index", index);
+    presence();
     attributes();
     zip_.close();
   }
@@ -72,6 +73,20 @@ class NpzWriter : public Writer {
   }
   static constexpr const char* kCopied[] = {"/frames/", "/series/", "/motion/",    "/contacts/", "/tiles/",
                                             "/pairs/",  "/links/",  "/link_ends/", "/memory/",   "/warnings/"};
+
+  /// 1 where a frame has a body, 0 where it was removed, shape (frames, bodies).
+  void presence() {
+    const std::size_t bodies = job_.run->bodies().size();
+    std::vector<std::uint8_t> present;
+    for (std::int64_t k = 0; k < job_.frames.count(); ++k) {
+      const std::size_t first = present.size();
+      present.resize(first + bodies, 1);
+      for (const int b : job_.run->removed(frame_at(k))) present[first + static_cast<std::size_t>(b)] = 0;
+    }
+    begin("frames/present", "|u1", {static_cast<std::uint64_t>(job_.frames.count()), bodies});
+    zip_.write(present.data(), present.size());
+    zip_.end();
+  }
 
   /// Cells and positions of a body.
   void body(const Item& item) {

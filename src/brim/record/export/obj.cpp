@@ -21,7 +21,8 @@ class ObjWriter : public Writer {
     std::string text = fmt::format("# brim: {} s; metres, z up\n", frame.time);
     std::size_t first = 1;  // vertices count from 1 through the whole file
     for (std::size_t i = 0; i < job_.items.size(); ++i) {
-      body(i, frame.positions[i], frame.triangles[i], first, text);
+      if (frame.positions[i].empty()) continue;  // a fluid without surface, a body that was removed
+      body(i, frame, first, text);
       first += frame.positions[i].size();
       file.write(text);
       text.clear();
@@ -30,15 +31,15 @@ class ObjWriter : public Writer {
   }
 
  private:
-  void body(std::size_t i, const std::vector<Vec3f>& x, const std::vector<Triangle>& triangles, std::size_t first,
-            std::string& text) const {
+  void body(std::size_t i, const Frame& frame, std::size_t first, std::string& text) const {
     const Display& display = job_.items[i].recorded->display;
+    const std::vector<Vec3f>& x = frame.positions[i];
     const auto to = std::back_inserter(text);
     fmt::format_to(to, "o {}\n", job_.items[i].file_name);
     for (const Vec3f& p : x) fmt::format_to(to, "v {} {} {}\n", p.x(), p.y(), p.z());
     const auto at = [first](std::int32_t v) { return first + static_cast<std::size_t>(v); };
-    for (const Triangle& t : triangles) fmt::format_to(to, "f {} {} {}\n", at(t[0]), at(t[1]), at(t[2]));
-    for (const auto& line : display.lines) fmt::format_to(to, "l {} {}\n", at(line[0]), at(line[1]));
+    for (const Triangle& t : frame.triangles[i]) fmt::format_to(to, "f {} {} {}\n", at(t[0]), at(t[1]), at(t[2]));
+    for (const Line& line : frame.lines[i]) fmt::format_to(to, "l {} {}\n", at(line[0]), at(line[1]));
     if (display.kind != Display::Kind::Points) return;
     for (std::size_t v = 0; v < x.size(); ++v) fmt::format_to(to, "p {}\n", first + v);
   }

@@ -18,16 +18,17 @@ class PlyWriter : public Writer {
     for (std::size_t i = 0; i < job_.items.size(); ++i) {
       const Item& item = job_.items[i];
       if (item.still && frame.order > 0) continue;
-      body(item, frame.positions[i], frame.triangles[i], frame.velocities[i],
-           item.still ? item.file_name + ".ply" : numbered(item.file_name, frame.index, "ply"));
+      body(item, frame, i, item.still ? item.file_name + ".ply" : numbered(item.file_name, frame.index, "ply"));
     }
     contacts(frame);
   }
 
  private:
-  void body(const Item& item, const std::vector<Vec3f>& x, const std::vector<Triangle>& triangles,
-            const std::vector<Vec3f>& v, const std::string& name) const {
+  void body(const Item& item, const Frame& frame, std::size_t i, const std::string& name) const {
     const Display& d = item.recorded->display;
+    const std::vector<Vec3f>&x = frame.positions[i], &v = frame.velocities[i];
+    const std::vector<Triangle>& triangles = frame.triangles[i];
+    const std::vector<Line>& lines = frame.lines[i];
     const bool sized = d.kind != Display::Kind::Triangles && d.radius > 0.0;
     std::string head = "ply\nformat binary_little_endian 1.0\ncomment brim: " + item.file_name + "; metres, z up\n";
     head += fmt::format("element vertex {}\nproperty float x\nproperty float y\nproperty float z\n", x.size());
@@ -35,20 +36,20 @@ class PlyWriter : public Writer {
     if (sized) head += "property float pscale\n";
     if (!triangles.empty())
       head += fmt::format("element face {}\nproperty list uchar int vertex_indices\n", triangles.size());
-    if (!d.lines.empty())
-      head += fmt::format("element edge {}\nproperty int vertex1\nproperty int vertex2\n", d.lines.size());
+    if (!lines.empty())
+      head += fmt::format("element edge {}\nproperty int vertex1\nproperty int vertex2\n", lines.size());
     OutputFile file(job_.folder / name);
     file.write(head + "end_header\n");
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      file.write(x[i].data(), sizeof(Vec3f));
-      if (!v.empty()) file.write(v[i].data(), sizeof(Vec3f));
+    for (std::size_t n = 0; n < x.size(); ++n) {
+      file.write(x[n].data(), sizeof(Vec3f));
+      if (!v.empty()) file.write(v[n].data(), sizeof(Vec3f));
       if (sized) file.write_number(static_cast<float>(d.radius));
     }
     for (const Triangle& t : triangles) {
       file.write_number(std::uint8_t{3});
       file.write(t.data(), sizeof t);
     }
-    file.write_array(std::span(d.lines));
+    file.write_array(std::span(lines));
     file.close();
   }
 

@@ -32,8 +32,7 @@ std::string material(const StressField& field, VtkFile& file) {
 
 }  // namespace
 
-std::string stress_piece(const StressField& field, std::span<const double> v, VtkFile& file) {
-  const bool samples = field.tets.empty();
+std::string stress_piece(const StressField& field, bool samples, std::span<const double> v, VtkFile& file) {
   std::vector<Vec3f> x;
   for (const Vec3& place : field.place) x.push_back(place.cast<float>());
   std::string piece = fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", x.size(), field.size());

@@ -9,8 +9,11 @@
 namespace brim::exporting {
 
 /// Adds the tetrahedra of a solid (or its samples, one vertex each) with stress and strain to an unstructured grid;
-/// the tensors as XX, YY, ZZ, XY, YZ, XZ. @param v  [m/s] of the nodes, shape (nodes, 3) flat, or empty: none
+/// the tensors as XX, YY, ZZ, XY, YZ, XZ.
+/// @param field    may be empty, for a solid that was removed
+/// @param samples  it is one of samples: has no tetrahedra
+/// @param v        [m/s] of the nodes, shape (nodes, 3) flat, or empty: none
 /// @return the piece
-std::string stress_piece(const StressField& field, std::span<const double> v, VtkFile& file);
+std::string stress_piece(const StressField& field, bool samples, std::span<const double> v, VtkFile& file);
 
 }  // namespace brim::exporting

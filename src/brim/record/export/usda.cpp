@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
-#include <iterator>
+#include <algorithm>
+#include <numeric>
 
 #include "brim/record/export/format.h"
 #include "brim/record/export/motion.h"
@@ -44,8 +45,9 @@ std::string quoted(const std::string& text) {
 }
 
 /// USD as text: run.usda, z up, metres, one time code per recorded frame. Bodies that moved as rigid ones are a shape
-/// and a sampled matrix; all others have sampled points, with velocities where the run has them. Surfaces are Mesh,
-/// lines BasisCurves, points Points; contacts are Points with force, friction and overlap as primvars.
+/// and a sampled matrix; all others have sampled points, with velocities where the run has them; those that are removed
+/// a sampled visibility. Surfaces are Mesh, lines BasisCurves, points Points; contacts are Points with force, friction
+/// and overlap as primvars.
 class UsdaWriter : public Writer {
  public:
   explicit UsdaWriter(const Job& job) : job_(job) {}
@@ -69,13 +71,17 @@ class UsdaWriter : public Writer {
   static constexpr const char* kPad = "        ";
 
   /// An attribute with one value per frame, or a plain one where there is only one.
+  /// @param frames  of the values, among the exported ones; empty: no attribute
   template <class Text>
-  std::string sampled(const std::string& name, std::size_t samples, Text text, const std::string& metadata = "") const {
-    if (samples == 1) return fmt::format("{}{} = {}{}\n", kPad, name, text(0), metadata);
+  std::string sampled(const std::string& name, const std::vector<std::size_t>& frames, Text text,
+                      const std::string& metadata = "") const {
+    if (frames.empty()) return "";
+    if (frames.size() == 1) return fmt::format("{}{} = {}{}\n", kPad, name, text(0), metadata);
     // Metadata belong to the attribute's declaration, which has no value of its own here.
     std::string out = metadata.empty() ? "" : fmt::format("{}{}{}\n", kPad, name, metadata);
     out += fmt::format("{}{}.timeSamples = {{\n", kPad, name);
-    for (std::size_t f = 0; f < samples; ++f) out += fmt::format("{}    {}: {},\n", kPad, film_.indices[f], text(f));
+    for (std::size_t s = 0; s < frames.size(); ++s)
+      out += fmt::format("{}    {}: {},\n", kPad, film_.indices[frames[s]], text(s));
     return out + kPad + "}\n";
   }
 
@@ -83,6 +89,7 @@ class UsdaWriter : public Writer {
     const Item& item = job_.items[i];
     const Display& d = item.recorded->display;
     const auto& frames = film_.positions[i];
+    const auto& samples = film_.samples[i];
     const char* type = d.kind == Display::Kind::Triangles ? "Mesh"
                        : d.kind == Display::Kind::Lines   ? "BasisCurves"
                                                           : "Points";
@@ -93,40 +100,49 @@ class UsdaWriter : public Writer {
     std::vector<std::int32_t> order;  // vertices as the prim lists them; empty: as recorded
     const bool changing = item.recorded->changing;
     if (d.kind == Display::Kind::Triangles) {
-      const std::size_t samples = changing ? frames.size() : 1;
-      out += surface(d, samples, [&](std::size_t f) -> const std::vector<Triangle>& {
-        return changing ? film_.triangles[i][f] : d.triangles.items();
-      });
+      out += surface(d, changing ? samples : std::vector<std::size_t>{0},
+                     [&](std::size_t s) -> const std::vector<Triangle>& {
+                       return changing ? film_.triangles[i][s] : d.triangles.items();
+                     });
     }
     if (d.kind == Display::Kind::Lines) out += curves(d, order);
     if (d.kind != Display::Kind::Triangles)
       out += fmt::format("{}float[] widths = [{}] (\n{}    interpolation = \"constant\"\n{})\n", kPad,
                          static_cast<float>(2.0 * d.radius), kPad, kPad);
-    out += fmt::format("{}color3f[] primvars:displayColor = [{}]\n", kPad, tuple(item.colour));
+    out += fmt::format("{}color3f[] primvars:displayColor = [{}]\n", kPad, tuple(item.colour)) + visibility(i);
+    if (frames.empty()) return out + "    }\n\n";
     const auto& v = film_.velocities[i];
+    const bool moving = std::ranges::none_of(v, [](const auto& list) { return list.empty(); });
     // Where there are velocities the points move in their own right.
-    const auto motion = frames.size() > 1 && v.front().empty() && !changing ? find_rigid_motion(frames) : std::nullopt;
+    const auto motion = frames.size() > 1 && !moving && !changing ? find_rigid_motion(frames) : std::nullopt;
     const auto picked = [&](const std::vector<Vec3f>& x) {
       if (order.empty()) return joined(x);
       return joined(order, [&](std::int32_t n) { return tuple(x[static_cast<std::size_t>(n)]); });
     };
     if (motion) {
       out += extent({motion->local}) + fmt::format("{}point3f[] points = {}\n", kPad, picked(motion->local));
-      out += sampled("matrix4d xformOp:transform", motion->placements.size(),
-                     [&](std::size_t f) { return matrix(motion->placements[f]); });
+      out +=
+          sampled("matrix4d xformOp:transform", samples, [&](std::size_t s) { return matrix(motion->placements[s]); });
       out += fmt::format("{}uniform token[] xformOpOrder = [\"xformOp:transform\"]\n", kPad);
     } else {
-      out +=
-          extent(frames) + sampled("point3f[] points", frames.size(), [&](std::size_t f) { return picked(frames[f]); });
-      if (!v.front().empty())
-        out += sampled("vector3f[] velocities", v.size(), [&](std::size_t f) { return picked(v[f]); });
+      out += extent(frames) + sampled("point3f[] points", samples, [&](std::size_t s) { return picked(frames[s]); });
+      if (moving) out += sampled("vector3f[] velocities", samples, [&](std::size_t s) { return picked(v[s]); });
     }
     return out + "    }\n\n";
   }
 
-  /// @param at  triangles of a sample
+  /// When a body that is removed, or comes back, is shown; values of this type are held, not interpolated. Without
+  /// samples of frames in which it is gone its points hold too, so that no motion blur draws it.
+  std::string visibility(std::size_t i) const {
+    if (film_.always(i)) return "";
+    return sampled("token visibility", film_.changes(i), [&, at = film_.changes(i)](std::size_t s) {
+      return film_.present[i][at[s]] != 0 ? "\"inherited\"" : "\"invisible\"";
+    });
+  }
+
+  /// @param samples  frames of the surfaces  @param at  triangles of a sample
   template <class At>
-  std::string surface(const Display& d, std::size_t samples, At at) const {
+  std::string surface(const Display& d, const std::vector<std::size_t>& samples, At at) const {
     std::string out = fmt::format("{0}uniform token subdivisionScheme = \"none\"\n{0}uniform bool doubleSided = {1}\n",
                                   kPad, d.two_sided ? 1 : 0);
     out += sampled("int[] faceVertexCounts", samples,
@@ -158,10 +174,12 @@ class UsdaWriter : public Writer {
 
   std::string contacts() const {
     const auto& list = film_.contacts;
+    std::vector<std::size_t> frames(list.size());
+    std::iota(frames.begin(), frames.end(), std::size_t{0});
     const std::string vertex = fmt::format(" (\n{0}    interpolation = \"vertex\"\n{0})", kPad);
     const auto vectors = [&](const std::string& name, Vec3f ContactSample::*member, const std::string& metadata) {
       return sampled(
-          name, list.size(),
+          name, frames,
           [&](std::size_t f) { return joined(list[f], [&](const ContactSample& c) { return tuple(c.*member); }); },
           metadata);
     };
@@ -169,7 +187,7 @@ class UsdaWriter : public Writer {
            vectors("vector3f[] primvars:force", &ContactSample::force, vertex) +
            vectors("vector3f[] primvars:friction", &ContactSample::friction, vertex) +
            sampled(
-               "float[] primvars:overlap", list.size(),
+               "float[] primvars:overlap", frames,
                [&](std::size_t f) { return joined(list[f], [](const ContactSample& c) { return number(c.overlap); }); },
                vertex) +
            fmt::format("{}token visibility = \"invisible\"\n    }}\n", kPad);

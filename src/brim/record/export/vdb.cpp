@@ -20,6 +20,7 @@ Aabb finite_box(const World& world) {
   for (int p = 0; p < world.part_count(); ++p) {
     const PartRef part = world.part(p);
     const Aabb b = world.body(part.body).bounds(part.index);
+    if (world.removed(part.body)) continue;
     if (b.lo.allFinite() && b.hi.allFinite() && !b.empty()) box.extend(b);
   }
   if (box.empty()) return {Vec3::Constant(-1.0), Vec3::Constant(1.0)};
@@ -69,7 +70,7 @@ class VdbWriter : public Writer {
     grid->setName(item.file_name);
     grid->setGridClass(openvdb::GRID_FOG_VOLUME);
     grid->setTransform(openvdb::math::Transform::createLinearTransform(h));
-    for (int p = 0; p < world.part_count(); ++p) {
+    for (int p = 0; p < world.part_count() && !world.removed(item.body); ++p) {
       const PartRef part = world.part(p);
       if (part.body != item.body) continue;
       const Body& b = world.body(part.body);

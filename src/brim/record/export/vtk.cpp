@@ -33,9 +33,9 @@ class VtkWriter : public Writer {
       const std::string name = item.still ? item.file_name + "." + end : numbered(item.file_name, frame.index, end);
       if (!item.still || frame.order == 0) {
         if (solid)
-          elements(*solid, world->v(item.body), frame.time, name);
+          elements(*solid, world->v(item.body), frame, i, name);
         else
-          body(item, frame.positions[i], frame.triangles[i], frame.velocities[i], frame.time, name);
+          body(item, frame, i, name);
       }
       list(frame.time, i, item.name, name);
     }
@@ -57,28 +57,33 @@ class VtkWriter : public Writer {
                                part, xml_escaped(title), name);
   }
 
-  void body(const Item& item, const std::vector<Vec3f>& x, const std::vector<Triangle>& triangles,
-            const std::vector<Vec3f>& v, double time, const std::string& name) const {
+  void body(const Item& item, const Frame& frame, std::size_t i, const std::string& name) const {
     const Display& d = item.recorded->display;
+    const std::vector<Vec3f>&x = frame.positions[i], &v = frame.velocities[i];
+    const std::vector<Triangle>& triangles = frame.triangles[i];
+    const std::vector<Line>& lines = frame.lines[i];
     const std::size_t verts = d.kind == Display::Kind::Points ? x.size() : 0;
     VtkFile file;
-    std::string piece = piece_head(x.size(), verts, d.lines.size(), triangles.size());
+    std::string piece = piece_head(x.size(), verts, lines.size(), triangles.size());
     piece += "<PointData>\n";
     if (!v.empty()) piece += file.vectors("velocity", v);
     if (d.kind != Display::Kind::Triangles && d.radius > 0.0)
       piece += file.array("Float32", "radius", 1, std::vector<float>(x.size(), static_cast<float>(d.radius)));
     piece += "</PointData>\n<Points>\n" + file.vectors("points", x) + "</Points>\n";
-    piece += file.cells("Verts", each(verts), 1) + file.cells("Lines", flat_cells(d.lines), 2) +
+    piece += file.cells("Verts", each(verts), 1) + file.cells("Lines", flat_cells(lines), 2) +
              file.cells("Polys", flat_cells(triangles), 3) + "</Piece>\n";
-    file.write(job_.folder / name, "PolyData", piece, time);
+    file.write(job_.folder / name, "PolyData", piece, frame.time);
   }
 
-  void elements(const StressedSolid& solid, std::span<const double> v, double time, const std::string& name) const {
-    const StressField field = solid.stress_field();
-    const bool nodal = !field.tets.empty() && v.size() == 3 * field.place.size();
+  void elements(const StressedSolid& solid, std::span<const double> v, const Frame& frame, std::size_t i,
+                const std::string& name) const {
+    StressField field = solid.stress_field();
+    const bool samples = field.tets.empty();
+    if (frame.gone[i] != 0) field = {};
+    const bool nodal = !samples && v.size() == 3 * field.place.size();
     VtkFile file;
-    const std::string piece = stress_piece(field, nodal ? v : std::span<const double>(), file);
-    file.write(job_.folder / name, "UnstructuredGrid", piece, time);
+    const std::string piece = stress_piece(field, samples, nodal ? v : std::span<const double>(), file);
+    file.write(job_.folder / name, "UnstructuredGrid", piece, frame.time);
   }
 
   void contacts(const Frame& frame, const std::string& name) const {

@@ -90,7 +90,7 @@ class XdmfWriter : public Writer {
     text_ += "<Grid Name=\"" + xml_escaped(body.name) + "\">\n";
     const bool lines = d.kind == Display::Kind::Lines;
     if (d.kind == Display::Kind::Points)
-      text_ += points(vertices, cells_of(i), frame.order == 0);
+      text_ += points(vertices, cells_of(i), !data_.exists(cells_of(i)));
     else if (body.recorded->changing) {
       const std::size_t n = frame.triangles[i].size();
       const std::string at = fmt::format("/frames/{}/{}", frame.index, i);
@@ -104,7 +104,7 @@ class XdmfWriter : public Writer {
                            item(cells_of(i), Type::Int32, n, lines ? 2 : 3));
     }
     const std::string at = fmt::format("/frames/{}/{}", body.still ? job_.frames.first : frame.index, i);
-    if (!body.still || frame.order == 0) {
+    if (!body.still || !data_.exists(at)) {
       data_.group(at);
       put(at + "/positions", Type::Float32, vertices, 3, frame.positions[i].data());
     }

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "brim/body/meshless/meshless_body.h"
+#include "brim/mesh/topology.h"
 #include "brim/scene/carried.h"
 #include "brim/scene/kinds.h"
 #include "brim/scene/limits.h"
@@ -51,7 +52,8 @@ class MeshlessMaker final : public BodyMaker {
     model_ = at.placed([&] {
       return fill_with_frames([&](const Vec3& x) { return solid.shape->distance(x); }, box, spacing, voxel_size_);
     });
-    model_.surface = solid.surface;
+    // A shape's own triangles may be as large as its faces, and would show nothing of how they bend.
+    model_.surface = refine(*solid.surface, spacing);
   }
 
   std::unique_ptr<Body> body(const Placement& place) const override {
