@@ -158,10 +158,10 @@ TEST(PatchCenter, FacesAndEdgesStay) {
 
 TEST(PatchCenter, OfTwoThatMoveTheRounderIsTold) {
   const auto ball = make_sphere(0.4), small = make_sphere(0.2), plane = make_half_space();
-  const CubeSide low = solid_side(*ball, {Mat3::Identity(), Vec3(0.01, 0.02, -0.39)}),
-                 flat = solid_side(*plane, {Mat3::Identity(), Vec3::Zero()}),
-                 high = solid_side(*ball, {Mat3::Identity(), Vec3(0.01, 0.02, 0.39)}),
-                 little = solid_side(*small, {Mat3::Identity(), Vec3(0.01, 0.02, 0.19)});
+  const CubeSide low = solid_side(ball, {Mat3::Identity(), Vec3(0.01, 0.02, -0.39)}),
+                 flat = solid_side(plane, {Mat3::Identity(), Vec3::Zero()}),
+                 high = solid_side(ball, {Mat3::Identity(), Vec3(0.01, 0.02, 0.39)}),
+                 little = solid_side(small, {Mat3::Identity(), Vec3(0.01, 0.02, 0.19)});
   const auto more = [](const CubeSide& one, const CubeSide& other) {
     CubeFinds finds;
     find_between_solids(one, other, {0, 1, h, 3.0 * h, 0.0, 0, 0}, {Vec3i::Constant(-4), Vec3i::Constant(4)}, finds);
