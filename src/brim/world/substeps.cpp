@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "brim/body/longest_step.h"
 #include "brim/body/spinning_balls.h"
 #include "brim/core/interface_of.h"
 #include "brim/world/contact_parameters.h"
@@ -60,6 +61,13 @@ double fall_pieces(std::span<const WorldPart> parts, double gravity, double time
   for (const WorldPart& part : parts)
     if (const auto* balls = interface_of<SpinningBalls>(*part.body)) radius = std::min(radius, balls->least_radius());
   return std::max(1.0, time * std::sqrt(gravity / (kFallOfBalls * radius)));
+}
+
+double stable_pieces(std::span<const WorldPart> parts, double time) {
+  double longest = std::numeric_limits<double>::infinity();
+  for (const WorldPart& part : parts)
+    if (const auto* body = interface_of<LongestStep>(*part.body)) longest = std::min(longest, body->longest_step());
+  return std::max(1.0, time / longest);
 }
 
 double choose_substep(double pieces, const WorldOptions& options, double left, StepReport& report) {

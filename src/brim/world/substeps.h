@@ -45,6 +45,9 @@ double thrown_pieces(std::span<const WorldPart> parts, std::span<const double> c
 /// @param gravity  [m/s²] its size
 double fall_pieces(std::span<const WorldPart> parts, double gravity, double time);
 
+/// Pieces, at least 1, that `time` [s] must be cut into for the inner forces of all bodies (LongestStep).
+double stable_pieces(std::span<const WorldPart> parts, double time);
+
 /// Length of the next sub-step, [s]: `left` cut into equal pieces. @param pieces  required by motion
 double choose_substep(double pieces, const WorldOptions& options, double left, StepReport& report);
 

@@ -172,7 +172,8 @@ double World::Impl::choose_length(double left, StepReport& report) {
   held_pairs = state.step == 0 && report.substeps == 0
                    ? HeldPairs()
                    : HeldPairs(RowMemory::pairs(ReferencePoses::rows_of(state.warm_start)));
-  const double pieces = std::max(motion_pieces(state.v, left, g * left), fall_pieces(parts, g, left));
+  const double pieces =
+      std::max({motion_pieces(state.v, left, g * left), fall_pieces(parts, g, left), stable_pieces(parts, left)});
   return choose_substep(pieces, options, left, report);
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "brim/core/parallel.h"
 
@@ -26,6 +28,7 @@ double depth(double q) {
 
 Cohesion::Cohesion(double support, double spacing, double tension) : support_(support) {
   if (!(tension > 0.0)) return;
+  tension_ = tension;
   // Bonds that a plane of the lattice cuts, per s²: those that rise by k planes are cut by k of them.
   double bonds = 0.0;
   const int n = static_cast<int>(std::ceil(support / spacing));
@@ -33,6 +36,12 @@ Cohesion::Cohesion(double support, double spacing, double tension) : support_(su
     for (int y = -n; y <= n; ++y)
       for (int x = -n; x <= n; ++x) bonds += z * depth(spacing * std::sqrt(double(x * x + y * y + z * z)) / support);
   strength_ = 2.0 * tension * spacing * spacing / (support * bonds);
+}
+
+double Cohesion::longest_step(double density, double spacing) const {
+  constexpr double kStable = 0.7;
+  if (!(tension_ > 0.0)) return std::numeric_limits<double>::infinity();
+  return kStable * std::sqrt(density * spacing * spacing * spacing / (2.0 * std::numbers::pi * tension_));
 }
 
 double Cohesion::pull_over_r(double r) const {

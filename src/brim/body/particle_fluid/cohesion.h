@@ -17,6 +17,9 @@ class Cohesion {
  public:
   /// @param support  [m] H   @param spacing  [m] of the lattice at rest   @param tension  [N/m], >= 0
   Cohesion(double support, double spacing, double tension);
+  /// [s] up to which explicit steps are stable: 0.7 of √(ρ spacing³/(2π σ)), about the time of the shortest waves;
+  /// infinite without tension. @param density  [kg/m³]
+  double longest_step(double density, double spacing) const;
 
   bool acts() const { return strength_ > 0.0; }
   /// Attraction divided by distance, [N/m]; r > 0
@@ -29,6 +32,7 @@ class Cohesion {
 
  private:
   double support_, strength_ = 0.0;  ///< strength: A [N]
+  double tension_ = 0.0;             ///< [N/m]
 };
 
 }  // namespace brim

@@ -5,6 +5,7 @@
 
 #include "brim/body/body.h"
 #include "brim/body/filling.h"
+#include "brim/body/longest_step.h"
 #include "brim/body/loose_nodes.h"
 #include "brim/body/motion_clusters.h"
 #include "brim/body/movable.h"
@@ -48,7 +49,8 @@ class ParticleFluidBody final : public Body,
                                 public OuterForces,
                                 public Restless,
                                 public Movable,
-                                public MotionClusters {
+                                public MotionClusters,
+                                public LongestStep {
  public:
   /// @param x  particles at the start, world frame, [m]
   /// @throws InputError  when a number is out of range or there are no particles
@@ -56,6 +58,7 @@ class ParticleFluidBody final : public Body,
 
   std::string_view kind() const override { return "particle_fluid"; }
   bool restless() const override { return true; }
+  double longest_step() const override { return cohesion_.longest_step(options_.density, options_.spacing); }
   std::size_t q_size() const override { return 3 * start_.size(); }
   std::size_t v_size() const override { return 3 * start_.size(); }
   void initial_state(std::span<double> q, std::span<double> v) const override;
