@@ -14,6 +14,7 @@ SI units and right-handed axes with z up, as in scene files. docs/python.md is t
 """
 
 from ._core import Defect, InputError, State, StepReport, StepWarning, __version__, set_threads, thread_count
+from .articulated import Articulated, Joint, Link
 from .body import Body
 from .check import check
 from .env import Env, Envs
@@ -30,7 +31,7 @@ from .view import View, view
 from .world import World, load
 
 __all__ = [
-    "Attachment", "Body", "ContactEvent", "Defect", "Env", "Envs", "Frame", "InputError", "OwnBody", "Run", "RunBody",
+    "Articulated", "Attachment", "Body", "ContactEvent", "Defect", "Env", "Envs", "Frame", "InputError", "Joint", "Link", "OwnBody", "Run", "RunBody",
     "RunSensor", "Running", "Sensor", "State", "StepError", "StepReport", "StepWarning", "Stress", "View", "World", "__version__", "blob", "bowl", "box", "capsule", "check", "cup",
     "cylinder", "gear", "l_profile", "load", "load_plugin", "mesh", "plane", "set_threads", "sphere", "star", "thread_count",
     "torus", "u_profile", "view",

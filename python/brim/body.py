@@ -66,13 +66,13 @@ class Body:
         """Generalised coordinates, shape (nq,): a view that stays valid and follows every step.
 
         Rigid bodies: centre of mass [m] and quaternion w x y z; bodies of nodes: their positions [m]. Writing to it moves
-        the body at the next step, or when anything that depends on it is asked for.
+        the body at the next step, or when anything that depends on it is asked for. Of a removed body it cannot be written.
         """
         return self._core.q(self._number)
 
     @q.setter
     def q(self, value: Any) -> None:
-        self._core.q(self._number)[:] = value
+        self.q[:] = value
 
     @property
     def v(self) -> Array:
@@ -85,7 +85,7 @@ class Body:
 
     @v.setter
     def v(self, value: Any) -> None:
-        self._core.v(self._number)[:] = value
+        self.v[:] = value
 
     @property
     def nodal(self) -> bool:
@@ -129,7 +129,8 @@ class Body:
 
     @property
     def center(self) -> Array:
-        """Centre of mass [m], shape (3,); of obstacles the mean of the vertices shown."""
+        """Centre of mass [m], shape (3,): of all links of an articulated body, those that are fixed to the world included, as in mass.
+        Of obstacles the mean of the vertices shown."""
         return self._core.middle(self._number)
 
     def remove(self) -> None:
@@ -266,6 +267,9 @@ class Body:
         raise ValueError(f"{self!r} has no such force")
 
     def _given(self, function: Force, value: Any, shape: tuple[int, ...]) -> Array:
+        if value is None:
+            name = getattr(function, "__name__", "force")
+            raise ValueError(f"{name}: gave None; must give numbers that can be broadcast to shape {shape}")
         try:
             force = np.broadcast_to(np.asarray(value, dtype=np.float64), shape)
         except (ValueError, TypeError) as error:

@@ -103,8 +103,13 @@ class Envs:
     def step(self, actions: Any) -> tuple[Any, Any, Any, Any, list[dict[str, Any]]]:
         """@return observations, rewards (n,), terminated (n,), truncated (n,), infos; where an episode ended, the observation
         is the first of the next, and info["last"] the last of it"""
-        if len(actions) != len(self.envs):
-            raise ValueError(f"actions: {len(actions)} are not allowed; there are {len(self.envs)} environments")
+        try:
+            count = len(actions)
+        except TypeError:
+            count = None
+        if count != len(self.envs):
+            given = f"{actions!r} is" if count is None else f"{count} are"
+            raise ValueError(f"actions: {given} not allowed; there are {len(self.envs)} environments, each with one")
         results = list(self._threads.map(self._one, self.envs, actions))
         observations, rewards, terminated, truncated, infos = zip(*results)
         return (np.stack([np.asarray(o) for o in observations]), np.array(rewards), np.array(terminated),

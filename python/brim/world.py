@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from . import _core
 from ._core import InputError
+from .articulated import Articulated
 from .body import Array, Body, Force
 from .link import Attachment
 from .own_body import OwnBody
@@ -72,6 +73,7 @@ class World:
     def _start(self, core: _core.Session) -> None:
         self._core = core
         self._forces: list[tuple[Body, Any, Force]] = []
+        self._asking = False
         self._watchers: list[Callable[[World], Any]] = []
         self._recorded: str | None = None
         self._view: View | None = None
@@ -98,9 +100,13 @@ class World:
             raise InputError(f"add: {kind!r} is not allowed; must be the name of a kind, or an OwnBody")
         name = keys.pop("name", None) or self._free_name(kind)
         keys = take_arrays(self._core, name, keys)
+        self._need_no_step()
         numbers = self._core.add({"kind": kind, "name": name, **keys})
-        bodies = [Body(self, number) for number in numbers]
+        bodies = [self._handle(number) for number in numbers]
         return bodies if "repeat" in keys else bodies[0]
+
+    def _handle(self, number: int) -> Body:
+        return (Articulated if self._core.kind(number) == "articulated" else Body)(self, number)
 
     def _number_of(self, body: Body | str) -> int:
         if isinstance(body, str):
@@ -115,6 +121,7 @@ class World:
                              f"rest are arguments of {type(author).__name__}(...)")
         if not hasattr(author, "surface"):
             raise InputError(f"add: {type(author).__name__}.__init__ must call super().__init__(surface, ...)")
+        self._need_no_step()
         name = name or author.name or self._free_name(type(author).__name__.lower())
         entry = take_arrays(self._core, name, {"shape": author.surface})
         entry.update(kind="rigid", name=name, density=author.density, voxel_size=author.voxel_size)
@@ -135,7 +142,7 @@ class World:
     @property
     def bodies(self) -> list[Body]:
         """Handles of all bodies that are there; of those that were removed none."""
-        return [Body(self, number) for number in range(self._core.body_count) if not self._core.removed(number)]
+        return [self._handle(number) for number in range(self._core.body_count) if not self._core.removed(number)]
 
     def __getitem__(self, name: str) -> Body:
         """The body of that name. @raises KeyError"""
@@ -159,7 +166,7 @@ class World:
         [N s/m], length [m], pulls_only, break_force [N], touch, keyframes, part, to_part, name.
 
         Attached before the first step, it is in saved scenes and recorded runs as it was made; later, a run that was
-        recorded cannot be taken up again.
+        recorded cannot be taken up again. Restoring a state from before takes it away.
 
         @raises InputError for what a scene file could not say either; nothing is added then
         """
@@ -217,7 +224,8 @@ class World:
                 for sensor, began, time, a, b, duration, impulse, peak in self._core.sensor_events()]
 
     def apply_force(self, *bodies: Body | str, **keys: Any) -> None:
-        """Lets something act on bodies from outside, from now on; on all that can move where none is named.
+        """Lets something act on bodies from outside, from now on; on all that can move where none is named. Restoring a state from
+        before takes it away.
 
         bodies: handles, names, stems of copies or patterns with * and ?. keys: of an entry of "forces" in a scene file: force
         [N], torque [N m], acceleration [m/s^2], gravity_scale, damping [1/s], point, region, wind, attractor, scale, name.
@@ -245,7 +253,10 @@ class World:
 
     def set_gravity(self, gravity: Any) -> None:
         """From the next step on [m/s^2], shape (3,). It is part of a saved state, but not of a saved scene."""
-        self._core.set_gravity([float(g) for g in gravity])
+        vector = np.asarray(gravity, dtype=np.float64)
+        if vector.shape != (3,):
+            raise InputError(f"gravity: shape {vector.shape} is not allowed; must be (3,)")
+        self._core.set_gravity(vector.tolist())
 
     # ---- editing -----------------------------------------------------------------------------------------------------
 
@@ -291,7 +302,7 @@ class World:
     def grabbed(self) -> Body | None:
         """The body that is grabbed."""
         number = self._core.grabbed()
-        return None if number < 0 else Body(self, number)
+        return None if number < 0 else self._handle(number)
 
     # ---- stepping ----------------------------------------------------------------------------------------------------
 
@@ -303,7 +314,12 @@ class World:
         """
         return self._step(False)
 
+    def _need_no_step(self) -> None:
+        if self._asking:
+            raise RuntimeError("the world is in the middle of a step: a force is being asked")
+
     def _step(self, joined: bool) -> _core.StepReport:
+        self._need_no_step()
         self._core.step(joined, self._asked() if self._forces else {})
         report = self._core.report()
         if not report.ok:
@@ -322,9 +338,13 @@ class World:
         """The forces of the coming step, by number of body."""
         time = self._core.time
         total: dict[int, Array] = {}
-        for body, ask, function in list(self._forces):
-            force = ask(time, function)
-            total[body.number] = total[body.number] + force if body.number in total else force
+        self._asking = True
+        try:
+            for body, ask, function in list(self._forces):
+                force = ask(time, function)
+                total[body.number] = total[body.number] + force if body.number in total else force
+        finally:
+            self._asking = False
         return total
 
     def run(self, frames: int | None = None, record: str | os.PathLike[str] | None = None, *,
@@ -358,7 +378,15 @@ class World:
         return self._core.state()
 
     def restore(self, state: _core.State) -> None:
-        """Goes back to a saved state, bit for bit. @raises InputError when bodies were added since"""
+        """Goes back to a saved state, bit for bit: coordinates, edits, targets of drives, and which attachments and forces exist.
+        What was attached or applied since is gone, and what existed then is back.
+
+        A pickled state means attachments and forces by name, and one of a recorded run leaves them as they are. Forces that are
+        functions (Body.force) are no part of a state, nor are keys of add.
+
+        @raises InputError when bodies were added since, or the world has no attachment or force of a name
+        """
+        self._need_no_step()
         self._core.set_state(state)
 
     @property
@@ -413,7 +441,7 @@ class World:
 
     def save_scene(self, path: str | os.PathLike[str], frames: int | None = None) -> None:
         """Writes the world, as it was built, as a scene file; arrays go to files in "arrays" beside it. Forces
-        written in Python are not in it. @raises InputError when there is a body written in Python: nothing is written then"""
+        written in Python are not in it; targets of drives that were set are, as edits at 0. @raises InputError when there is a body written in Python: nothing is written then"""
         for entry in self._core.entries():
             if entry["kind"] == "python":
                 raise _core.InputError(f'"{entry["name"]}" is written in Python and cannot be saved in a scene file')

@@ -3,6 +3,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "brim/world/report_fields.h"
+#include "brim/world/wiring.h"
 #include "samples.h"
 
 namespace brim::python {
@@ -117,21 +118,35 @@ void bind_reports(py::module_& m) {
           "v", [](const State& s) { return array_of(s.v); }, "Velocities of all bodies, shape (nv,); a copy.")
       .def(py::pickle(
           [](const State& s) {
-            return py::make_tuple(s.time, s.step, array_of(s.q), array_of(s.v), array_of(s.warm_start));
+            const bool known = s.wiring != nullptr;
+            return py::make_tuple(s.time, s.step, array_of(s.q), array_of(s.v), array_of(s.warm_start),
+                                  known ? py::cast(s.wiring->link_names) : py::none(),
+                                  known ? py::cast(s.wiring->force_names) : py::none());
           },
           [](const py::tuple& t) {
-            if (t.size() != 5) throw InputError("State: the pickled data are of another version");
+            if (t.size() != 5 && t.size() != 7) throw InputError("State: the pickled data are of another version");
             const auto list = [&](std::size_t i) {
               const auto a = t[i].cast<DoubleArray>();
               return std::vector<double>(a.data(), a.data() + a.size());
             };
-            return State{t[0].cast<double>(), t[1].cast<std::int64_t>(), list(2), list(3), list(4)};
+            std::shared_ptr<Wiring> wiring;  // by names; older data have none
+            if (t.size() == 7 && !t[5].is_none()) {
+              wiring = std::make_shared<Wiring>();
+              wiring->link_names = t[5].cast<std::vector<std::string>>();
+              wiring->force_names = t[6].cast<std::vector<std::string>>();
+            }
+            return State{t[0].cast<double>(), t[1].cast<std::int64_t>(), list(2), list(3), list(4), std::move(wiring)};
           }))
       .def("__eq__",
            [](const State& a, const py::object& other) {
              if (!py::isinstance<State>(other)) return false;
              const auto& b = other.cast<const State&>();
-             return a.time == b.time && a.step == b.step && a.q == b.q && a.v == b.v && a.warm_start == b.warm_start;
+             const auto names = [](const State& s) {
+               return s.wiring ? std::pair(s.wiring->link_names, s.wiring->force_names)
+                               : std::pair<std::vector<std::string>, std::vector<std::string>>();
+             };
+             return a.time == b.time && a.step == b.step && a.q == b.q && a.v == b.v && a.warm_start == b.warm_start &&
+                    names(a) == names(b);
            })
       .def("__repr__", [](const State& s) {
         return fmt::format("<State at {:.6g} s: {} coordinates, {} velocities>", s.time, s.q.size(), s.v.size());

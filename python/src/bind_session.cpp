@@ -69,8 +69,12 @@ void give_volume(Session& s, const std::string& name, const py::object& intensit
   s.arrays->volumes[name] = info;
 }
 
-py::array view(py::object self, std::span<double> x) {
-  return py::array_t<double>({static_cast<py::ssize_t>(x.size())}, {py::ssize_t{sizeof(double)}}, x.data(), self);
+/// Python's view of the coordinates or velocities of a body; those of a removed one are not for writing.
+py::array view(const py::object& self, int b, std::span<double> x) {
+  py::array a =
+      py::array_t<double>({static_cast<py::ssize_t>(x.size())}, {py::ssize_t{sizeof(double)}}, x.data(), self);
+  if (self.cast<Session&>().seen_removed(b)) a.attr("flags").attr("writeable") = false;
+  return a;
 }
 
 std::vector<int> bodies_of_parts(const World& world) {
@@ -176,6 +180,12 @@ void bind_session(py::module_& m) {
              for (int i = 0; i < s.world().attachment_count(); ++i) names.push_back(s.world().attachment(i).name);
              return names;
            })
+      .def("attachment_ids",
+           [](Session& s) {
+             std::vector<std::int64_t> ids;
+             for (int i = 0; i < s.world().attachment_count(); ++i) ids.push_back(s.world().attachment_id(i));
+             return ids;
+           })
       .def("links", [](Session& s) { return links_array(s.report().links); })
       .def("set_gravity", &Session::set_gravity)
       .def("remove", &Session::remove)
@@ -195,8 +205,8 @@ void bind_session(py::module_& m) {
       .def("asleep", [](Session& s, int b) { return s.world().asleep(b); })
       .def("state", &Session::state)
       .def("set_state", &Session::set_state)
-      .def("q", [](const py::object& self, int b) { return view(self, self.cast<Session&>().seen_q(b)); })
-      .def("v", [](const py::object& self, int b) { return view(self, self.cast<Session&>().seen_v(b)); });
+      .def("q", [](const py::object& self, int b) { return view(self, b, self.cast<Session&>().seen_q(b)); })
+      .def("v", [](const py::object& self, int b) { return view(self, b, self.cast<Session&>().seen_v(b)); });
   // The world as it is.
   session.def_property_readonly("time", [](Session& s) { return s.world().state().time; })
       .def_property_readonly("steps", [](Session& s) { return s.world().state().step; })
@@ -236,7 +246,7 @@ void bind_session(py::module_& m) {
       .def("angular_momentum",
            [](Session& s, int b) { return array_of(s.world().body(b).angular_momentum(s.world().v(b))); });
   // The scene that it stands for.
-  session.def("head", [](const Session& s) { return object_of(s.head()); })
+  session.def("head", [](Session& s) { return object_of(s.head()); })
       .def("entries", [](const Session& s) { return object_of(s.entries()); })
       .def_readonly("file", &Session::file)
       .def_readonly("text", &Session::text)

@@ -1,6 +1,9 @@
+#include <pybind11/stl.h>
+
 #include "bindings.h"
 #include "brim/core/error.h"
 #include "brim/core/parallel.h"
+#include "brim/scene/document.h"
 #include "brim/scene/plugin.h"
 #include "brim/scene/scene.h"
 #include "interpreter_lock.h"
@@ -28,10 +31,13 @@ PYBIND11_MODULE(_core, m) {
     limit.reset();
     if (threads > 0) limit = std::make_unique<brim::ThreadLimit>(threads);
   });
+  m.def("nearest_word",
+        [](const std::string& word, const std::vector<std::string>& known) { return brim::nearest_word(word, known); });
   m.def("load_plugin", &brim::load_plugin);
   brim::python::watch_for_end();
   brim::python::bind_reports(m);
   brim::python::bind_session(m);
+  brim::python::bind_articulated(m);
   brim::python::bind_runs(m);
   brim::python::bind_sensors(m);
 }

@@ -121,6 +121,11 @@ std::unique_ptr<Session> Session::load(const std::string& path, const py::dict& 
     build_bodies(scene, s->solids_, [&](std::unique_ptr<Body> body) { s->take(std::move(body)); });
     wire_world(scene, *s->world_);
   }
+  std::int64_t links = 0, forces = 0;
+  for (const char* list : {"attachments", "joints", "forces"})
+    if (s->head_.contains(list))
+      for (std::size_t i = 0; i < s->head_[list].size(); ++i)
+        s->wired_[list].push_back(list == std::string("forces") ? forces++ : links++);
   for (const Json& entry : s->entries_) s->names_.insert(entry.at("name").get<std::string>());
   return s;
 }
@@ -312,8 +317,38 @@ int Session::wire(const std::string& list, const py::dict& given, const py::obje
     });
   });
   head_[list].push_back(entry);
+  if (list == "attachments" || list == "joints") wired_[list].push_back(world_->attachment_id(number));
+  if (list == "forces") wired_[list].push_back(world_->force_id(number));
   file.clear(), text.clear();
   return number;
+}
+
+Json Session::head() {
+  const World& world = this->world();
+  std::set<std::int64_t> links, forces;
+  for (int i = 0; i < world.attachment_count(); ++i) links.insert(world.attachment_id(i));
+  for (int i = 0; i < world.force_count(); ++i) forces.insert(world.force_id(i));
+  Json out = head_;
+  for (const auto& [list, ids] : wired_) {
+    const std::set<std::int64_t>& there = list == "forces" ? forces : links;
+    Json kept = Json::array();
+    for (std::size_t i = 0; i < ids.size(); ++i)
+      if (there.contains(ids[i])) kept.push_back(head_.at(list).at(i));
+    out[list] = kept;
+  }
+  const auto aimed = [&](const std::string& name, const std::optional<DriveAim>& aim, const char* key,
+                         const std::string& joint) {
+    if (!aim) return;
+    Json edit = {{"at", 0}, {"set_drive", name}, {"target", aim->position}, {"target_velocity", aim->velocity}};
+    if (key != nullptr) edit[key] = joint;
+    out["timeline"].push_back(std::move(edit));
+  };
+  for (int i = 0; i < world.attachment_count(); ++i)
+    if (world.aim(i)) aimed(world.attachment(i).name, world.aim(i), nullptr, {});
+  for (int b = 0; b < world.body_count(); ++b)
+    for (int d = 0; !world.removed(b) && d < static_cast<int>(world.drives(b).size()); ++d)
+      aimed(world.body(b).name(), world.aim(b, d), "joint", world.drives(b)[static_cast<std::size_t>(d)]);
+  return out;
 }
 
 void Session::detach(int attachment) {
@@ -328,6 +363,14 @@ void Session::set_drive(int attachment, double position, double velocity) {
   if (attachment < 0 || attachment >= world_->attachment_count())
     throw InputError(fmt::format("attachment {}: there are {}", attachment, world_->attachment_count()));
   world_->set_drive(attachment, position, velocity);
+}
+
+void Session::aim_drives(int body, int first, std::span<const double> position, std::span<const double> velocity) {
+  const Busy busy(*this);
+  if (first == 0 && position.size() == world_->drives(body).size())
+    world_->set_drives(body, position, velocity);
+  else
+    world_->set_drive(body, first, position[0], velocity.empty() ? 0.0 : velocity[0]);
 }
 
 void Session::edit(const std::function<void()>& change) {
@@ -363,6 +406,7 @@ Session::Mirror& Session::mirror(int body) {
     const auto q = world_->q(body), v = world_->v(body);
     m->q.assign(q.begin(), q.end());
     m->v.assign(v.begin(), v.end());
+    m->removed = world_->removed(body);
   }
   return *m;
 }
@@ -432,6 +476,7 @@ void Session::fill_mirrors() {
     if (!m) continue;
     std::copy(world_->q(b).begin(), world_->q(b).end(), m->q.begin());
     std::copy(world_->v(b).begin(), world_->v(b).end(), m->v.begin());
+    m->removed = world_->removed(b);
   }
 }
 

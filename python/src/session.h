@@ -52,6 +52,9 @@ class Session {
   int wire(const std::string& list, const py::dict& entry, const py::object& field);
   void detach(int attachment);
   void set_drive(int attachment, double position, double velocity);
+  /// Targets of the drives of an articulated body: [first, first + n) of them, shape (n,). @param velocity  may be
+  /// empty
+  void aim_drives(int body, int first, std::span<const double> position, std::span<const double> velocity);
   void grab(int body, const std::array<double, 3>& at, double stiffness, double damping);
   void pull(const std::array<double, 3>& to);
   void release();
@@ -83,11 +86,15 @@ class Session {
   /// Python's view of a body: memory that stays in place as long as this object.
   std::span<double> seen_q(int body) { return mirror(body).q; }
   std::span<double> seen_v(int body) { return mirror(body).v; }
+  /// True when the body was removed before the last complete state.
+  bool seen_removed(int body) { return mirror(body).removed; }
 
   /// The world, updated with Python's changes; not during a step. @throws py::error_already_set (RuntimeError)
   World& world();
   const StepReport& report() const { return report_; }
-  const Json& head() const { return head_; }
+  /// The scene without its bodies: the attachments, joints and forces that exist now, and targets of drives that were
+  /// set as edits of the timeline at 0.
+  Json head();
   const Json& entries() const { return entries_; }
   const std::string& folder() const { return folder_; }
   /// Runs f with the interpreter's lock released, serving calls of Python bodies.
@@ -103,6 +110,7 @@ class Session {
  private:
   struct Mirror {
     std::vector<double> q, v;
+    bool removed = false;  ///< when the body was looked at last
   };
   struct Busy;
   struct Acting;
@@ -120,6 +128,8 @@ class Session {
   void include(std::vector<std::unique_ptr<Body>> bodies, const Json& entry);
 
   Json head_, entries_ = Json::array();
+  /// Numbers of the entries of "attachments", "joints" and "forces" in head_ (World::attachment_id, force_id).
+  std::map<std::string, std::vector<std::int64_t>> wired_;
   std::string folder_;
   std::set<std::string> names_;
   std::unique_ptr<World> world_;

@@ -8,6 +8,7 @@ import time
 import unittest
 
 import brim
+from world_test import ball_world
 import numpy as np
 
 
@@ -88,6 +89,61 @@ class Misuse(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "frames: -1 is not allowed"):
             world.run(frames=-1)
         self.assertEqual(world.run(frames=np.int64(2)).all().number, 2)
+
+    def test_what_a_force_may_not_do_is_refused_in_words(self):
+        world, ball = ball_world()
+        before = world.hash
+
+        def gives_nothing(t, x, v):
+            return None
+
+        for function, error, words in (
+            (gives_nothing, ValueError, "gives_nothing: gave None; must give numbers"),
+            (lambda t, x, v: world.step(), RuntimeError, "in the middle of a step"),
+            (lambda t, x, v: world.add("rigid", shape=brim.sphere(0.1)), RuntimeError, "in the middle of a step"),
+            (lambda t, x, v: world.restore(world.save()), RuntimeError, "in the middle of a step"),
+        ):
+            ball.force(function)
+            with self.assertRaisesRegex(error, words):
+                world.step()
+            ball.remove_force(function)
+        self.assertEqual(world.hash, before)
+        self.assertEqual(len(world), 2)
+        ball.force(lambda t, x, v: (0 * world.time, ball.center[0], 0))
+        world.step()
+
+    def test_shapes_of_vectors_and_actions_are_told(self):
+        world, ball = ball_world()
+        with self.assertRaisesRegex(brim.InputError, r"gravity: shape \(2,\) is not allowed; must be \(3,\)"):
+            world.set_gravity((0, 0))
+
+        class Nothing(brim.Env):
+            def build(self):
+                return ball_world()[0]
+
+            def act(self, action):
+                pass
+
+            def observe(self):
+                return 0.0
+
+        envs = brim.Envs(Nothing, 2)
+        for actions, words in ((None, "actions: None is not allowed; there are 2 environments"), ([1], "actions: 1 are not allowed")):
+            with self.assertRaisesRegex(ValueError, words):
+                envs.step(actions)
+        envs.close()
+
+    def test_a_removed_body_is_not_written(self):
+        world, ball = ball_world()
+        before = world.save()
+        world.remove(ball)
+        with self.assertRaisesRegex(ValueError, "read-only"):
+            ball.q[0] = 5
+        with self.assertRaisesRegex(ValueError, "read-only"):
+            ball.v = 0
+        world.restore(before)
+        ball.q[0] = 0.1
+        world.step()
 
     def test_a_library_that_is_no_plugin_is_refused(self):
         library = brim._core.__file__  # one that is there

@@ -8,6 +8,7 @@
 #include "brim/body/articulated/chain_model.h"
 #include "brim/body/fem/fem_body.h"
 #include "brim/core/parallel.h"
+#include "brim/world/body_motion.h"
 #include "support/solids.h"
 #include "support/trees.h"
 #include "support/worlds.h"
@@ -435,6 +436,40 @@ TEST(ArticulatedBody, RestsOnALimit) {
       while (w.state().time < 2.0) w.step();
       EXPECT_LT(std::abs(w.v(0)[kind == JointKind::Ball ? 1 : 0]), 1e-6) << dt;
     }
+}
+
+TEST(ArticulatedBody, CentreOfMassIsThatOfAllLinksWhateverTheBase) {
+  for (const bool floating : {false, true}) {
+    const ArticulatedModel model = random_tree(3, floating);
+    const ArticulatedBody body(model);
+    Vec3 moment = Vec3::Zero();
+    double mass = 0.0;
+    for (std::size_t i = 0; i < model.links.size(); ++i) {
+      const TreePose::Link& at = body.pose().link[i];
+      moment += model.links[i].mass * (at.rotation * model.links[i].center_of_mass + at.origin);
+      mass += model.links[i].mass;
+    }
+    EXPECT_LT((body.mass_center() - moment / mass).norm(), 1e-12);
+    EXPECT_DOUBLE_EQ(body.mass(), mass);
+    EXPECT_EQ(*center_of_mass(body), body.mass_center());
+  }
+}
+
+TEST(ArticulatedBody, EffortOfADriveIsItsLawWithinItsLimit) {
+  ArticulatedModel m;
+  m.links = {rod(1.0, -1), rod(1.0, 0)};
+  m.links[1].joint.drive.stiffness = 50, m.links[1].joint.drive.damping = 4, m.links[1].joint.drive.force_limit = 20;
+  m.links[1].joint.drive.target = 0.5;
+  ArticulatedBody body(m);
+  const std::vector<double> q = {0.1, 0.2}, v = {1.0, 2.0}, far = {0.1, -3.0};
+  ASSERT_EQ(body.drive_names().size(), 1u);
+  EXPECT_EQ(body.driven_link(0), 1);
+  EXPECT_DOUBLE_EQ(body.drive_effort(0, 0.0, q, v), 50 * 0.3 - 4 * 2.0);
+  EXPECT_DOUBLE_EQ(body.drive_effort(0, 0.0, far, v), 20.0);
+  body.aim_drive(0, DriveAim{0.2, 3.0});
+  EXPECT_DOUBLE_EQ(body.drive_effort(0, 0.0, q, v), 4 * 1.0);
+  body.aim_drive(0, std::nullopt);
+  EXPECT_DOUBLE_EQ(body.drive_effort(0, 0.0, q, v), 50 * 0.3 - 4 * 2.0);
 }
 
 }  // namespace

@@ -193,5 +193,29 @@ TEST(Tree, WhatCannotBeATreeIsRefused) {
   EXPECT_NO_THROW(ArticulatedBody{massless});
 }
 
+TEST(Tree, JacobianOfAPointIsTheTwistThereAndTheRateOfItsPlace) {
+  for (const bool floating : {false, true})
+    for (unsigned seed = 1; seed <= 4; ++seed) {
+      SCOPED_TRACE(seed);
+      const Case c(seed, floating);
+      TreeNoise noise(seed);
+      const int link = static_cast<int>(c.tree.size()) - 1 - static_cast<int>(seed % 3);
+      const Vec3 local = noise.vec(), arm = c.pose.link[link].rotation * local;
+      const auto J = c.tree.jacobian(c.pose, link, arm);
+      ASSERT_EQ(J.cols(), static_cast<long>(c.tree.v_size()));
+      const Eigen::MatrixXd origin = tree_jacobian(c.tree, c.pose).middleRows<6>(6 * link);
+      for (int k = 0; k < J.cols(); ++k) EXPECT_LT((moved_twist(origin.col(k), arm) - J.col(k)).norm(), 1e-12);
+      // The place itself, by central differences along v.
+      constexpr double kEps = 1e-5;
+      const auto place = [&](double e) {
+        TreePose pose;
+        c.tree.place(c.moved(e), pose);
+        return Vec3(pose.link[link].rotation * local + pose.link[link].origin);
+      };
+      const Vec3 rate = (place(kEps) - place(-kEps)) / (2.0 * kEps), exact = J.topRows<3>() * vec(c.v);
+      EXPECT_LT((rate - exact).norm(), 1e-7 * std::max(1.0, exact.norm()));
+    }
+}
+
 }  // namespace
 }  // namespace brim::tree_test

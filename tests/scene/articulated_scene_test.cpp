@@ -94,6 +94,8 @@ TEST(ArticulatedScene, MistakesAreRefusedWithTheirPlace) {
            Case{"\"parent\": \"upper\"", "\"parent\": \"uper\"", "/bodies/0/links/2/parent", "did you mean \"upper\""},
            Case{"\"name\": \"lower\"", "\"name\": \"upper\"", "/bodies/0/links/2/name", "already"},
            Case{"\"lower\": -1", "\"lower\": 3", "/bodies/0/links/1/joint/lower", "at most"},
+           Case{"\"start\": 0.5", "\"start\": 1.5", "/bodies/0/links/1/joint/start", "from -1 to 1"},
+           Case{"\"start\": 0.1", "\"start\": 9", "/bodies/2/joints/0/start", "within the limits"},
            Case{"\"axis\": [0, 1, 0]", "\"axis\": [0, 0, 0]", "/bodies/0/links/1/joint/axis", "no direction"},
            Case{"\"mass\": 5", "\"mass\": 5, \"density\": 5", "/bodies/0/links/1/mass", "give one"},
            Case{"\"kind\": \"ball\"", "\"kind\": \"hinge\"", "/bodies/0/links/2/joint/kind", "ball"},

@@ -39,9 +39,10 @@ std::string message(const std::string& timeline) {
 TEST(Timeline, SaysWhatIsWrongBeforeTheRunBegins) {
   EXPECT_EQ(message(R"({"at": 1, "freeze": "bell"})"), "/timeline/0/freeze: \"bell\" is not a body");
   EXPECT_EQ(message(R"({"at": 1, "detach": "nail"})"), "/timeline/0/detach: \"nail\" is not an attachment or joint");
-  EXPECT_EQ(message(R"({"at": 1})"),
-            "/timeline/0: says nothing to do; it must have one of \"freeze\", \"thaw\", \"remove\", \"move\", "
-            "\"detach\", \"gravity\", \"set_velocity\", \"set_material\", \"grab\", \"pull\", \"release\"");
+  EXPECT_EQ(
+      message(R"({"at": 1})"),
+      "/timeline/0: says nothing to do; it must have one of \"freeze\", \"thaw\", \"remove\", \"move\", "
+      "\"detach\", \"gravity\", \"set_velocity\", \"set_material\", \"set_drive\", \"grab\", \"pull\", \"release\"");
   EXPECT_EQ(message(R"({"at": 1, "freeze": "ball", "remove": "ball"})"),
             "/timeline/0/remove: it is not allowed beside \"freeze\"; an entry is one edit");
   EXPECT_EQ(message(R"({"at": 1, "freeze": "ball", "offset": [0, 0, 1]})"),
@@ -95,6 +96,42 @@ TEST(Timeline, EditsAllThatANameMeansAtItsTime) {
   EXPECT_NEAR(w.q(a)[1], 2.0, 1e-9);
   EXPECT_NEAR(w.q(a)[3], std::sqrt(0.5), 0.01) << "a quarter turn, and what the pin turned it before";
   EXPECT_EQ(w.material(a).name, "ice");
+}
+
+TEST(Timeline, AimsDrivesOfJointsAndOfArticulatedBodies) {
+  const auto scene = [](const std::string& timeline) {
+    return parse_scene(R"({"brim": 1, "name": "t", "duration": 1, "world": {"gravity": [0, 0, 0]}, "bodies": [
+      {"kind": "rigid", "name": "wheel", "shape": {"kind": "sphere", "radius": 0.2}},
+      {"kind": "articulated", "name": "arm", "transform": {"position": [3, 0, 0]}, "links": [
+        {"name": "elbow", "mass": 1, "shape": {"kind": "sphere", "radius": 0.2},
+         "joint": {"kind": "revolute", "drive": {"stiffness": 500, "damping": 30}}}]}],
+      "joints": [{"name": "motor", "body": "wheel", "kind": "revolute", "position": [0, 0, 0], "drive": {"damping": 10}},
+                 {"name": "axle", "body": "arm", "kind": "ball", "position": [3, 0, 0]}],
+      "timeline": [)" + timeline +
+                           "]}",
+                       "s.json");
+  };
+  World w = build_world(scene(R"({"at": 0.1, "set_drive": "arm", "joint": "elbow", "target": 0.4},
+                                 {"at": 0.2, "set_drive": "motor", "target_velocity": 2})"));
+  for (int s = 0; s < 60; ++s) w.step();
+  EXPECT_NEAR(w.q(1)[0], 0.4, 1e-3);
+  EXPECT_NEAR(w.v(0)[5], 2.0, 1e-3);
+  const auto says = [&](const std::string& timeline) -> std::string {
+    try {
+      build_world(scene(timeline));
+    } catch (const InputError& e) {
+      const std::string text = e.what();
+      return text.substr(text.find("/timeline"));
+    }
+    return "";
+  };
+  EXPECT_EQ(says(R"({"at": 1, "set_drive": "arm", "joint": "elbo", "target": 1})"),
+            "/timeline/0/joint: \"elbo\" is not a joint of \"arm\" with a drive; did you mean \"elbow\"?");
+  EXPECT_EQ(says(R"({"at": 1, "set_drive": "arm"})"), "/timeline/0: \"set_drive\" of the body \"arm\" needs \"joint\"");
+  EXPECT_EQ(says(R"({"at": 1, "set_drive": "axle"})"), "/timeline/0/set_drive: \"axle\" has no drive");
+  EXPECT_EQ(says(R"({"at": 1, "set_drive": "axe"})"), "/timeline/0/set_drive: \"axe\" is not a joint or a body");
+  EXPECT_EQ(says(R"({"at": 1, "remove": "arm", "target": 1})"),
+            "/timeline/0/target: it is not allowed beside \"remove\"; it is for \"set_drive\"");
 }
 
 /// Some kinds of the table fill boxes, which do not fall.

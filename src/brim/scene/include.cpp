@@ -127,7 +127,7 @@ class Merger {
         "timeline",
         [&](Json& edit, const Node& written) {
           for (const char* verb :
-               {"freeze", "thaw", "remove", "move", "detach", "set_velocity", "set_material", "grab"})
+               {"freeze", "thaw", "remove", "move", "detach", "set_velocity", "set_material", "set_drive", "grab"})
             prefix_one(edit, verb);
           if (edit.contains("material") && edit["material"].is_string())
             edit["material"] = material(edit["material"].get<std::string>());

@@ -1,5 +1,6 @@
 #include "brim/scene/timeline.h"
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <string_view>
@@ -18,21 +19,25 @@ namespace brim {
 namespace {
 
 /// What an entry may do; exactly one of them is its verb.
-constexpr std::array<const char*, 11> kVerbs = {"freeze",       "thaw",         "remove", "move", "detach", "gravity",
-                                                "set_velocity", "set_material", "grab",   "pull", "release"};
+constexpr std::array<const char*, 12> kVerbs = {"freeze",    "thaw",    "remove",       "move",
+                                                "detach",    "gravity", "set_velocity", "set_material",
+                                                "set_drive", "grab",    "pull",         "release"};
 /// Keys that say more about one verb.
 struct Detail {
   const char* key;
   std::string_view verb;
 };
-constexpr std::array<Detail, 8> kDetails = {{{"offset", "move"},
-                                             {"rotation", "move"},
-                                             {"velocity", "set_velocity"},
-                                             {"angular_velocity", "set_velocity"},
-                                             {"material", "set_material"},
-                                             {"point", "grab"},
-                                             {"stiffness", "grab"},
-                                             {"damping", "grab"}}};
+constexpr std::array<Detail, 11> kDetails = {{{"offset", "move"},
+                                              {"joint", "set_drive"},
+                                              {"target", "set_drive"},
+                                              {"target_velocity", "set_drive"},
+                                              {"rotation", "move"},
+                                              {"velocity", "set_velocity"},
+                                              {"angular_velocity", "set_velocity"},
+                                              {"material", "set_material"},
+                                              {"point", "grab"},
+                                              {"stiffness", "grab"},
+                                              {"damping", "grab"}}};
 
 std::string verb_of(const Node& entry) {
   std::string verb, all;
@@ -101,12 +106,44 @@ std::function<void(World&, int)> edit_of(const Node& entry, const std::string& v
   };
 }
 
+/// The edit of a drive: of a joint between bodies, or of one of an articulated body.
+std::function<void(World&)> drive_edit(const Node& entry, const World& world) {
+  const Node name = entry.at("set_drive");
+  const auto number_or_zero = [&](const char* key) { return entry.has(key) ? entry.number(key) : 0.0; };
+  const double target = number_or_zero("target"), velocity = number_or_zero("target_velocity");
+  if (!entry.has("joint"))
+    for (int i = 0; i < world.attachment_count(); ++i) {
+      const Attachment& a = world.attachment(i);
+      if (a.name != name.string()) continue;
+      if (!a.joint || !(a.joint->drive.stiffness > 0.0 || a.joint->drive.damping > 0.0))
+        throw name.error(fmt::format("\"{}\" has no drive", a.name));
+      return [i, target, velocity](World& w) { w.set_drive(i, target, velocity); };
+    }
+  for (int b = 0; b < world.body_count(); ++b) {
+    if (world.body(b).name() != name.string()) continue;
+    if (!entry.has("joint"))
+      throw entry.error(fmt::format("\"set_drive\" of the body \"{}\" needs \"joint\"", name.string()));
+    const Node joint = entry.at("joint");
+    const std::span<const std::string> names = world.drives(b);
+    const auto found = std::ranges::find(names, joint.string());
+    if (found == names.end()) {
+      const std::string near = nearest_word(joint.string(), names);
+      throw joint.error(fmt::format("\"{}\" is not a joint of \"{}\" with a drive{}", joint.string(), name.string(),
+                                    near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
+    }
+    const int drive = static_cast<int>(found - names.begin());
+    return [b, drive, target, velocity](World& w) { w.set_drive(b, drive, target, velocity); };
+  }
+  throw name.error(fmt::format("\"{}\" is not {}", name.string(), entry.has("joint") ? "a body" : "a joint or a body"));
+}
+
 /// The edit that an entry is, with the numbers of what it concerns.
 std::function<void(World&)> read_edit(const Node& entry, const Scene& scene, const World& world) {
   const std::string verb = verb_of(entry);
   if (verb == "gravity") return [g = entry.vec3("gravity")](World& w) { w.set_gravity(g); };
   if (verb == "pull") return [to = entry.vec3("pull")](World& w) { w.pull(to); };
   if (verb == "release") return [](World& w) { w.release(); };
+  if (verb == "set_drive") return drive_edit(entry, world);
   if (verb == "detach") {
     const Node name = entry.at("detach");
     std::vector<int> numbers;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "brim/body/changing_surface.h"
+#include "brim/body/mass_center.h"
 #include "brim/body/movable.h"
 #include "brim/body/movable_base.h"
 
@@ -12,8 +13,10 @@ namespace brim {
 
 std::optional<Vec3> center_of_mass(const Body& body) {
   const double m = body.mass();
+  if (!std::isfinite(m) || !(m > 0.0)) return std::nullopt;
+  if (const auto* known = dynamic_cast<const MassCenter*>(&body)) return known->mass_center();
   std::vector<double> v(body.v_size());
-  if (!std::isfinite(m) || !(m > 0.0) || !body.rigid_motion(Vec3::Zero(), Vec3::UnitX(), v)) return std::nullopt;
+  if (!body.rigid_motion(Vec3::Zero(), Vec3::UnitX(), v)) return std::nullopt;
   const Vec3 about_x = body.linear_momentum(v) / m;  // (0, −z, y)
   body.rigid_motion(Vec3::Zero(), Vec3::UnitY(), v);
   const Vec3 about_y = body.linear_momentum(v) / m;  // (z, 0, −x)

@@ -7,8 +7,8 @@
 
 namespace brim {
 
-/// Centre of mass c of the last updated state, [m], for every kind that can move as a rigid whole; nothing for others.
-/// Found from the momentum m w × c of the rotation u = w × x about the origin.
+/// Centre of mass c of the last updated state, [m], for every kind that knows it (MassCenter) or can move as a rigid
+/// whole; nothing for others. Found from the momentum m w × c of the rotation u = w × x about the origin.
 std::optional<Vec3> center_of_mass(const Body& body);
 
 /// Centre of mass, or else the mean of the display's vertices.

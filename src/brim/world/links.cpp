@@ -17,22 +17,18 @@ namespace {
 constexpr double kLinksMark = -0.125;
 constexpr double kOlderMark =
     -0.25;  ///< of runs before Levels used it; the records of Levels are longer (Levels::read)
+/// In the memory of links: between the numbers of broken ones and targets of drives.
+constexpr double kAimsFollow = -1.0;
 /// [s] A gap between two sides closes as exp(−t / kClosing).
 constexpr double kClosing = 0.1;
 
 /// Share of a gap that is left after a time.
 double closing_left(double t) { return std::exp(-t / kClosing); }
 
-/// Target value and rate of a drive over a sub-step, as in JointForces.
-std::pair<double, double> aim_of(const JointDrive& d, double time, double dt) {
-  const auto [target, rate] = target_at(d, time + dt);
-  return {target, d.keys.empty() ? rate : (target - target_at(d, time).first) / dt};
-}
-
 }  // namespace
 
 bool Links::needs_space() const {
-  return std::any_of(links_.begin(), links_.end(), [](const Link& l) { return l.part_b < 0; });
+  return std::any_of(links_.begin(), links_.end(), [](const auto& l) { return l->part_b < 0; });
 }
 
 Links::Coordinate Links::coordinate(const Link& link) {
@@ -62,12 +58,23 @@ Links::Coordinate Links::coordinate(const Link& link) {
 }
 
 void Links::set_drive(std::size_t i, double position, double velocity) {
-  auto& joint = links_[i].given.joint;
+  const auto& joint = links_[i]->given.joint;
   if (!joint || !(joint->drive.stiffness > 0.0 || joint->drive.damping > 0.0))
-    throw InputError(fmt::format("attachment '{}' has no drive", links_[i].given.name));
-  if (!std::isfinite(position) || !std::isfinite(velocity)) throw InputError("the target of a drive is not finite");
-  joint->drive.keys.clear();
-  joint->drive.target = position, joint->drive.target_velocity = velocity;
+    throw InputError(fmt::format("attachment '{}' has no drive", links_[i]->given.name));
+  for (const auto& [what, value] : {std::pair{"position", position}, std::pair{"velocity", velocity}})
+    if (!std::isfinite(value))
+      throw InputError(
+          fmt::format("set_drive: {} {} of '{}' is not allowed; must be finite", what, value, links_[i]->given.name));
+  links_[i]->aim = DriveAim{position, velocity};
+}
+
+std::pair<double, double> Links::target_of(const Link& link, double time) {
+  return link.aim ? std::pair(link.aim->position, link.aim->velocity) : target_at(link.given.joint->drive, time);
+}
+
+void Links::set_list(const List& list) {
+  links_.erase(links_.begin(), links_.begin() + static_cast<std::ptrdiff_t>(kept()));
+  links_.insert(links_.begin(), list.begin(), list.end());
 }
 
 void Links::Link::follow(std::span<const WorldPart> parts, std::span<const double> q,
@@ -79,7 +86,7 @@ void Links::Link::follow(std::span<const WorldPart> parts, std::span<const doubl
 
 void Links::find_ends(std::size_t i, std::span<const WorldPart> parts, std::span<const double> q,
                       std::span<const std::size_t> first_q, double time) {
-  Link& link = links_[i];
+  Link& link = *links_[i];
   link.given.ends.clear();
   if (link.broken) return;
   link.follow(parts, q, first_q);
@@ -115,7 +122,7 @@ void Links::append(std::span<const WorldPart> parts, std::span<const double> q, 
   const std::size_t first = set.size();
   std::vector<Vec3> point_a, point_b;
   for (std::size_t l = 0; l < links_.size(); ++l) {
-    Link& link = links_[l];
+    Link& link = *links_[l];
     if (link.broken) continue;
     link.follow(parts, q, first_q);
     const Coordinate c = coordinate_[l] = coordinate(link);
@@ -161,7 +168,7 @@ void Links::append(std::span<const WorldPart> parts, std::span<const double> q, 
   for (std::size_t p = set.first_link_pair(); p < set.pairs.size(); ++p)
     for (; c < set.pairs[p].end; ++c) {
       const Tie& tie = ties_[c - first];
-      const Link& link = links_[tie.link];
+      const Link& link = *links_[tie.link];
       const std::size_t i = link.held[tie.held].point;
       Contact contact{};
       contact.point = point_a[c - first];
@@ -180,7 +187,9 @@ void Links::drive(const Link& link, const Tie& tie, const Vec3& velocity, Bond& 
   if (hold == Hold::Drive) {
     const JointDrive& d = j.drive;
     if (d.stiffness > 0.0 || d.damping > 0.0) {
-      const auto [target, rate] = aim_of(d, time_, dt_);
+      // As in JointForces: of keyframes the mean rate over the sub-step.
+      auto [target, rate] = target_of(link, time_ + dt_);
+      if (!link.aim && !d.keys.empty()) rate = (target - target_of(link, time_).first) / dt_;
       double miss = target - value;
       if (j.kind == JointKind::Revolute) miss = std::remainder(miss, 2.0 * std::numbers::pi);
       const double wanted = d.stiffness * miss + d.damping * (rate - u), size = std::abs(wanted);
@@ -209,7 +218,7 @@ void Links::begin(const ContactSet& set, std::span<const Vec3> velocity_a, std::
   const std::size_t first = set.first_link();
   for (std::size_t i = 0; i < ties_.size(); ++i) {
     const Tie& tie = ties_[i];
-    const Link& link = links_[tie.link];
+    const Link& link = *links_[tie.link];
     const Held& held = link.held[tie.held];
     const double k = held.share * (link.given.stiffness > 0.0 ? link.given.stiffness : rigid(link));
     const double d = held.share * link.given.damping, s = dt_ * k + d;
@@ -244,13 +253,13 @@ void Links::finish(const ContactSet& set, std::span<const Vec3> force, double ti
   report.links.clear();
   for (std::size_t l = 0; l < links_.size(); ++l) {
     report.links.push_back({});
-    report.links.back().broken = links_[l].broken;
+    report.links.back().broken = links_[l]->broken;
   }
   const std::size_t first = set.first_link();
   for (std::size_t i = 0; i < ties_.size(); ++i) {
     const Tie& tie = ties_[i];
     LinkReport& r = report.links[tie.link];
-    const Hold hold = links_[tie.link].held[tie.held].hold;
+    const Hold hold = links_[tie.link]->held[tie.held].hold;
     // A force along a rotational coordinate is half of a couple: the held points provide the other half.
     r.force += force[first + i];
     if (along_coordinate(hold)) {
@@ -260,7 +269,7 @@ void Links::finish(const ContactSet& set, std::span<const Vec3> force, double ti
     r.error = std::max(r.error, tie.error.norm());
   }
   for (std::size_t l = 0; l < links_.size(); ++l) {
-    Link& link = links_[l];
+    Link& link = *links_[l];
     const double error = report.links[l].error;
     if (link.given.stiffness > 0.0 || link.told || link.broken || !(error > link.apart)) continue;
     link.told = true;
@@ -274,12 +283,12 @@ void Links::finish(const ContactSet& set, std::span<const Vec3> force, double ti
   std::size_t untold = 0;
   for (std::size_t l = 0; l < links_.size(); ++l) {
     const double load = report.links[l].force.norm();
-    if (links_[l].broken || !(load > links_[l].given.break_force)) continue;
-    links_[l].broken = report.links[l].broken = true;
+    if (links_[l]->broken || !(load > links_[l]->given.break_force)) continue;
+    links_[l]->broken = report.links[l].broken = true;
     if (report.warnings.size() < kMostWarnings)
       report.warnings.push_back({time, "link_broken",
-                                 fmt::format("'{}' broke: it carried {:.4g} N, above {:.4g} N", links_[l].given.name,
-                                             load, links_[l].given.break_force)});
+                                 fmt::format("'{}' broke: it carried {:.4g} N, above {:.4g} N", links_[l]->given.name,
+                                             load, links_[l]->given.break_force)});
     else
       ++untold;
   }
@@ -290,19 +299,35 @@ void Links::finish(const ContactSet& set, std::span<const Vec3> force, double ti
 }
 
 void Links::take(std::vector<double>& memory) {
-  for (Link& l : links_) l.broken = false;
+  for (const auto& l : links_) l->broken = false, l->aim.reset();
   if (memory.size() < 2 || (memory[0] != kLinksMark && memory[0] != kOlderMark)) return;
   const auto n = static_cast<std::size_t>(std::clamp(memory[1], 0.0, static_cast<double>(memory.size() - 2)));
-  for (std::size_t i = 0; i < n; ++i)
-    if (const double l = memory[2 + i]; l >= 0.0 && l < static_cast<double>(kept()))
-      links_[static_cast<std::size_t>(l)].broken = true;
+  const std::span<const double> numbers = std::span<const double>(memory).subspan(2, n);
+  const auto link_at = [&](std::size_t i) {
+    const double l = numbers[i];
+    return l >= 0.0 && l < static_cast<double>(kept()) ? links_[static_cast<std::size_t>(l)].get() : nullptr;
+  };
+  std::size_t i = 0;
+  for (; i < n && numbers[i] != kAimsFollow; ++i)
+    if (Link* const l = link_at(i)) l->broken = true;
+  for (++i; i + 3 <= n; i += 3)
+    if (Link* const l = link_at(i); l && std::isfinite(numbers[i + 1]) && std::isfinite(numbers[i + 2]))
+      l->aim = DriveAim{numbers[i + 1], numbers[i + 2]};
   memory.erase(memory.begin(), memory.begin() + static_cast<std::ptrdiff_t>(2 + n));
 }
 
 void Links::keep(std::vector<double>& memory) const {
   std::vector<double> head = {kLinksMark, 0.0};
   for (std::size_t l = 0; l < kept(); ++l)
-    if (links_[l].broken) head.push_back(static_cast<double>(l));
+    if (links_[l]->broken) head.push_back(static_cast<double>(l));
+  bool aimed = false;
+  for (std::size_t l = 0; l < kept(); ++l) {
+    const auto& aim = links_[l]->aim;
+    if (!aim) continue;
+    if (!aimed) head.push_back(kAimsFollow);
+    aimed = true;
+    head.insert(head.end(), {static_cast<double>(l), aim->position, aim->velocity});
+  }
   if (head.size() == 2) return;
   head[1] = static_cast<double>(head.size() - 2);
   memory.insert(memory.begin(), head.begin(), head.end());

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "brim/body/aimed_drives.h"
 #include "brim/contact/contact_set.h"
 #include "brim/response/penalty.h"
 #include "brim/world/attachment.h"
@@ -24,7 +27,11 @@ namespace brim {
 /// the mass they hold. After one step an error has decayed to 1/kRigid of itself, and gravity leaves an error of g dt²
 /// / kRigid. Same bits for any number of threads.  Tests: tests/world/links_test.cpp
 class Links {
+  struct Link;
+
  public:
+  /// Links of a state, for Wiring.
+  using List = std::vector<std::shared_ptr<Link>>;
   /// Weight of a rigid link in the system, relative to the mass it holds.
   static constexpr double kRigid = 1000.0;
   /// Largest ratio of the two sides' masses that is taken into account.
@@ -54,18 +61,26 @@ class Links {
   std::size_t size() const { return links_.size(); }
   /// Number of links without the grabbing one, which is the last.
   std::size_t kept() const { return links_.size() - grabs_; }
-  const Attachment& attachment(std::size_t i) const { return links_[i].given; }
+  const Attachment& attachment(std::size_t i) const { return links_[i]->given; }
+  /// Target of its drive, if it was set.
+  const std::optional<DriveAim>& aim(std::size_t i) const { return links_[i]->aim; }
+  /// Number that no other link of this world ever has.
+  std::int64_t id(std::size_t i) const { return links_[i]->id; }
+  /// The links without the grabbing one, and the same in their place.
+  List list() const { return {links_.begin(), links_.begin() + static_cast<std::ptrdiff_t>(kept())}; }
+  void set_list(const List& list);
   /// Fills in the ends of a link (Attachment::ends). Bodies must be up to date.
   void find_ends(std::size_t i, std::span<const WorldPart> parts, std::span<const double> q,
                  std::span<const std::size_t> first_q, double time);
   /// True when some link, broken or not, has an end in space.
   bool needs_space() const;
-  bool broken(std::size_t i) const { return links_[i].broken; }
-  void set_broken(std::size_t i, bool broken) { links_[i].broken = broken; }
+  bool broken(std::size_t i) const { return links_[i]->broken; }
+  void set_broken(std::size_t i, bool broken) { links_[i]->broken = broken; }
+  /// Target of a joint's drive from now on, in place of that of its description.
   /// @throws InputError where the link has no drive
   void set_drive(std::size_t i, double position, double velocity);
   /// The two body numbers of a link, −1: space.
-  std::pair<int, int> bodies(std::size_t i) const { return {links_[i].body_a, links_[i].body_b}; }
+  std::pair<int, int> bodies(std::size_t i) const { return {links_[i]->body_a, links_[i]->body_b}; }
 
   /// Appends the active links to the set. @param space  number of the part that stands for space
   void append(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q,
@@ -87,8 +102,9 @@ class Links {
   /// Takes the forces and breaks links whose force is too large. @param force  [N] on side a, all contacts
   void finish(const ContactSet& set, std::span<const Vec3> force, double time, StepReport& report);
 
-  /// Reads and removes its part of memory; keep writes it in front. Only broken links are stored:
-  ///   memory: [−0.125, n, numbers of broken links ...]
+  /// Reads and removes its part of memory; keep writes it in front. Only broken links and targets that were set are
+  /// stored:
+  ///   memory: [−0.125, n, numbers of broken links ..., −1, and for every target: link, position, velocity]
   void take(std::vector<double>& memory);
   void keep(std::vector<double>& memory) const;
 
@@ -105,6 +121,8 @@ class Links {
   };
   struct Link {
     Attachment given;
+    std::int64_t id = 0;
+    std::optional<DriveAim> aim;  ///< of its drive, if it was set
     int body_a = -1, body_b = -1;
     std::int32_t part_a = 0, part_b = -1;  ///< −1: space
     MatterPoints a, b;
@@ -154,13 +172,16 @@ class Links {
   /// Present ends of a held point, [m], the direction n that its hold means, and its error.
   static std::pair<Vec3, Vec3> stretch(const Link& link, const Held& held, const Coordinate& c, double time, Vec3& n,
                                        Vec3& error);
+  /// Target of a link's drive and its rate at a time, [s].
+  static std::pair<double, double> target_of(const Link& link, double time);
   /// [J] of what is elastic of a link, with its points as they were followed last.
   static double spring_energy(const Link& link, const Coordinate& c, double time);
   double rigid(const Link& link) const { return kRigid * link.mass / (dt_ * dt_); }
   /// Stiffness and damping along the coordinate, per length, and the force at the start.
   void drive(const Link& link, const Tie& tie, const Vec3& u, Bond& bond) const;
 
-  std::vector<Link> links_;
+  List links_;  ///< shared with the states in which they exist
+  std::int64_t next_id_ = 0;
   bool grabs_ = false;  ///< the last link is the grabbing one
   std::vector<Tie> ties_;
   std::vector<Coordinate> coordinate_;  ///< per link

@@ -180,15 +180,17 @@ void check_joint_sides(const Attachment& given, const MatterPoints& a, const Mat
 int Links::add(const Attachment& given, std::span<const WorldPart> parts, const Side& a, const Side& b,
                double ramp_voxels, double time) {
   const auto end = links_.begin() + static_cast<std::ptrdiff_t>(kept());
-  if (std::any_of(links_.begin(), end, [&](const Link& l) { return l.given.name == given.name; }))
+  if (std::any_of(links_.begin(), end, [&](const auto& l) { return l->given.name == given.name; }))
     throw InputError(fmt::format("{}: there is another one of that name", told(given)));
-  links_.insert(end, make(given, parts, a, b, ramp_voxels, time));
+  auto link = std::make_shared<Link>(make(given, parts, a, b, ramp_voxels, time));
+  link->id = next_id_++;
+  links_.insert(end, std::move(link));
   return static_cast<int>(kept()) - 1;
 }
 
 void Links::grab(const Attachment& given, std::span<const WorldPart> parts, const Side& a, double ramp_voxels,
                  double time) {
-  Link link = make(given, parts, a, {}, ramp_voxels, time);
+  auto link = std::make_shared<Link>(make(given, parts, a, {}, ramp_voxels, time));
   release();
   links_.push_back(std::move(link));
   grabs_ = true;

@@ -12,7 +12,7 @@ double Links::spring_energy(const Link& link, const Coordinate& c, double time) 
   for (const Held& held : link.held) {
     if (held.hold == Hold::Drive) {
       const JointDrive& d = link.given.joint->drive;
-      double miss = target_at(d, time).first - c.value;
+      double miss = target_of(link, time).first - c.value;
       if (link.given.joint->kind == JointKind::Revolute) miss = std::remainder(miss, 2.0 * std::numbers::pi);
       energy += drive_energy(d, miss);
     } else if (held.hold == Hold::Lower || held.hold == Hold::Upper) {
@@ -32,7 +32,7 @@ double Links::spring_energy(const Link& link, const Coordinate& c, double time) 
 void Links::measure(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q,
                     double time, StepReport& report) {
   for (std::size_t l = 0; l < kept(); ++l) {
-    Link& link = links_[l];
+    Link& link = *links_[l];
     if (link.broken) continue;
     link.follow(parts, q, first_q);
     const Coordinate c = coordinate(link);

@@ -51,7 +51,7 @@ double Links::swing_pieces(std::span<const WorldPart> parts, const ContactSet& s
   };
   const std::size_t first = set.first_link();
   for (std::size_t i = 0; i < ties_.size(); ++i) {
-    const Link& link = links_[ties_[i].link];
+    const Link& link = *links_[ties_[i].link];
     add(link.part_a, set.point[first + i], force[first + i]);
     add(link.part_b, set.link_point_b[i], -force[first + i]);
   }

@@ -45,8 +45,8 @@ int OuterActions::add(const AppliedForce& given, std::span<const std::unique_ptr
   const auto refuse = [&](const std::string& what) {
     return InputError(fmt::format("force '{}': {}", given.name, what));
   };
-  for (const Entry& e : entries_)
-    if (e.given.name == given.name) throw refuse("there is another one of that name");
+  for (const auto& e : entries_)
+    if (e->given.name == given.name) throw refuse("there is another one of that name");
   const bool at_points = given.point || given.region;
   if (given.point && given.region) throw refuse("a point or a region says where it acts, not both");
   if (at_points && given.force == Vec3::Zero()) throw refuse("a point or a region needs a force");
@@ -57,6 +57,7 @@ int OuterActions::add(const AppliedForce& given, std::span<const std::unique_ptr
     if (!(given.scale[k].time > given.scale[k - 1].time)) throw refuse("times of keys must increase");
   Entry entry;
   entry.given = given;
+  entry.id = next_id_;
   const bool whole = (!at_points && given.force != Vec3::Zero()) || given.torque != Vec3::Zero() ||
                      given.acceleration != Vec3::Zero() || given.attractor;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
@@ -94,24 +95,37 @@ int OuterActions::add(const AppliedForce& given, std::span<const std::unique_ptr
     entry.actions.push_back(std::move(action));
   }
   if (entry.actions.empty()) throw refuse("no body that can move is named");
-  if (given.gravity_scale) {
-    gravity_scale_.resize(bodies.size(), 1.0);
-    for (const Action& a : entry.actions) gravity_scale_[static_cast<std::size_t>(a.body)] = *given.gravity_scale;
-  }
-  entries_.push_back(std::move(entry));
+  scale_gravity(entry, bodies.size());
+  entries_.push_back(std::make_shared<Entry>(std::move(entry)));
+  ++next_id_;
   return static_cast<int>(entries_.size()) - 1;
 }
 
+void OuterActions::scale_gravity(const Entry& entry, std::size_t bodies) {
+  if (!entry.given.gravity_scale) return;
+  gravity_scale_.resize(bodies, 1.0);
+  for (const Action& a : entry.actions) gravity_scale_[static_cast<std::size_t>(a.body)] = *entry.given.gravity_scale;
+}
+
+void OuterActions::set_list(const List& list) {
+  std::size_t bodies = gravity_scale_.size();
+  for (const auto& e : list)
+    for (const Action& a : e->actions) bodies = std::max(bodies, static_cast<std::size_t>(a.body) + 1);
+  gravity_scale_.clear();
+  entries_ = list;
+  for (const auto& e : entries_) scale_gravity(*e, bodies);
+}
+
 void OuterActions::flag_pulled(std::span<std::uint8_t> flags) const {
-  for (const Entry& e : entries_)
-    for (const Action& a : e.actions)
-      if (e.given.attractor || a.wind) flags[static_cast<std::size_t>(a.body)] = 1;
+  for (const auto& e : entries_)
+    for (const Action& a : e->actions)
+      if (e->given.attractor || a.wind) flags[static_cast<std::size_t>(a.body)] = 1;
 }
 
 void OuterActions::flag_acted_on(std::span<std::uint8_t> flags) const {
-  for (const Entry& e : entries_)
-    for (const Action& a : e.actions)
-      if (e.given.attractor || a.wind || e.given.force != Vec3::Zero() || e.given.torque != Vec3::Zero())
+  for (const auto& e : entries_)
+    for (const Action& a : e->actions)
+      if (e->given.attractor || a.wind || e->given.force != Vec3::Zero() || e->given.torque != Vec3::Zero())
         flags[static_cast<std::size_t>(a.body)] = 1;
 }
 
@@ -161,11 +175,12 @@ void OuterActions::add_at_points(const Vec3& force, std::span<const WorldPart> p
 }
 
 void OuterActions::find_changing(double time, double dt, std::vector<int>& out) const {
-  for (const Entry& e : entries_) {
-    const double now = at_time(e.given.scale, time);
-    const bool blows = e.given.wind && e.given.wind->field;
-    if (!blows && now == at_time(e.given.scale, time - dt) && now == at_time(e.given.scale, time + dt)) continue;
-    for (const Action& a : e.actions) out.push_back(a.body);
+  for (const auto& e : entries_) {
+    const AppliedForce& given = e->given;
+    const double now = at_time(given.scale, time);
+    const bool blows = given.wind && given.wind->field;
+    if (!blows && now == at_time(given.scale, time - dt) && now == at_time(given.scale, time + dt)) continue;
+    for (const Action& a : e->actions) out.push_back(a.body);
   }
 }
 
@@ -260,10 +275,10 @@ std::span<const double> OuterActions::impulse(std::span<const std::unique_ptr<Bo
   impulse_.assign(base.begin(), base.end());
   impulse_.resize(first_v.back(), 0.0);
   resistance_.clear();
-  for (Entry& e : entries_) {
-    const AppliedForce& given = e.given;
+  for (const auto& e : entries_) {
+    const AppliedForce& given = e->given;
     const double scale = at_time(given.scale, time);
-    for (Action& action : e.actions) {
+    for (Action& action : e->actions) {
       const auto b = static_cast<std::size_t>(action.body);
       const Body& body = *bodies[b];
       const std::size_t n = first_v[b + 1] - first_v[b];

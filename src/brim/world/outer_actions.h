@@ -21,11 +21,22 @@ namespace brim {
 ///   gravity scale                    the body's weight computed in an environment of its own
 /// Same bits for any number of threads.  Tests: tests/world/outer_actions_test.cpp
 class OuterActions {
+  struct Entry;
+
  public:
+  /// Forces of a state, for Wiring.
+  using List = std::vector<std::shared_ptr<Entry>>;
+
   /// @param ramp_voxels  w over h  @throws InputError  @return number of the entry
   int add(const AppliedForce& force, std::span<const std::unique_ptr<Body>> bodies, std::span<const WorldPart> parts,
           std::span<const double> q, std::span<const std::size_t> first_q, double ramp_voxels);
   bool empty() const { return entries_.empty(); }
+  std::size_t size() const { return entries_.size(); }
+  const AppliedForce& given(std::size_t i) const { return entries_[i]->given; }
+  /// Number that no other entry of this world ever has.
+  std::int64_t id(std::size_t i) const { return entries_[i]->id; }
+  const List& list() const { return entries_; }
+  void set_list(const List& list);
   /// Factor on gravity per body; shape (bodies at the last add or impulse), empty when none is scaled. The next of
   /// these invalidates it.
   std::span<const double> gravity_scale() const { return gravity_scale_; }
@@ -63,8 +74,11 @@ class OuterActions {
   };
   struct Entry {
     AppliedForce given;
+    std::int64_t id = 0;
     std::vector<Action> actions;
   };
+  /// Notes the factor of an entry on gravity. @param bodies  number of them
+  void scale_gravity(const Entry& entry, std::size_t bodies);
   static void choose_points(const AppliedForce& given, std::span<const WorldPart> parts, std::span<const double> q,
                             double ramp_voxels, Action& action);
   static void add_in_flow(const AppliedForce& given, const Body& body, std::span<double> Q);
@@ -83,7 +97,8 @@ class OuterActions {
   /// Acceleration, torque, force without a place, and attraction of a body without nodes.
   static void add_as_whole(const AppliedForce& given, bool at_points, double factor, const Target& target);
 
-  std::vector<Entry> entries_;
+  List entries_;  ///< shared with the states in which they exist
+  std::int64_t next_id_ = 0;
   std::vector<double> gravity_scale_, impulse_;
   std::vector<std::vector<Mat3>> resistance_;
 };

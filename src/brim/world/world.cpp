@@ -1,6 +1,7 @@
 #include "brim/world/world.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "brim/body/rigid_frame.h"
@@ -42,6 +43,9 @@ World::World(WorldOptions options) : impl_(std::make_unique<Impl>()) {
        options.max_motion_voxels > 0.0 && options.max_motion_voxels <= 2.0);
   need("max_substeps", options.max_substeps, options.max_substeps >= 1);
   need("cg_tolerance", options.cg_tolerance, options.cg_tolerance > 0.0 && options.cg_tolerance < 1.0);
+  static std::atomic<std::uint64_t> worlds{0};
+  impl_->own_number = ++worlds;
+  impl_->note_wiring();
   impl_->given = options;
   impl_->options = std::move(options);
   for (const TouchRule& rule : impl_->options.touch_rules)
@@ -86,6 +90,7 @@ void World::Impl::take_memory() {
   for (const auto& w : watchers) w->take(state.warm_start);
   levels.take(state.warm_start, std::span(bodies).first(count()));
   edits.take(state.warm_start, static_cast<int>(count()));
+  aims.take(state.warm_start, [this](int b) { return aimed(b); });
   links.take(state.warm_start);
   sleep.take(state.warm_start);
 }
@@ -93,10 +98,42 @@ void World::Impl::take_memory() {
 void World::Impl::keep_memory() {
   sleep.keep(state.warm_start);
   links.keep(state.warm_start);
+  aims.keep(state.warm_start);
   edits.keep(state.warm_start);
   levels.keep(state.warm_start);
   for (std::size_t i = watchers.size(); i-- > 0;) watchers[i]->keep(*self, state.warm_start);
   show_whole();
+}
+
+void World::Impl::note_wiring() {
+  auto wiring = std::make_shared<Wiring>();
+  wiring->world = own_number;
+  wiring->links = links.list(), wiring->forces = actions.list();
+  for (std::size_t i = 0; i < links.kept(); ++i) wiring->link_names.push_back(links.attachment(i).name);
+  for (std::size_t i = 0; i < actions.size(); ++i) wiring->force_names.push_back(actions.given(i).name);
+  state.wiring = std::move(wiring);
+  show_whole();
+}
+
+std::shared_ptr<const Wiring> World::Impl::wiring_of(const State& other) const {
+  if (other.wiring == nullptr) return state.wiring;
+  if (other.wiring->world == own_number) return other.wiring;
+  const Wiring &wanted = *other.wiring, &here = *state.wiring;
+  if (wanted.link_names == here.link_names && wanted.force_names == here.force_names) return state.wiring;
+  auto out = std::make_shared<Wiring>();
+  out->world = own_number, out->link_names = wanted.link_names, out->force_names = wanted.force_names;
+  const auto pick = [](const auto& needed, const auto& known, const auto& from, auto& to, const char* what) {
+    for (const std::string& name : needed) {
+      const auto at = std::ranges::find(known, name);
+      if (at == known.end())
+        throw InputError(
+            fmt::format("state: it has the {} '{}', which this world does not have; add it first", what, name));
+      to.push_back(from[static_cast<std::size_t>(at - known.begin())]);
+    }
+  };
+  pick(wanted.link_names, here.link_names, here.links, out->links, "attachment");
+  pick(wanted.force_names, here.force_names, here.forces, out->forces, "force");
+  return out;
 }
 
 void World::watch(std::unique_ptr<Watcher> watcher) { impl_->watchers.push_back(std::move(watcher)); }
@@ -138,11 +175,14 @@ void World::set_state(State state) {
     need_state(body, v.first(body.v_size()), "velocity");
     q = q.subspan(body.q_size()), v = v.subspan(body.v_size());
   }
+  std::shared_ptr<const Wiring> wiring = w.wiring_of(state);
   w.start();  // choices based on the initial state stay as made there
   std::vector<double> before, after;
   w.edits.keep(before);
   w.bring_back();
+  if (wiring != w.state.wiring) w.links.set_list(wiring->links), w.actions.set_list(wiring->forces);
   w.state = std::move(state);
+  w.state.wiring = std::move(wiring);
   w.take_memory();
   w.leave_out();
   w.edits.keep(after);

@@ -6,9 +6,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "brim/body/aimed_drives.h"
 #include "brim/body/body.h"
 #include "brim/world/step_report.h"
 #include "brim/world/touch_rules.h"
@@ -19,6 +21,7 @@ struct AppliedForce;  // brim/world/applied_force.h
 struct Attachment;    // brim/world/attachment.h
 struct Pose;          // brim/raster/shape.h
 class Watcher;        // brim/world/watcher.h
+struct Wiring;        // brim/world/wiring.h
 
 /// Parameters of a pair of materials that override those derived from the two.
 struct PairMaterial {
@@ -67,6 +70,8 @@ struct State {
   /// Further state for the next step: impulses of constraint rows, references of solids, sleeping bodies, broken links,
   /// edits, levels of detail, and the states of watchers.
   std::vector<double> warm_start;
+  /// Attachments and forces that exist; null in recordings and states made by hand: the world keeps those that it has.
+  std::shared_ptr<const Wiring> wiring;
 };
 
 /// A global part: part `index` of body `body`.
@@ -93,18 +98,39 @@ class World {
   std::span<const double> v(int b) const;
 
   /// Attaches a body to another one or to space, at their present positions (docs/links.md). May be called between
-  /// steps; a resumed run must have the same attachments in the same order. @return its number  @throws InputError
+  /// steps; a resumed run must have the same attachments in the same order. Setting a state from before takes it away,
+  /// and one from after brings it back. @return its number, its place among those that exist  @throws InputError
   int attach(const Attachment& attachment);
   int attachment_count() const;
   const Attachment& attachment(int i) const;
+  /// Number that no other attachment of this world ever has, whatever states are set.
+  std::int64_t attachment_id(int i) const;
   /// True once it broke or was detached; part of the state.
   bool detached(int i) const;
   void detach(int i);
-  /// Target of a joint's drive from the next step on, [rad, m] and [rad/s, m/s]; not part of the state.
+  /// Target of a joint's drive from the next step on, [rad, m] and [rad/s, m/s], in place of its keyframes. Part of the
+  /// state.
   /// @throws InputError when it has no drive
   void set_drive(int i, double position, double velocity);
-  /// Adds an external action on bodies, at their present positions. @throws InputError  @return its number
+  /// Names of the joints of a body that have a drive; empty for bodies without (AimedDrives). A drive's number is its
+  /// place here.
+  std::span<const std::string> drives(int b) const;
+  /// Target of the drive of a body's joint from the next step on, [rad, m] and [rad/s, m/s], which holds until set
+  /// again; keyframes of the drive end. Of the two, the drive follows those for which it has a stiffness or a damping.
+  /// Part of the state. Wakes the body. @throws InputError
+  void set_drive(int b, std::string_view joint, double position, double velocity);
+  void set_drive(int b, int drive, double position, double velocity);
+  /// The same for all drives of a body. @param velocity  empty: 0  @throws InputError  when lengths differ
+  void set_drives(int b, std::span<const double> position, std::span<const double> velocity = {});
+  /// Target that was set of an attachment's drive, and of a drive of a body; nothing: as described.
+  std::optional<DriveAim> aim(int i) const;
+  std::optional<DriveAim> aim(int b, int drive) const;
+  /// Adds an external action on bodies, at their present positions. Setting a state from before takes it away.
+  /// @throws InputError  @return its number, its place among those that exist
   int apply(const AppliedForce& force);
+  int force_count() const;
+  /// Number that no other external action of this world ever has.
+  std::int64_t force_id(int i) const;
 
   /// Grabs a body by a spring to a point in space, at the material that is there now (a deformable body: all material
   /// within two voxels). Releases the previous grab. Not part of the state, reports or records: the hand is not in the
@@ -153,7 +179,8 @@ class World {
 
   const WorldOptions& options() const;
   const State& state() const;
-  /// Replaces the state (resume); sizes must match. @throws InputError
+  /// Replaces the state (resume); sizes must match, and of a state of another world all attachments and forces must be
+  /// here by name. @throws InputError
   void set_state(State state);
 
   /// Advances by options().time_step. Never throws for numerical failure: the report shows it.

@@ -17,6 +17,13 @@ bool World::Impl::out(std::size_t b) const {
 
 const Body& World::Impl::own(std::size_t b) const { return out(b) ? *absences.at(b).other : *bodies.at(b); }
 
+Body* World::Impl::aimed(int b) {
+  const auto i = static_cast<std::size_t>(b);
+  if (b < 0 || i >= count()) return nullptr;
+  if (i < fresh.size()) fresh[i] = 0;  // the energy of its drives is another
+  return out(i) ? absences.at(i).other.get() : bodies[i].get();
+}
+
 void World::Impl::count_state() {
   first_q.assign(1, 0), first_v.assign(1, 0);
   for (const auto& body : bodies) {

@@ -13,6 +13,7 @@
 #include "brim/world/contact_maps.h"
 #include "brim/world/contact_parameters.h"
 #include "brim/world/contact_stage.h"
+#include "brim/world/drive_aims.h"
 #include "brim/world/edits.h"
 #include "brim/world/fill_stage.h"
 #include "brim/world/fluid_coupling.h"
@@ -27,6 +28,7 @@
 #include "brim/world/touch_rules.h"
 #include "brim/world/turning.h"
 #include "brim/world/watcher.h"
+#include "brim/world/wiring.h"
 #include "brim/world/world.h"
 #include "brim/world/world_part.h"
 
@@ -56,6 +58,7 @@ struct World::Impl {
   bool has_space = false;  ///< the last body and part stand for space
   Levels levels;
   Edits edits;
+  DriveAims aims;
   /// A body that was removed, or brought back: the object in its place, and its own coordinates meanwhile.
   struct Absence {
     std::unique_ptr<Body> other;
@@ -70,7 +73,8 @@ struct World::Impl {
   };
   std::vector<Scheduled> scheduled;
   std::vector<std::unique_ptr<Watcher>> watchers;
-  const World* self = nullptr;  ///< the world shown to watchers
+  std::uint64_t own_number = 0;  ///< of this world, for Wiring
+  const World* self = nullptr;   ///< the world shown to watchers
 
   ContactStage stage;
   SelfContact self_contact;
@@ -113,6 +117,8 @@ struct World::Impl {
   void keep_memory();
   /// The body that was added, even if another object stands in its place now.
   const Body& own(std::size_t b) const;
+  /// The same by a number that may be none, for DriveAims.
+  Body* aimed(int b);
   bool out(std::size_t b) const;
   bool is_frozen(std::size_t b) const { return !edits.frozen.empty() && edits.frozen.contains(static_cast<int>(b)); }
   /// @throws InputError  when the number is not that of a body, or the body was removed
@@ -133,7 +139,13 @@ struct World::Impl {
   /// Wakes bodies affected by a change of a body: its island; all bodies, if it is fixed.
   void wake_around(World& world, int b);
   void run_scheduled(World& world, StepReport& report);
+  /// World::set_drives of some drives of a body. @throws InputError  for what is not finite
+  void aim(int b, std::size_t first, std::span<const double> position, std::span<const double> velocity);
   void keep_apart();
+  /// Writes down in the state which attachments and forces exist.
+  void note_wiring();
+  /// The wiring of a state in the objects of this world. @throws InputError  for names that this world does not have
+  std::shared_ptr<const Wiring> wiring_of(const State& other) const;
   void update_bodies();
   /// Marks sleeping bodies as unchanged; all others must be updated.
   void stir();

@@ -3,6 +3,7 @@
 #include <memory>
 #include <numbers>
 
+#include "brim/body/aimed_drives.h"
 #include "brim/core/error.h"
 #include "brim/world/applied_force.h"
 #include "brim/world/attachment.h"
@@ -15,6 +16,13 @@ namespace {
 
 constexpr double kGrabFrequency = 3.0;  ///< [Hz] of a body on the grab spring
 constexpr double kGrabReach = 2.0;      ///< [voxels] radius of the material that is held of a deformable body
+constexpr std::size_t kListed = 12;     ///< names in a message
+
+std::string listed(std::span<const std::string> names) {
+  std::string all;
+  for (std::size_t i = 0; i < std::min(names.size(), kListed); ++i) all += (i == 0 ? "\"" : ", \"") + names[i] + "\"";
+  return all + (names.size() > kListed ? ", ..." : "");
+}
 
 }  // namespace
 
@@ -71,6 +79,7 @@ int World::attach(const Attachment& attachment) {
                                  w.options.ramp_voxels, w.state.time);
   if (w.links.needs_space() && !w.has_space) w.show_space();
   w.keep_apart();
+  w.note_wiring();
   for (const int body : {a, b})
     if (body >= 0) wake(body);
   return number;
@@ -85,6 +94,8 @@ const Attachment& World::attachment(int i) const {
   return w.links.attachment(static_cast<std::size_t>(i));
 }
 
+std::int64_t World::attachment_id(int i) const { return impl_->links.id(static_cast<std::size_t>(i)); }
+
 bool World::detached(int i) const { return impl_->links.broken(static_cast<std::size_t>(i)); }
 
 void World::detach(int i) {
@@ -98,8 +109,80 @@ void World::detach(int i) {
 }
 
 void World::set_drive(int i, double position, double velocity) {
-  impl_->links.set_drive(static_cast<std::size_t>(i), position, velocity);
+  impl_->take_memory();
+  try {
+    impl_->links.set_drive(static_cast<std::size_t>(i), position, velocity);
+  } catch (...) {
+    impl_->keep_memory();
+    throw;
+  }
+  impl_->keep_memory();
   wake(impl_->links.bodies(static_cast<std::size_t>(i)).first);
+}
+
+namespace {
+
+/// @throws InputError  when a body has no drives
+const AimedDrives& drives_of(const Body& body) {
+  const auto* drives = dynamic_cast<const AimedDrives*>(&body);
+  if (drives == nullptr || drives->drive_names().empty())
+    throw InputError(fmt::format("set_drive: '{}' ({}) has no drives", body.name(), body.kind()));
+  return *drives;
+}
+
+}  // namespace
+
+std::span<const std::string> World::drives(int b) const {
+  const auto* drives = dynamic_cast<const AimedDrives*>(&body(b));
+  return drives == nullptr ? std::span<const std::string>() : drives->drive_names();
+}
+
+void World::set_drive(int b, std::string_view joint, double position, double velocity) {
+  impl_->need(b, "set_drive");
+  const auto names = drives_of(body(b)).drive_names();
+  const auto found = std::ranges::find(names, joint);
+  if (found == names.end())
+    throw InputError(
+        fmt::format("set_drive: '{}' has no drive at \"{}\"; its drives are {}", body(b).name(), joint, listed(names)));
+  set_drive(b, static_cast<int>(found - names.begin()), position, velocity);
+}
+
+void World::set_drive(int b, int drive, double position, double velocity) {
+  impl_->need(b, "set_drive");
+  const auto names = drives_of(body(b)).drive_names();
+  if (drive < 0 || drive >= static_cast<int>(names.size()))
+    throw InputError(fmt::format("set_drive: '{}' has no drive {}; it has {}", body(b).name(), drive, names.size()));
+  impl_->aim(b, static_cast<std::size_t>(drive), {&position, 1}, {&velocity, 1});
+}
+
+void World::set_drives(int b, std::span<const double> position, std::span<const double> velocity) {
+  impl_->need(b, "set_drives");
+  const auto names = drives_of(body(b)).drive_names();
+  const auto need_one_each = [&](const char* what, std::size_t n) {
+    if (n == names.size()) return;
+    throw InputError(fmt::format("set_drives: {} {} are not allowed for '{}'; its {} drives are {}", n, what,
+                                 body(b).name(), names.size(), listed(names)));
+  };
+  need_one_each("positions", position.size());
+  if (!velocity.empty()) need_one_each("velocities", velocity.size());
+  impl_->aim(b, 0, position, velocity);
+}
+
+std::optional<DriveAim> World::aim(int i) const { return impl_->links.aim(static_cast<std::size_t>(i)); }
+std::optional<DriveAim> World::aim(int b, int drive) const { return impl_->aims.of(b, drive); }
+
+void World::Impl::aim(int b, std::size_t first, std::span<const double> position, std::span<const double> velocity) {
+  const Body& body = own(static_cast<std::size_t>(b));
+  const auto joints = drives_of(body).drive_names();
+  for (const auto& [what, list] : {std::pair{"position", position}, std::pair{"velocity", velocity}})
+    for (std::size_t i = 0; i < list.size(); ++i)
+      if (!std::isfinite(list[i]))
+        throw InputError(fmt::format("set_drive: {} {} of \"{}\" of '{}' is not allowed; must be finite", what, list[i],
+                                     joints[first + i], body.name()));
+  take_memory();
+  aims.set(b, first, position, velocity, [this](int n) { return aimed(n); });
+  if (sleep.on()) sleep.wake(static_cast<std::size_t>(b));
+  keep_memory();
 }
 
 void World::grab(int b, const Vec3& at, double stiffness, double damping) {
@@ -159,8 +242,12 @@ int World::apply(const AppliedForce& force) {
   w.start();
   w.update_bodies();
   const int number = w.actions.add(force, w.bodies, w.parts, w.state.q, w.first_q, w.options.ramp_voxels);
+  w.note_wiring();
   for (std::size_t b = 0; b < w.count(); ++b) wake(static_cast<int>(b));
   return number;
 }
+
+int World::force_count() const { return static_cast<int>(impl_->actions.size()); }
+std::int64_t World::force_id(int i) const { return impl_->actions.id(static_cast<std::size_t>(i)); }
 
 }  // namespace brim

@@ -53,9 +53,41 @@ ArticulatedBody::ArticulatedBody(ArticulatedModel model)
     throw InputError(
         "articulated body: a joint moves nothing that has mass or inertia; give its links mass, or the joint an "
         "armature");
+  name_all(model);
   group_links(model);
   make_parts(model);
   update(0.0, start_q_, start_v_);
+}
+
+void ArticulatedBody::name_all(const ArticulatedModel& model) {
+  for (std::size_t i = 0; i < model.links.size(); ++i) {
+    const LinkModel& l = model.links[i];
+    link_names_.push_back(l.name.empty() ? std::to_string(i) : l.name);
+    joint_names_.push_back(l.joint.name.empty() ? link_names_.back() : l.joint.name);
+    const JointDrive& d = l.joint.drive;
+    const bool slides_or_turns = l.joint.kind == JointKind::Revolute || l.joint.kind == JointKind::Prismatic;
+    if (!slides_or_turns || !(d.stiffness > 0.0 || d.damping > 0.0)) continue;
+    drive_names_.push_back(joint_names_.back());
+    drives_.push_back({static_cast<int>(i), d});
+  }
+}
+
+void ArticulatedBody::aim_drive(std::size_t drive, const std::optional<DriveAim>& aim) {
+  const Drive& d = drives_.at(drive);
+  JointDrive& now = joints_.drive(static_cast<std::size_t>(d.link));
+  if (!aim) {
+    now = d.given;
+    return;
+  }
+  now.keys.clear();
+  now.target = aim->position, now.target_velocity = aim->velocity;
+}
+
+double ArticulatedBody::drive_effort(std::size_t drive, double time, std::span<const double> q,
+                                     std::span<const double> v) const {
+  const int link = drives_.at(drive).link;
+  const Tree::Link& l = tree_.links()[link];
+  return joints_.drive_effort(static_cast<std::size_t>(link), time, q[l.q0], v[l.v0]);
 }
 
 void ArticulatedBody::group_links(const ArticulatedModel& model) {

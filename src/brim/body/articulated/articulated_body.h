@@ -1,9 +1,11 @@
 #pragma once
 
+#include "brim/body/aimed_drives.h"
 #include "brim/body/articulated/joint_forces.h"
 #include "brim/body/articulated/tree_flow.h"
 #include "brim/body/articulated/tree_map.h"
 #include "brim/body/distance_bound.h"
+#include "brim/body/mass_center.h"
 #include "brim/body/movable.h"
 #include "brim/body/movable_base.h"
 #include "brim/body/outer_forces.h"
@@ -27,6 +29,8 @@ class ArticulatedBody final : public Body,
                               public Turns,
                               public Restless,
                               public Movable,
+                              public AimedDrives,
+                              public MassCenter,
                               public MovableBase {
  public:
   /// @throws InputError as Tree does, and for a joint that moves no mass
@@ -80,7 +84,9 @@ class ArticulatedBody final : public Body,
   void make_map(int p, std::span<const Vec3> points, std::span<const std::int32_t> sources,
                 std::unique_ptr<Map>& map) const override;
 
+  /// Of all links, those that are fixed to the world included; so is the centre.
   double mass() const override { return tree_.total_mass(); }
+  Vec3 mass_center() const override { return tree_.mass_center(pose_); }
   double potential_energy(const Environment& env) const override;
   Vec3 linear_momentum(std::span<const double> v) const override { return momentum(v).head<3>(); }
   Vec3 angular_momentum(std::span<const double> v) const override { return momentum(v).tail<3>(); }
@@ -99,8 +105,23 @@ class ArticulatedBody final : public Body,
   const Tree& tree() const { return tree_; }
   /// Of the last update.
   const TreePose& pose() const { return pose_; }
+  /// Names of the links, and of the joints above them: that of the link where a joint has none. Shape: (links)
+  std::span<const std::string> link_names() const { return link_names_; }
+  std::span<const std::string> joint_names() const { return joint_names_; }
+  /// Drives of revolute and prismatic joints. Those of ball joints aim at rest.
+  std::span<const std::string> drive_names() const override { return drive_names_; }
+  void aim_drive(std::size_t drive, const std::optional<DriveAim>& aim) override;
+  /// Link above which a drive is.
+  int driven_link(std::size_t drive) const { return drives_[drive].link; }
+  /// What a drive applies along its joint in a state [N m or N]: at a time [s] as at the end of a step.
+  double drive_effort(std::size_t drive, double time, std::span<const double> q, std::span<const double> v) const;
+  /// Velocity of a link's origin and its angular velocity, world frame, for the pose of the last update.
+  Vec6 link_twist(int link, std::span<const double> v) const;
+  /// Lower and upper limit of the joint above a link, [rad or m]; infinite: none.
+  std::pair<double, double> joint_range(int link) const { return joints_.range(static_cast<std::size_t>(link)); }
   /// Drive of the joint above a link; may be changed between steps.
   JointDrive& drive(int link) { return joints_.drive(static_cast<std::size_t>(link)); }
+  const JointDrive& drive(int link) const { return joints_.drive(static_cast<std::size_t>(link)); }
 
  private:
   struct Part {
@@ -117,9 +138,15 @@ class ArticulatedBody final : public Body,
     std::vector<Mat6> inertia;
   };
 
+  /// A drive that can be aimed, as described.
+  struct Drive {
+    int link = 0;
+    JointDrive given;
+  };
+
+  void name_all(const ArticulatedModel& model);
   void make_parts(ArticulatedModel& model);
   void group_links(const ArticulatedModel& model);
-  Vec6 link_twist(int link, std::span<const double> v) const;
   Vec6 momentum(std::span<const double> v) const;
 
   /// Moves joints back from beyond their limits, as the solve had it, without the velocity of that.
@@ -132,6 +159,8 @@ class ArticulatedBody final : public Body,
   std::vector<Part> parts_;
   Display display_;
   std::vector<double> start_q_, start_v_;
+  std::vector<std::string> link_names_, joint_names_, drive_names_;
+  std::vector<Drive> drives_;
   bool self_collision_;
   std::vector<int> group_;                  ///< per link: links connected by fixed joints form a group
   std::vector<std::pair<int, int>> apart_;  ///< groups that never touch, sorted

@@ -83,6 +83,12 @@ JointForces::Term JointForces::term(std::size_t link, double time, double dt, do
   return t;
 }
 
+double JointForces::drive_effort(std::size_t link, double time, double q, double v) const {
+  const JointDrive& d = joint_[link].drive;
+  const auto [target, rate] = target_at(d, time);
+  return std::clamp(d.stiffness * (target - q) + d.damping * (rate - v), -d.force_limit, d.force_limit);
+}
+
 void JointForces::add_limits(std::size_t link, double dt, double mass, const Vec3& x, const Vec3& u, bool hard,
                              Term& t) {
   const Joint& j = joint_[link];

@@ -42,8 +42,13 @@ class JointForces {
   /// Energy of limits with a given stiffness and of drives within their force limit, [J].
   double energy() const { return energy_; }
 
+  /// Range of a joint, [rad or m].
+  std::pair<double, double> range(std::size_t link) const { return {joint_[link].lower, joint_[link].upper}; }
+  /// What the drive of a revolute or prismatic joint applies at a time [s] and in a state, [N m or N].
+  double drive_effort(std::size_t link, double time, double q, double v) const;
   /// Drive of a joint, by its link's number; may be changed between steps.
   JointDrive& drive(std::size_t link) { return joint_[link].drive; }
+  const JointDrive& drive(std::size_t link) const { return joint_[link].drive; }
   /// True when some joint has an active drive.
   bool driven() const {
     return std::any_of(joint_.begin(), joint_.end(),

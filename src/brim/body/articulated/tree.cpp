@@ -251,6 +251,21 @@ void Tree::add_bias(const TreePose& pose, std::span<const double> v, std::span<V
   add_wrenches(pose, V, C);
 }
 
+Vec3 Tree::mass_center(const TreePose& pose) const {
+  Vec3 moment = Vec3::Zero();
+  for (std::size_t i = 0; i < size(); ++i) moment += links_[i].mass * (pose.link[i].origin + pose.link[i].center);
+  return moment / mass_;
+}
+
+Eigen::Matrix<double, 6, Eigen::Dynamic> Tree::jacobian(const TreePose& pose, int link, const Vec3& arm) const {
+  Eigen::Matrix<double, 6, Eigen::Dynamic> J = Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, static_cast<int>(nv_));
+  const Vec3 x = pose.link[link].origin + arm;
+  for (int i = link; i >= 0; i = links_[i].parent)
+    for (int k = 0; k < links_[i].dof; ++k)
+      J.col(static_cast<int>(links_[i].v0) + k) = moved_twist(pose.link[i].S.col(k), x - pose.link[i].origin);
+  return J;
+}
+
 Vec6 Tree::momentum(const TreePose& pose, std::span<const Vec6> V, const Vec3& point) const {
   Vec6 sum = Vec6::Zero();
   for (std::size_t i = 0; i < links_.size(); ++i) {

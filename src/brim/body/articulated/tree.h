@@ -94,6 +94,11 @@ class Tree {
   /// Total momentum about a point, [kg m/s, kg m²/s].
   Vec6 momentum(const TreePose& pose, std::span<const Vec6> V, const Vec3& point) const;
   double total_mass() const { return mass_; }
+  /// [m] of all links.
+  Vec3 mass_center(const TreePose& pose) const;
+  /// J: velocity of a point of a link and the link's angular velocity, world frame, per joint velocity.
+  /// @param arm  [m] from the link's origin to the point  @return shape (6, nv)
+  Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(const TreePose& pose, int link, const Vec3& arm) const;
 
  private:
   std::vector<Link> links_;

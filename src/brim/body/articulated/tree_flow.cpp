@@ -68,12 +68,7 @@ void TreeFlow::restore_momentum(const Tree& tree, const Vec6& wanted, const Vec3
   }
 }
 
-Vec3 TreeFlow::center_of_mass(const Tree& tree) const {
-  Vec3 moment = Vec3::Zero();
-  for (std::size_t i = 0; i < tree.size(); ++i)
-    moment += tree.links()[i].mass * (pose_.link[i].origin + pose_.link[i].center);
-  return moment / tree.total_mass();
-}
+Vec3 TreeFlow::center_of_mass(const Tree& tree) const { return tree.mass_center(pose_); }
 
 void TreeFlow::shift(const Tree& tree, std::span<const double> way, std::span<double> q, std::span<double> v) {
   if (!tree.floating()) return tree.move(1.0, way, q);

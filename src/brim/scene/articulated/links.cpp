@@ -1,3 +1,4 @@
+#include <limits>
 #include <map>
 #include <set>
 
@@ -31,6 +32,10 @@ void check_joint(const Node& n) {
   if (n.has("lower") && n.has("upper") && n.number("lower") > n.number("upper"))
     throw n.at("lower").error(
         fmt::format("{} is not allowed; must be at most \"upper\", {}", n.number("lower"), n.number("upper")));
+  // A joint that names no start has 0, wherever its limits are.
+  if (one && n.number("start") != 0.0)
+    need_start_within(n, n.has("lower") ? n.number("lower") : -std::numeric_limits<double>::infinity(),
+                      n.has("upper") ? n.number("upper") : std::numeric_limits<double>::infinity());
   if (kind == "ball" && n.has("upper") && !(n.number("upper") > 0.0))
     throw n.at("upper").error(
         fmt::format("{} is not allowed; the largest angle of a ball joint must be above 0", n.number("upper")));
@@ -170,6 +175,13 @@ void read_joint_actions(const Node& n, JointModel& j) {
                                            k.number("time"), j.drive.keys.back().time));
     j.drive.keys.push_back({k.number("time"), k.number("target")});
   }
+}
+
+void need_start_within(const Node& joint, double lower, double upper) {
+  const double start = joint.number("start");
+  if (start >= lower && start <= upper) return;
+  throw joint.at("start").error(
+      fmt::format("{} is not allowed; must be within the limits of the joint, from {} to {}", start, lower, upper));
 }
 
 int find_link(const ArticulatedModel& model, const Node& name) {

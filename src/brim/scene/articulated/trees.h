@@ -19,6 +19,9 @@ ArticulatedModel read_urdf_tree(const Node& body, const BuildContext& context);
 /// nothing.
 void read_joint_actions(const Node& n, JointModel& joint);
 
+/// @throws InputError  for a "start" of a joint beyond its limits, [rad or m]
+void need_start_within(const Node& joint, double lower, double upper);
+
 /// Number of the link with a name. @throws InputError at the node
 int find_link(const ArticulatedModel& model, const Node& name);
 

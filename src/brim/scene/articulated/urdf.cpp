@@ -69,7 +69,10 @@ void change_joint(const Node& n, ArticulatedModel& model) {
     if (l.joint.name != n.string("joint")) continue;
     if (l.joint.kind == JointKind::Fixed)
       throw n.at("joint").error(fmt::format("joint \"{}\" is fixed; nothing in it can change", l.joint.name));
-    if (n.has("start")) l.joint.start = n.number("start");
+    if (n.has("start")) {
+      need_start_within(n, l.joint.lower, l.joint.upper);
+      l.joint.start = n.number("start");
+    }
     if (n.has("start_velocity")) l.joint.start_velocity = n.number("start_velocity");
     read_joint_actions(n, l.joint);
     return;

@@ -12,7 +12,7 @@ class LinkSensor : public Sensor {
   void read(const World& world, const StepReport& report, std::span<double> values, std::span<double> map) override;
 
  private:
-  std::size_t link_ = 0;
+  std::int64_t link_ = 0;  ///< World::attachment_id
 };
 
 }  // namespace brim
