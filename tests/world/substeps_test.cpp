@@ -43,7 +43,7 @@ TEST(Substeps, SurfaceTensionIsStableInThem) {
   StepReport r;
   for (int s = 0; s < 200; ++s) {
     r = w.step();
-    EXPECT_EQ(r.substeps, 3);
+    EXPECT_GE(r.substeps, 3);
     if (s < 40) first = std::max(first, r.kinetic_energy);
   }
   EXPECT_LT(r.kinetic_energy, 0.1 * first) << "its ripples die out";

@@ -6,6 +6,7 @@
 #include "brim/core/parallel.h"
 #include "brim/core/workspace_pool.h"
 #include "brim/response/fitting_solids.h"
+#include "brim/response/moved_rows.h"
 #include "brim/response/patch_normals.h"
 
 namespace brim {
@@ -14,6 +15,8 @@ namespace {
 
 /// Curvature times h below which a surface counts as flat: the stencil gives up to 0.005 on tilted planes.
 constexpr double kCurvatureOfNoise = 0.005;
+/// [h] way over which a solid's direction is asked, and cosine of how much it may turn, where it is even.
+constexpr double kEvenWay = 0.5, kEvenCosine = 0.999;
 
 double weight_of(const ContactSet& contacts, std::size_t c) { return PatchNormals::weight_of(contacts, c); }
 
@@ -102,16 +105,25 @@ void Penalty::take_normals_of(bool side_b, const ContactSet& contacts, const Con
   }
 }
 
-void Penalty::take_exact_normals(const CubeSide& solid, bool is_b, const ContactSet& contacts,
-                                 const ContactPair& pair) {
-  for (std::size_t c = pair.begin; c < pair.end; ++c) {
-    const Vec3 slope = is_b ? Vec3(-contacts.gradient_b[c]) : contacts.gradient_a[c];
+void Penalty::take_exact_normals(const CubeSide& solid, bool is_b, const ContactSet& contacts, const ContactPair& pair,
+                                 bool everywhere) {
+  const ConvexDistance& distance = *solid.solid->convex();
+  const auto away_at = [&](const Vec3& x) {
     Vec3 away;
-    solid.solid->convex()->distance_and_gradient(solid.pose.to_local(contacts.point[c]), away);
-    const double length = slope.norm();
-    normal_[c] = (is_b ? 1.0 : -1.0) * (solid.pose.rotation * away);
-    if (away.isZero(0.0)) normal_[c] = length > 0.0 ? Vec3(slope / length) : Vec3::UnitZ();
-    direction_[c] = length * normal_[c];
+    distance.distance_and_gradient(solid.pose.to_local(x), away);
+    return Vec3(solid.pose.rotation * away);
+  };
+  for (std::size_t c = pair.begin; c < pair.end; ++c) {
+    const Vec3& x = contacts.point[c];
+    const Vec3 away = away_at(x);
+    if (away.isZero(0.0)) continue;
+    if (!everywhere) {
+      const Eigen::Matrix<double, 3, 2> across = kEvenWay * pair.h * tangents_of(away);
+      const auto turns = [&](const Vec3& way) { return away.dot(away_at(x + way)) < kEvenCosine; };
+      if (turns(across.col(0)) || turns(across.col(1)) || turns(-across.col(0)) || turns(-across.col(1))) continue;
+    }
+    normal_[c] = is_b ? away : Vec3(-away);
+    direction_[c] = (is_b ? contacts.gradient_b[c] : contacts.gradient_a[c]).norm() * normal_[c];
   }
 }
 
@@ -125,15 +137,12 @@ void Penalty::choose_normals(const ContactSet& contacts, std::span<const PairSta
       patches_[p].bend = {0.0, 0.0};
       return;
     }
-    if (const auto& [solid_a, solid_b] = pairs[p].solids;
-        (pairs[p].sheet || pairs[p].balls) && (solid_a != nullptr) != (solid_b != nullptr)) {
-      take_exact_normals(solid_a != nullptr ? *solid_a : *solid_b, solid_b != nullptr, contacts, pair);
-      return bend_of_patch(contacts, pair, p);
-    }
     patches_[p].fits = pairs[p].rigid && pairs[p].stiffness > 0.0 && pairs[p].solids[0] != nullptr &&
                        pairs[p].solids[1] != nullptr && fit_each_other(contacts, pair);
     const bool brink = !pairs[p].rigid && (pairs[p].stiffness == 0.0 || pairs[p].firm);
     workspaces_->borrow()->find(contacts, pair, direction_, normal_, pairs[p].firm, brink);
+    if (const auto& [a, b] = pairs[p].solids; (pairs[p].sheet || pairs[p].balls) && (a != nullptr) != (b != nullptr))
+      take_exact_normals(a != nullptr ? *a : *b, b != nullptr, contacts, pair, pairs[p].balls);
     for (std::size_t c = pair.begin; c < pair.end && patches_[p].fits; ++c)
       if (const double length = direction_[c].norm(); length > 0.0) normal_[c] = direction_[c] / length;
     bend_of_patch(contacts, pair, p);

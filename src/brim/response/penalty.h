@@ -148,7 +148,9 @@ class Penalty {
   void choose_normals(const ContactSet& contacts, std::span<const PairState> pairs);
   /// Of a sheet or grains on a convex solid: the gradient of the solid's own distance at the point. Within a step of an
   /// edge the densities' gradients lean outwards, and two pads would shoot out what is between them.
-  void take_exact_normals(const CubeSide& solid, bool is_b, const ContactSet& contacts, const ContactPair& pair);
+  /// @param everywhere  else only where the solid is even: at its edges a sheet's own direction counts too
+  void take_exact_normals(const CubeSide& solid, bool is_b, const ContactSet& contacts, const ContactPair& pair,
+                          bool everywhere);
   /// Takes the normals of the surface that a conforming side lies against.
   void take_normals_of(bool side_b, const ContactSet& contacts, const ContactPair& pair);
   /// Curvature of a patch as the harmonic mean over its nodes: a patch with a flat middle counts as flat, whatever its
