@@ -47,6 +47,7 @@ def heap_rests(case):
 
 
 @experiment(law="grains flow out at the same rate at any level", source="Hagen 1852, Janssen 1895: walls carry the weight", unit="-", tolerance=0.10, theory=1.0,
+            misses={"": "starts differ by more: with five seeds of the grains 0.83 to 0.98, median 0.85, and 0.88 to 1.19, median 0.98, before walls gave grains their exact normals"},
             measure=lambda c, r: rate_of(r, 0.65, 0.40) / rate_of(r, 0.90, 0.65),
             curve=lambda c, r: (r.time, inside(r)), axes=("t [s]", "share inside [-]"))
 def silo_empties(case):
