@@ -120,6 +120,8 @@ class Session {
   /// "levels" of the world; they may name bodies that are still to come. @throws InputError
   std::optional<LevelOptions> levels() const;
   Mirror& mirror(int body);
+  /// @throws InputError  when there is none of this number
+  void check_attachment(int attachment) const;
   void read_mirrors();
   void fill_mirrors();
   void take(std::unique_ptr<Body> body);

@@ -11,18 +11,14 @@
 #include "brim/record/export/export.h"
 #include "support/made_run.h"
 #include "support/removing_run.h"
+#include "support/text_of.h"
 
 namespace brim::export_removed_test {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::RemovingRun;
-
-std::string text_of(const fs::path& path) {
-  std::ostringstream out;
-  out << std::ifstream(path, std::ios::binary).rdbuf();
-  return out.str();
-}
+using testing::text_of;
 
 /// A body that is always there comes first; all others are gone from frame kGone on.
 class RemovedBodies : public ::testing::Test {

@@ -13,18 +13,14 @@
 #include "brim/record/runner.h"
 #include "brim/scene/scene.h"
 #include "support/made_run.h"
+#include "support/text_of.h"
 
 namespace brim::export_test {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::MadeRun;
-
-std::string text_of(const fs::path& path) {
-  std::ostringstream out;
-  out << std::ifstream(path, std::ios::binary).rdbuf();
-  return out.str();
-}
+using testing::text_of;
 
 std::vector<std::string> names_in(const fs::path& folder) {
   std::vector<std::string> names;

@@ -27,7 +27,6 @@ class FluidDrag {
   /// @param fluid  number of its body  @param part  number of the solid's part
   void add(const FlowsAround& flow, int fluid, const WorldPart& solid, std::int32_t part,
            std::span<const Eighth> eighths);
-  bool empty() const { return pairs_.empty(); }
 
   /// Sets k from the velocities of all bodies, [m/s]; first_v has the first velocity of each body.
   void begin(std::span<const double> v, std::span<const std::size_t> first_v);
