@@ -64,5 +64,41 @@ TEST(SheetOnEdge, ARidgeOnWhichASheetHangsStaysBelowIt) {
     }
 }
 
+/// [m] What the lowest part of a ball stands below a sheet held at its corners, after it was pushed up into it by 0.6
+/// m.
+double pushed_through(double gravity) {
+  constexpr double kRadius = 0.15, kCell = 0.06;
+  WorldOptions options = testing::options_at(0.03);
+  options.time_step = 1.0 / 24.0;
+  options.environment.gravity = Vec3(0, 0, -gravity);
+  World w(options);
+  ObstacleModel fist;
+  fist.shape = make_sphere(kRadius);
+  fist.keys = {{0.0, Vec3(0, 0, -1)}, {0.4, Vec3(0, 0, 0.6)}};
+  w.add(std::make_unique<ObstacleBody>(fist));
+  TriMesh mesh = shapes::grid(20, 20, 20 * kCell, 20 * kCell);
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& x : mesh.vertices) mean += x / static_cast<double>(mesh.vertices.size());
+  for (Vec3& x : mesh.vertices) x -= mean;
+  ClothOptions o;
+  o.membrane.young = 1000.0, o.membrane.shear = 30.0, o.bending = 5e-6;
+  o.areal_density = 0.15, o.thickness = 0.06;
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    if (mesh.vertices[i].head<2>().cwiseAbs().minCoeff() > 9.9 * kCell) o.fixed.push_back(static_cast<int>(i));
+  EXPECT_EQ(o.fixed.size(), 4u);
+  const int sheet = w.add(testing::named<ClothBody>("sheet", mesh, o));
+  for (int s = 0; s < 24; ++s) w.step();
+  const auto q = w.q(sheet);
+  double over = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i + 2 < q.size(); i += 3)
+    if (std::hypot(q[i], q[i + 1]) < 0.5 * kRadius) over = std::max(over, 0.6 + kRadius - q[i + 2]);
+  return over;
+}
+
+TEST(SheetOnEdge, WithoutGravityASheetStillHoldsWhatIsPushedIntoIt) {
+  // Its middle is half its thickness, one voxel, above the ball, less what contact gives.
+  for (const double gravity : {9.81, 0.0}) EXPECT_LT(pushed_through(gravity), 0.03) << gravity << " m/s²";
+}
+
 }  // namespace
 }  // namespace brim::sheet_on_edge_test

@@ -133,7 +133,7 @@ double ContactParameters::growth_of(const WorldPart& a, const WorldPart& b, doub
   for (const WorldPart* p : {&a, &b}) {
     if (is_fixed(*p)) continue;
     Loads alone = groups_.own(*p);
-    alone.pressure = options.environment.gravity.norm() * alone.areal_mass;  // without what lies above at the start
+    alone.pressure = sheet_pull(options.environment) * alone.areal_mass;  // without what lies above at the start
     own = std::min(own, stiffness_under(alone, a.info, b.info, options.time_step));
   }
   return std::max(1.0, kBearable * own / stiffness);

@@ -36,6 +36,8 @@ void Loads::raise_to(const Loads& other) {
   impact_energy = std::max(impact_energy, other.impact_energy);
 }
 
+double sheet_pull(const Environment& env) { return std::max(env.gravity.norm(), kLeastPull); }
+
 std::vector<Loads> estimate_loads(std::span<const WorldPart> parts, std::span<const double> part_speed,
                                   const Environment& env) {
   std::vector<Loads> loads(parts.size());
@@ -71,13 +73,14 @@ std::vector<Loads> estimate_loads(std::span<const WorldPart> parts, std::span<co
       areal = p.body->mass() / p.body->part_count() / area;
     }
     loads[i].areal_mass = areal;
+    const double pull = p.info.modulus == 0.0 && !p.info.conforming ? sheet_pull(env) : g;
     const double fall = drop_height(parts, down, b);
     const double speed2 = part_speed[i] * part_speed[i] + 2.0 * g * fall;
     loads[i].impact_energy = areal * speed2;
     for (int y = cell(b.lo[v], v); y <= cell(b.hi[v], v); ++y)
       for (int x = cell(b.lo[u], u); x <= cell(b.hi[u], u); ++x) {
         double& weight = column[y * kColumns + x];
-        weight += g * areal;
+        weight += pull * areal;
         loads[i].pressure = std::max(loads[i].pressure, weight);
       }
   }

@@ -17,6 +17,12 @@ struct Loads {
   void raise_to(const Loads& other);
 };
 
+/// [m/s²] Pull for which the contact of sheets is chosen: gravity, and where there is little of it that of the Earth. A
+/// sheet pressed by a body moved from outside carries far more than its mass tells, and is let through at the 20 Pa
+/// that the length of a step asks for.
+constexpr double kLeastPull = 9.81;
+double sheet_pull(const Environment& env);
+
 /// @param part_speed  [m/s] shape (parts)
 /// @return the loads of each part; zero for fixed parts
 std::vector<Loads> estimate_loads(std::span<const WorldPart> parts, std::span<const double> part_speed,
