@@ -5,25 +5,24 @@
 #include <random>
 #include <vector>
 
+#include "support/random_contacts.h"
+
 namespace brim::contact_admm_test {
 namespace {
 
-/// Contacts on masses that hang together, more rows than velocities: a matrix of responses that is singular.
-struct Contacts {
+/// Contacts and velocities that they start from: those of a motion that some velocities undo, so that targets can be
+/// kept.
+struct Contacts : testing::RandomContacts {
   Eigen::MatrixXd W;
   std::vector<Vec3> q;
   std::vector<double> friction;
 
   Contacts(int contacts, int velocities, double mu, std::mt19937& rng)
-      : friction(static_cast<std::size_t>(contacts), mu) {
+      : RandomContacts(contacts, velocities, velocities, rng),
+        W(R * P * R.transpose()),
+        friction(static_cast<std::size_t>(contacts), mu) {
     std::normal_distribution<double> normal;
-    const auto random = [&](int rows, int columns) {
-      return Eigen::MatrixXd(Eigen::MatrixXd::NullaryExpr(rows, columns, [&] { return normal(rng); }));
-    };
-    const Eigen::MatrixXd R = random(3 * contacts, velocities), B = random(velocities, velocities);
-    W = R * (B * B.transpose() + Eigen::MatrixXd::Identity(velocities, velocities)) * R.transpose();
-    // Of a motion that some velocities undo, so that targets can be kept.
-    const Eigen::VectorXd free = R * random(velocities, 1);
+    const Eigen::VectorXd free = R * Eigen::VectorXd::NullaryExpr(velocities, [&] { return normal(rng); });
     for (int c = 0; c < contacts; ++c) q.emplace_back(free.segment<3>(3 * c));
   }
 
@@ -36,7 +35,8 @@ struct Contacts {
 };
 
 TEST(ContactAdmm, APointThatLandsWithFrictionByHand) {
-  const Eigen::MatrixXd W = 0.5 * Eigen::MatrixXd::Identity(3, 3);  // 2 kg
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(3, 3);
+  const ContactResponses W = testing::responses_of(one, 0.5 * one);  // 2 kg
   const std::vector<double> friction{0.5};
   // Fast: Coulomb takes μ times the change of the normal velocity, against the slip. Slow: it sticks.
   for (const auto& [slip, left] : {std::pair{1.2, 0.7}, std::pair{0.4, 0.0}}) {
@@ -51,8 +51,9 @@ TEST(ContactAdmm, APointThatLandsWithFrictionByHand) {
 }
 
 TEST(ContactAdmm, WhatOpensAndWhatNothingMovesGetsNoImpulse) {
-  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(6, 6);
-  W.topLeftCorner<3, 3>().setIdentity();
+  Eigen::MatrixXd R = Eigen::MatrixXd::Zero(6, 3);
+  R.topRows<3>().setIdentity();
+  const ContactResponses W = testing::responses_of(R, Eigen::MatrixXd::Identity(3, 3));
   const std::vector<Vec3> q{Vec3(0.1, 0.3, 0.0), Vec3(-1.0, 1.0, 0.0)};
   std::vector<Vec3> impulse(2, Vec3::Zero());
   EXPECT_TRUE(ContactAdmm::solve(W, q, std::vector<double>{0.5, 0.5}, 1e-10, 1000, impulse).converged);
@@ -60,16 +61,20 @@ TEST(ContactAdmm, WhatOpensAndWhatNothingMovesGetsNoImpulse) {
   EXPECT_EQ(impulse[1], Vec3::Zero());
 }
 
-TEST(ContactAdmm, SolutionsHoldCoulombsLawWhereRowsOutnumberVelocities) {
+/// Contacts whose velocities are few, and not so few: either matrix is factored.
+class ContactAdmmOf : public ::testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Velocities, ContactAdmmOf, ::testing::Values(9, 15));
+
+TEST_P(ContactAdmmOf, SolutionsHoldCoulombsLawWhereRowsOutnumberVelocities) {
   constexpr unsigned kSeed = 8;
   SCOPED_TRACE(kSeed);
   std::mt19937 rng(kSeed);
   constexpr std::size_t n = 8;
   int solved = 0;
   for (int trial = 0; trial < 30; ++trial) {
-    const Contacts p(n, 9, 0.4, rng);
+    const Contacts p(n, GetParam(), 0.4, rng);
     std::vector<Vec3> impulse(n, Vec3::Zero());
-    if (!ContactAdmm::solve(p.W, p.q, p.friction, 1e-9, 20000, impulse).converged) continue;
+    if (!ContactAdmm::solve(p.responses, p.q, p.friction, 1e-9, 20000, impulse).converged) continue;
     ++solved;
     for (std::size_t c = 0; c < n; ++c) {
       const Vec3 u = p.velocity(c, impulse);
@@ -96,7 +101,7 @@ TEST(ContactAdmm, UnlikeMassesOnTopOfEachOtherCarryTheirWeights) {
     R.block<3, 3>(3 * i, 3 * i).setIdentity();
     if (i > 0) R.block<3, 3>(3 * i, 3 * i - 3) = -Mat3::Identity();
   }
-  const Eigen::MatrixXd W = R * M * R.transpose();
+  const ContactResponses W = testing::responses_of(R, M);
   std::vector<Vec3> q(n, Vec3::Zero()), impulse(n, Vec3::Zero());
   q[0].x() = -1.0;  // all fall by 1 m/s, relative to each other not at all
   EXPECT_TRUE(ContactAdmm::solve(W, q, std::vector<double>(n, 0.5), 1e-9, 5000, impulse).converged);

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "brim/solve/contact_cone.h"
@@ -18,12 +19,31 @@ constexpr double kStart = 0.1, kFactor = 3.0, kApart = 5.0;
 constexpr int kAsk = 10;
 /// Over-relaxation; and what keeps the system regular where more rows than velocities are.
 constexpr double kRelaxation = 1.6, kProximal = 1e-6;
-/// Change of the iterates over the tolerance, from which on the contacts themselves are asked.
+/// Change of the iterates over the goal, from which on the contacts themselves are asked; how often they are at least.
 constexpr double kNear = 10.0;
+constexpr int kAskAll = 50;
 /// Tolerance down to which single precision does, over the largest velocity.
 constexpr double kSingle = 1e-5;
-/// Share of the tolerance that it works to, so that what it finds holds in double as well.
-constexpr double kStricter = 0.5;
+/// Share of the tolerance that is the goal, so that what the contacts meet survives rounding and what comes after.
+constexpr double kGoal = 0.3;
+/// Velocities per contact up to which their matrix, not that of the contacts, is factored.
+constexpr double kFewVelocities = 1.5;
+/// Iterations in which the miss has to halve: while it is above the tolerance, and below.
+constexpr int kPatience = 300, kPatienceBelow = 30;
+
+/// W as a matrix, and its factor. @tparam Factor  DenseFactor, or DoubleFactor
+template <class Factor>
+class DenseResponses {
+ public:
+  explicit DenseResponses(const Eigen::MatrixXd& W) : W_(&W) {}
+  bool factor(double shift) { return factor_.factor(*W_, shift); }
+  void solve(const Eigen::VectorXd& b, Eigen::VectorXd& x) { factor_.solve(b, x); }
+  void multiply(const Eigen::VectorXd& x, Eigen::VectorXd& y) const { y.noalias() = *W_ * x; }
+
+ private:
+  const Eigen::MatrixXd* W_;
+  Factor factor_;
+};
 
 /// What DenseFactor does, in double precision.
 class DoubleFactor {
@@ -49,15 +69,17 @@ auto at(V& x, std::size_t c) {
 struct Scaled {
   std::vector<double> s;  ///< 0 where nothing moves
   std::span<const double> friction;
-  Eigen::MatrixXd G;
   Eigen::VectorXd g;
   Eigen::VectorXd x, y, z;
   double rho = kStart;
 
   std::size_t size() const { return s.size(); }
   /// û of the impulses y.
-  Eigen::VectorXd velocities() const {
-    Eigen::VectorXd u = G * y + g;
+  template <class Responses>
+  Eigen::VectorXd velocities(const Responses& responses) const {
+    Eigen::VectorXd u;
+    responses.multiply(y, u);
+    u += g;
     add_correction(u, u);
     return u;
   }
@@ -69,8 +91,9 @@ struct Scaled {
     }
   }
   /// Largest miss of a contact at the impulses y, [m/s].
-  double miss() const {
-    const Eigen::VectorXd u = velocities();
+  template <class Responses>
+  double miss(const Responses& responses) const {
+    const Eigen::VectorXd u = velocities(responses);
     double worst = 0.0;
     for (std::size_t c = 0; c < size(); ++c)
       if (s[c] > 0.0) {
@@ -81,18 +104,32 @@ struct Scaled {
   }
 };
 
-/// Iterates until the impulses change no more, or the factor is none.
-template <class Factor>
-void iterate(Scaled& a, double tolerance, int max_iterations, ContactAdmm::Report& report) {
-  Factor factor;
+/// True when a miss is worth further iterations.
+class Progress {
+ public:
+  bool goes_on(int iteration, double miss, double tolerance) {
+    if (miss < 0.5 * best_) best_ = miss, at_ = iteration;
+    return iteration - at_ < (miss > tolerance ? kPatience : kPatienceBelow);
+  }
+
+ private:
+  double best_ = std::numeric_limits<double>::infinity();
+  int at_ = 0;
+};
+
+/// Iterates until the impulses change no more, the contacts miss by no more than the goal or come no nearer to it, or
+/// there is no factor.
+template <class Responses>
+void iterate(Responses& responses, Scaled& a, double goal, double tolerance, int max_iterations,
+             ContactAdmm::Report& report) {
   Eigen::VectorXd rhs;
-  report.converged = false;
-  if (!factor.factor(a.G, a.rho + kProximal)) return;
+  Progress progress;
+  if (!responses.factor(a.rho + kProximal)) return;
   while (report.iterations < max_iterations) {
     rhs = a.g - a.z;
     a.add_correction(a.z, rhs);
     rhs = kProximal * a.x + a.rho * a.y - rhs;
-    factor.solve(rhs, a.x);
+    responses.solve(rhs, a.x);
     double primal = 0.0, change = 0.0;  // [m/s]
     for (std::size_t c = 0; c < a.size(); ++c) {
       if (!(a.s[c] > 0.0)) continue;
@@ -105,13 +142,12 @@ void iterate(Scaled& a, double tolerance, int max_iterations, ContactAdmm::Repor
     }
     ++report.iterations;
     const double left = std::max(primal, change);
-    report.converged = left <= tolerance;
-    if (report.converged || !std::isfinite(left)) return;
+    if (left <= goal || !std::isfinite(left)) return;
     if (report.iterations % kAsk != 0) continue;
     // What is left of the iterates says more than what it means for the contacts.
-    if (left <= kNear * tolerance && a.miss() <= tolerance) {
-      report.converged = true;
-      return;
+    if (left <= kNear * goal || report.iterations % kAskAll == 0) {
+      const double miss = a.miss(responses);
+      if (miss <= goal || !progress.goes_on(report.iterations, miss, tolerance)) return;
     }
     if (primal > kApart * change)
       a.rho *= kFactor;
@@ -119,41 +155,48 @@ void iterate(Scaled& a, double tolerance, int max_iterations, ContactAdmm::Repor
       a.rho /= kFactor;
     else
       continue;
-    if (!factor.factor(a.G, a.rho + kProximal)) return;
+    if (!responses.factor(a.rho + kProximal)) return;
   }
 }
 
 }  // namespace
 
-ContactAdmm::Report ContactAdmm::solve(const Eigen::MatrixXd& W, std::span<const Vec3> q,
+ContactAdmm::Report ContactAdmm::solve(ContactResponses responses, std::span<const Vec3> q,
                                        std::span<const double> friction, double tolerance, int max_iterations,
                                        std::span<Vec3> impulse) {
   Report report;
   const std::size_t n = q.size();
   const auto rows = static_cast<Eigen::Index>(3 * n);
-  Scaled a{std::vector<double>(n, 0.0), friction, {}, Eigen::VectorXd::Zero(rows), {}, Eigen::VectorXd::Zero(rows), {}};
-  Eigen::VectorXd scale = Eigen::VectorXd::Zero(rows);
+  Scaled a{std::vector<double>(n, 0.0), friction, Eigen::VectorXd::Zero(rows), {}, Eigen::VectorXd::Zero(rows), {}};
   for (std::size_t c = 0; c < n; ++c) {
-    const auto i = static_cast<Eigen::Index>(3 * c);
-    if (!(W(i, i) > 0.0)) continue;
-    a.s[c] = 1.0 / std::sqrt(W.block<3, 3>(i, i).trace() / 3.0);
-    at(scale, c).setConstant(a.s[c]);
-    at(a.g, c) = a.s[c] * q[c];
-    at(a.y, c) = impulse[c] / a.s[c];
+    const Mat3 W = responses.local(c);
+    if (W(0, 0) > 0.0) {
+      a.s[c] = 1.0 / std::sqrt(W.trace() / 3.0);
+      at(a.g, c) = a.s[c] * q[c];
+      at(a.y, c) = impulse[c] / a.s[c];
+    }
+    responses.scale(c, a.s[c]);
   }
-  a.G = scale.asDiagonal() * (0.5 * (W + W.transpose())) * scale.asDiagonal();
-  a.x = a.y, a.z = a.velocities();
-  double fastest = 0.0;
-  for (std::size_t c = 0; c < n; ++c)
-    if (a.s[c] > 0.0) fastest = std::max(fastest, at(a.z, c).cwiseAbs().maxCoeff() / a.s[c]);
-  // In single precision first: what it finds is judged in double.
-  const Eigen::VectorXd first = a.y;
-  iterate<DenseFactor>(a, std::max(kStricter * tolerance, kSingle * fastest), max_iterations, report);
-  if (!a.y.allFinite()) a.y = first, a.rho = kStart;
-  report.converged = a.miss() <= tolerance;
-  a.x = a.y, a.z = a.velocities();
-  if (!report.converged && report.iterations < max_iterations)
-    iterate<DoubleFactor>(a, tolerance, max_iterations, report);
+  const auto run = [&](auto&& form, double goal) {
+    a.x = a.y, a.z = a.velocities(form);
+    iterate(form, a, goal, tolerance, max_iterations, report);
+    if (a.y.allFinite()) report.converged = a.miss(form) <= tolerance;
+  };
+  if (static_cast<double>(responses.width()) <= kFewVelocities * static_cast<double>(n)) {
+    run(responses, kGoal * tolerance);
+  } else {
+    Eigen::MatrixXd W = responses.dense();
+    W = 0.5 * (W + W.transpose()).eval();
+    double fastest = 0.0;
+    const Eigen::VectorXd first = a.y, z = a.velocities(responses);
+    for (std::size_t c = 0; c < n; ++c)
+      if (a.s[c] > 0.0) fastest = std::max(fastest, at(z, c).cwiseAbs().maxCoeff() / a.s[c]);
+    // In single precision first: what it finds is judged in double.
+    run(DenseResponses<DenseFactor>(W), std::max(kGoal * tolerance, kSingle * fastest));
+    if (!a.y.allFinite()) a.y = first, a.rho = kStart;
+    if (!report.converged && report.iterations < max_iterations)
+      run(DenseResponses<DoubleFactor>(W), kGoal * tolerance);
+  }
   if (!a.y.allFinite()) return report;
   for (std::size_t c = 0; c < n; ++c)
     if (a.s[c] > 0.0) impulse[c] = a.s[c] * at(a.y, c);

@@ -17,7 +17,10 @@ constexpr int kRounds = 2;
 /// Contacts up to which all are solved at once: their responses are a dense matrix. Sweeps before that: what few do not
 /// settle, many hardly do.
 constexpr std::size_t kMostAtOnce = 400;
-constexpr int kFewSweeps = 60;
+constexpr int kFewSweeps = 30;
+/// Residual over the tolerance above which contacts of rigid pairs alone are solved at once, after all their sweeps:
+/// below it the next step goes on where this one ends.
+constexpr double kFarOff = 100.0;
 
 /// Pairs of rigid bodies from which on threads share them, if there are so many to a layer in the mean; those that one
 /// thread takes at a time.
@@ -217,11 +220,11 @@ ProjectedGaussSeidel::Report ProjectedGaussSeidel::solve(std::span<const Vec3> o
     if (u.x() < target[c] || impulse[c].x() > 0.0) options.scale = std::max(options.scale, std::abs(u.x() - target[c]));
   }
   if (n == 0 || !(options.scale > 0.0)) return report;
-  const bool at_once = options.may_at_once && !friction_.empty() && n <= kMostAtOnce;
+  const bool at_once = options.may_at_once && n <= kMostAtOnce, rigid = friction_.empty();
   SweepOptions first = options;
-  if (at_once) first.max_sweeps = std::min(options.max_sweeps, kFewSweeps);
+  if (at_once && !rigid) first.max_sweeps = std::min(options.max_sweeps, kFewSweeps);
   report = sweeps(offset, target, first, impulse, v);
-  if (!report.converged && at_once) {
+  if (at_once && !report.converged && (!rigid || report.residual > kFarOff * options.tolerance)) {
     options.max_sweeps -= report.sweeps;
     solve_at_once(offset, target, options, impulse, v, report);
   }

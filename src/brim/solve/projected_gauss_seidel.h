@@ -1,12 +1,12 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "brim/math/types.h"
+#include "brim/solve/contact_responses.h"
 #include "brim/solve/rigid_pair_rows.h"
 
 namespace brim {
@@ -20,16 +20,12 @@ namespace brim {
 /// threads share those that do not depend on each other through earlier ones in that order. From one double sweep to
 /// the next, the previous change is continued as in conjugate gradients (Silcowitz, Niebe and Erleben 2010), unless the
 /// changes grow.
-/// If some contacts are of the general form, few enough, and the sweeps do not converge, all contacts are solved at
-/// once (ContactAdmm) and swept again. If that fails too, the result with the smallest contact_residual is taken.
+/// If the contacts are few enough and the sweeps do not converge, all are solved at once (ContactAdmm) and swept again:
+/// soon where some are of the general form, else after all sweeps and when far off. If that fails too, the result with
+/// the smallest contact_residual is taken.
 class ProjectedGaussSeidel {
  public:
-  /// Coupling of one velocity to a contact.
-  struct Entry {
-    std::size_t index = 0;         ///< of the velocity
-    Vec3 row = Vec3::Zero();       ///< its share in u_n, u_t1, u_t2
-    Vec3 response = Vec3::Zero();  ///< its change by a unit impulse along n, t1, t2
-  };
+  using Entry = ContactEntry;
   /// How solve sweeps, and when it ends.
   struct SweepOptions {
     double tolerance = 0.0;   ///< [-] residual at which it has converged
@@ -116,8 +112,8 @@ class ProjectedGaussSeidel {
   /// @param report  of the sweeps before; on return, of the chosen result
   void solve_at_once(std::span<const Vec3> offset, std::span<const double> target, SweepOptions options,
                      std::span<Vec3> impulse, std::span<double> v, Report& report);
-  /// R P Rᵀ of all contacts, [1/kg], shape (3 size, 3 size). @param width  number of velocities
-  Eigen::MatrixXd responses(std::size_t width) const;
+  /// R P Rᵀ of all contacts. @param width  number of velocities
+  ContactResponses responses(std::size_t width) const;
   /// Assigns groups to layers, if there are many and several threads: a group lies in the first layer after those of
   /// the earlier groups that share a body with it.
   void find_layers(std::size_t width);

@@ -9,9 +9,8 @@ namespace brim {
 
 namespace {
 
-/// Iterations at most, the share of the tolerance at which they end, and sweeps after them.
+/// Iterations at most, and sweeps after them.
 constexpr int kIterations = 1000, kLastSweeps = 2;
-constexpr double kAtOnceTolerance = 0.3;
 
 }  // namespace
 
@@ -29,17 +28,16 @@ void ProjectedGaussSeidel::solve_at_once(std::span<const Vec3> offset, std::span
     q[c].x() -= target[c];
     mu[c] = options.friction * (place_[c].rigid ? pairs_.friction(place_[c].row) : friction_[place_[c].row]);
   }
-  const Eigen::MatrixXd W = responses(v.size());
-  const double near = kAtOnceTolerance * options.tolerance * options.scale;
-  report.sweeps += ContactAdmm::solve(W, q, mu, near, kIterations, impulse).iterations;
+  const ContactResponses W = responses(v.size());
+  report.sweeps += ContactAdmm::solve(W, q, mu, options.tolerance * options.scale, kIterations, impulse).iterations;
   for (std::size_t c = 0; c < n; ++c) add_response(c, impulse[c] - swept[c], v);
   double worst = 0.0;
   for (std::size_t c = 0; c < n; ++c) {
-    const auto at = static_cast<Eigen::Index>(3 * c);
-    if (!(W(at, at) > 0.0)) continue;
+    const Mat3 own = W.local(c);
+    if (!(own(0, 0) > 0.0)) continue;
     Vec3 u = velocity(c, v) + offset[c];
     u.x() -= target[c];
-    worst = std::max(worst, contact_residual(W.block<3, 3>(at, at).trace() / 3.0, mu[c], u, impulse[c]));
+    worst = std::max(worst, contact_residual(own.trace() / 3.0, mu[c], u, impulse[c]));
   }
   const double at_once = worst / options.scale;
   // A contact may have several solutions, one that parts and one that jams, and sweeps may leave the one at hand for
@@ -65,18 +63,37 @@ void ProjectedGaussSeidel::solve_at_once(std::span<const Vec3> offset, std::span
   }
 }
 
-Eigen::MatrixXd ProjectedGaussSeidel::responses(std::size_t width) const {
-  const std::size_t n = size();
-  Eigen::MatrixXd W(3 * n, 3 * n);
-  std::vector<double> answer(width);
-  for (std::size_t c = 0; c < n; ++c)
-    for (int k = 0; k < 3; ++k) {
-      std::fill(answer.begin(), answer.end(), 0.0);
-      add_response(c, Vec3::Unit(k), answer);
-      const auto column = static_cast<Eigen::Index>(3 * c) + k;
-      for (std::size_t d = 0; d < n; ++d) W.block<3, 1>(static_cast<Eigen::Index>(3 * d), column) = velocity(d, answer);
+ContactResponses ProjectedGaussSeidel::responses(std::size_t width) const {
+  ContactResponses all;
+  std::vector<Entry> entries;
+  std::vector<double> row(width), response(width);
+  const auto gather = [&](std::size_t first, std::size_t count) {
+    for (std::size_t i = first; i < first + count; ++i) entries.push_back({i, Vec3::Zero(), Vec3::Zero()});
+  };
+  for (std::size_t c = 0; c < size(); ++c) {
+    entries.clear();
+    const std::size_t r = place_[c].row;
+    if (place_[c].rigid) {
+      const auto [a, b] = pairs_.bodies(pairs_.pair_of(r));
+      for (const std::size_t first : {a, b})
+        if (first != RigidPairRows::kFixed) gather(first, 6);
+    } else {
+      for (std::size_t k = first_run_[r]; k < first_run_[r + 1]; ++k) gather(runs_[k].index, runs_[k].size);
     }
-  return W;
+    for (int k = 0; k < 3; ++k) {
+      for (const Entry& e : entries) row[e.index] = response[e.index] = 0.0;
+      add_force(c, Vec3::Unit(k), row);
+      add_response(c, Vec3::Unit(k), response);
+      for (Entry& e : entries) e.row[k] = row[e.index], e.response[k] = response[e.index];
+    }
+    if (!place_[c].rigid)
+      for (std::size_t k = 0; k < learned_columns_; ++k) {
+        const Vec3 column = learned_[r * kLearned + k];
+        entries.push_back({first_learned_ + k, column, k % 2 == 0 ? Vec3(-column) : column});
+      }
+    all.add(entries);
+  }
+  return all;
 }
 
 }  // namespace brim

@@ -56,6 +56,8 @@ class RigidPairRows {
   std::pair<std::size_t, std::size_t> bodies(std::size_t pair) const {
     return {pair_[pair].a.first, pair_[pair].b.first};
   }
+  /// Pair of contact i.
+  std::size_t pair_of(std::size_t i) const { return row_[i].pair; }
   double friction(std::size_t i) const { return pair_[row_[i].pair].friction; }
 
   /// Relaxes the contacts of a pair in forward or backward order, `rounds` times.
