@@ -219,6 +219,27 @@ describe.skipIf(!chromiumPath)('the page', () => {
     });
     expect(found).toBe(true);
     expect(await o.page.locator('.pick').innerText()).toContain('nearest point');
+    // The view goes with the body, and stays where it is after "f".
+    await o.page.locator('.pick .follow').click();
+    const offCentre = (frame: number) =>
+      o.page.evaluate(async (f) => {
+        const { app } = window.brim;
+        await app.showFrame(f);
+        const p = app.picture.shown!.positions.get(app.picture.following ?? -1) ?? new Float32Array(0);
+        const target = app.picture.stage.controls.target.toArray();
+        const off = [0, 1, 2].map((k) => {
+          const along = p.filter((_, i) => i % 3 === k);
+          return target[k]! - (Math.min(...along) + Math.max(...along)) / 2;
+        });
+        return { following: app.picture.following, target, off: Math.max(...off.map(Math.abs)) };
+      }, frame);
+    const [before, after] = [await offCentre(0), await offCentre(30)];
+    expect(Math.max(before.off, after.off)).toBeLessThan(1e-6);
+    expect(after.target).not.toEqual(before.target);
+    expect(await o.page.locator('.pick .follow').innerText()).toBe('stop following');
+    await o.page.evaluate(() => window.brim.app.fit());
+    expect(await o.page.locator('.pick .follow').innerText()).toBe('follow this body');
+    expect((await offCentre(60)).following).toBe(undefined);
     await o.page.evaluate(() => window.brim.app.pickAt(-0.99, 0.99));
     expect(await o.page.locator('.pick').isVisible()).toBe(false);
     await close(o);

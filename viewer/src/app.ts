@@ -20,6 +20,7 @@ import { Plots } from './ui/plots';
 import { Pulling } from './ui/pulling';
 import { Timeline } from './ui/timeline';
 
+const kSamples = 9; // frames over the run whose bodies the picture is fitted to
 const kCompact = 900; // [CSS pixels] below which the side panels cover the picture, one at a time
 
 export class App {
@@ -156,10 +157,11 @@ export class App {
     if (this.acting) this.player.seek(this.player.frames - 1);
   }
 
-  /** First, middle and last frame, as far as they can be read. */
+  /** Some frames from the first to the last, as far as they can be read. */
   private async samples(): Promise<Frame[]> {
     const last = this.player.frames - 1;
-    const wanted = [...new Set([0, Math.floor(last / 2), last])].filter((f) => f >= 0);
+    const evenly = Array.from({ length: kSamples }, (_, k) => Math.floor((last * k) / (kSamples - 1)));
+    const wanted = [...new Set(evenly)].filter((f) => f >= 0);
     const got = await Promise.allSettled(wanted.map((f) => this.cache.get(f)));
     return got.flatMap((g) => (g.status === 'fulfilled' ? [g.value] : []));
   }
@@ -289,6 +291,7 @@ export class App {
 
   /** Brings what is shown now into the picture, and the light with it. */
   fit(): void {
+    this.picture.follow(undefined);
     if (this.picture.shown) this.picture.frameScene([this.picture.shown]);
     this.picture.stage.fit();
   }

@@ -44,6 +44,9 @@ export class Picture {
   private cells: Int32Array[] = [];
   private fixedBoxes: THREE.Box3[] = [];
   private start = new THREE.Box3(); // of what moves, in the first frame
+  private followed: number | undefined; // body that the view goes with
+  /** Called when the view goes with another body, or with none. */
+  followChanged: () => void = () => undefined;
 
   constructor(canvas: HTMLCanvasElement) {
     this.stage = new Stage(canvas);
@@ -66,6 +69,8 @@ export class Picture {
     this.contacts = new ContactView((part) => run.bodies[run.parts[part]?.body ?? -1]?.fixed ?? false);
     this.stage.scene.add(this.contacts.object);
     this.fixedBoxes = topologies.flatMap((t) => (t.positions ? [boxOf(t.positions)] : []));
+    this.stage.ground.standing = run.bodies.some((b) => b.fixed);
+    this.followed = undefined;
     this.start.makeEmpty();
     this.frameScene(samples);
     this.views = run.bodies.map((body, i) => {
@@ -148,10 +153,28 @@ export class Picture {
       this.views[body]?.update(positions, frame.cells.get(body));
     }
     this.views.forEach((view, body) => (view.object.visible = visible(body) && this.present(body)));
+    this.goAlong();
     this.refreshContacts();
     this.tiles.update(frame.tiles);
     this.refreshLinks();
     this.stage.invalidate();
+  }
+
+  /** Keeps a body in the middle of the view from now on, or none. */
+  follow(body: number | undefined): void {
+    this.followed = body;
+    this.goAlong();
+    this.followChanged();
+  }
+
+  get following(): number | undefined {
+    return this.followed;
+  }
+
+  private goAlong() {
+    if (this.followed === undefined || !this.present(this.followed)) return;
+    const box = boxOf(this.positions[this.followed]!);
+    if (!box.isEmpty()) this.stage.lookAt(box.getCenter(new THREE.Vector3()));
   }
 
   /** The frame shown has the body. */

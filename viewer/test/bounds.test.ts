@@ -13,6 +13,13 @@ test('what went away as a whole is followed', () => {
   expect(framing([box(50, 52)], [], box(0, 2))).toEqual(box(50, 52));
 });
 
+test('the whole way of a ball that falls far is shown, but not that of one that flies off', () => {
+  const fall = [box(0, 2), box(0, 2, -9, -8), box(0, 2, -20, -19)];
+  expect(framing(fall, [], fall[0])).toEqual(box(0, 2, -20, 1));
+  const shot = [box(0, 2), box(30, 32), box(5000, 5002), box(9000, 9002)];
+  expect(framing(shot, [], shot[0])).toEqual(box(0, 32));
+});
+
 test('what was spilled is followed a little way', () => {
   const framed = framing([box(0, 2, -80, 1)], [], box(0, 2));
   expect(framed.max.z).toBe(1);

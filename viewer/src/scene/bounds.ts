@@ -31,22 +31,25 @@ export function boxWithoutStrays(positions: Float32Array): THREE.Box3 {
 const diagonal = (box: THREE.Box3) => (box.isEmpty() ? 0 : box.min.distanceTo(box.max));
 
 const kScattered = 4; // times their extent at the start: bodies that wide apart do not all matter
+const kTravel = 24; // times their extent at the start: how far bodies that stay together are followed
 const kWide = 1.5; // times the extent of what moves: fixed bodies up to so wide are of its scale
 const kAround = 1.5; // extents at the start by which what scattered is followed
 
 /**
- * Box to frame: the moving bodies over some frames, the first of which sets the scale, so that a body shot far away
- * does not shrink the rest to a dot; and of what is fixed, all if it is of that scale, else the part near by.
+ * Box to frame: the moving bodies over some frames, the first of which sets the scale. Bodies that stay together are
+ * shown along their whole way, up to kTravel; a body shot far away does not shrink the rest to a dot. Of what is fixed,
+ * all is shown if it is of that scale, else the part near by.
  * @param start  box of the moving bodies in the first frame of the run: what has scattered since is cut to its surroundings
  */
 export function framing(moving: THREE.Box3[], fixed: THREE.Box3[], start = new THREE.Box3()): THREE.Box3 {
   const box = new THREE.Box3();
   const around = start.clone().expandByScalar(kAround * diagonal(start));
+  const first = diagonal(start.isEmpty() ? (moving.find((m) => !m.isEmpty()) ?? start) : start);
   for (const m of moving) {
-    const scattered =
-      !start.isEmpty() && diagonal(m) > kScattered * diagonal(start) && m.intersectsBox(around);
-    const own = scattered ? m.clone().intersect(around) : m;
-    if (box.isEmpty() || diagonal(box.clone().union(own)) < kScattered * diagonal(box)) box.union(own);
+    const scattered = diagonal(m) > kScattered * first;
+    const own = scattered && m.intersectsBox(around) ? m.clone().intersect(around) : m;
+    const most = scattered ? kScattered * diagonal(box) : kTravel * first;
+    if (box.isEmpty() || diagonal(box.clone().union(own)) < most) box.union(own);
   }
   const scale = diagonal(box);
   for (const f of fixed) {

@@ -13,14 +13,21 @@ export const deepOverlap = 0.5; // [voxels] at which a voxel has the last colour
 export const normalColour = '#c2303a';
 export const frictionColour = '#e0a100';
 
+const kFaint = 0.12; // opacity of dots that a body hides
+
+/** Radius of a dot for a run of so many contacts, relative to that of the scene: the bodies of a pile stay readable. */
+export const dotSize = (contacts: number) =>
+  Math.max(0.0012, 0.0045 * Math.min(1, Math.sqrt(100 / Math.max(1, contacts))));
+
 export class ContactView {
   readonly object = new THREE.Group();
   style: ContactStyle = 'off';
   scale = 1; // of arrows, times the length chosen from the run's largest force
-  private readonly dots = new Glyphs(new THREE.IcosahedronGeometry(1, 2), '#202a36');
+  private readonly dots = new Glyphs(new THREE.IcosahedronGeometry(1, 2), '#202a36', kFaint);
   private readonly voxels = new Glyphs(new THREE.BoxGeometry(1, 1, 1), '#ffffff', 0.4);
   private readonly shafts = [0, 1].map((k) => this.glyphs(new THREE.CylinderGeometry(1, 1, 1, 10), k));
   private readonly heads = [0, 1].map((k) => this.glyphs(new THREE.ConeGeometry(1, 1, 14), k));
+  private most = 0; // contacts seen so far in the run: the more there are, the smaller and fainter are their dots
   private largest = 0; // [N] largest force seen so far in the run: arrows keep their scale from frame to frame
 
   /** @param isFixed tells whether a part never moves: forces are drawn on the part that does */
@@ -51,13 +58,14 @@ export class ContactView {
       if (f > largest && f < Infinity) largest = f;
     }
     this.largest = Math.max(this.largest, Math.sqrt(largest));
+    this.most = Math.max(this.most, c.count);
     this.object.visible = this.style !== 'off';
     if (!this.object.visible) return;
     const showDots = this.style === 'points' || this.style === 'all';
     const showArrows = this.style === 'forces' || this.style === 'all';
     const matrix = new THREE.Matrix4();
     const dot = this.dots.begin(showDots ? c.count : 0);
-    const size = 0.0045 * radius;
+    const size = dotSize(this.most) * radius;
     if (showDots)
       for (let i = 0; i < c.count; ++i) {
         matrix

@@ -1,4 +1,4 @@
-/** An endless studio floor: soft shadows and a grid that fades, on nothing. */
+/** An endless studio floor under the bodies, soft shadows and a grid that fades; without obstacles, a mere grid at z = 0. */
 import * as THREE from 'three';
 
 const gridVertex = `
@@ -38,6 +38,8 @@ export function roundLength(x: number): number {
 export class Ground {
   readonly object = new THREE.Group();
   spacing = 0.1; // [m] between thin lines
+  /** The scene has something to lie on. Where it has not, a floor under the bodies would lie about what they do. */
+  standing = true;
   private readonly shadow: THREE.Mesh;
   private readonly grid: THREE.Mesh<THREE.PlaneGeometry, THREE.ShaderMaterial>;
 
@@ -70,14 +72,17 @@ export class Ground {
 
   /** With a floor of the scene's own, shadows and grid lie just above it. */
   setFloor(height: number | undefined, radius: number): void {
-    this.grid.material.uniforms.strength!.value = height === undefined ? 1 : 0.6;
+    this.grid.material.uniforms.strength!.value = height !== undefined ? 0.6 : this.standing ? 1 : 0.5;
     if (height !== undefined) this.object.position.z = height + 0.0005 * radius;
   }
 
-  place(center: THREE.Vector3, radius: number, height: number): void {
+  /** Lies at the bottom of the box that holds what is to be seen, or at z = 0 if that is near it. */
+  place(center: THREE.Vector3, radius: number, box: THREE.Box3): void {
     const reach = 5 * radius;
     this.spacing = roundLength(radius / 6);
-    this.object.position.set(center.x, center.y, height - 0.002 * radius);
+    this.object.position.set(center.x, center.y, this.standing ? box.min.z - 0.002 * radius : 0);
+    this.object.visible = this.standing || (box.min.z < radius && box.max.z > -radius);
+    this.shadow.visible = this.standing;
     this.object.scale.set(reach, reach, 1);
     const u = this.grid.material.uniforms;
     u.spacing!.value = this.spacing;

@@ -89,7 +89,7 @@ export class Stage {
     this.setPose(defaultPose);
   }
 
-  /** Fits light, ground and clipping to a box that holds what is to be seen; the ground lies at its bottom. */
+  /** Fits light, ground and clipping to a box that holds what is to be seen. */
   setBounds(box: THREE.Box3): void {
     this.box.copy(box);
     const center = box.getCenter(this.bounds.center);
@@ -110,7 +110,7 @@ export class Stage {
       seen.updateProjectionMatrix();
       light.shadow.normalBias = 0.004 * r;
     }
-    this.ground.place(center, r, box.min.z);
+    this.ground.place(center, r, box);
     this.camera.near = r / 200;
     this.camera.far = r * 100;
     this.camera.updateProjectionMatrix();
@@ -162,6 +162,15 @@ export class Stage {
       distance = Math.max(distance, p.dot(direction) + needed);
     }
     return Math.max(distance, 0.1 * this.bounds.radius);
+  }
+
+  /** Looks at another point from the same direction and distance. */
+  lookAt(target: THREE.Vector3): void {
+    this.camera.position.add(target).sub(this.controls.target);
+    this.controls.target.copy(target);
+    this.fitted = false;
+    this.controls.update();
+    this.invalidate();
   }
 
   /** Keeps the direction of the view and brings the whole scene into it. */

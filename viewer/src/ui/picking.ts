@@ -7,7 +7,7 @@ import { h, human } from './dom';
 class PickCard {
   readonly element = h('section', { class: 'pick card', hidden: true, 'aria-live': 'polite' });
 
-  show(title: string, rows: [string, string][]): void {
+  show(title: string, rows: [string, string][], ...actions: HTMLElement[]): void {
     this.element.hidden = false;
     this.element.replaceChildren(
       h(
@@ -22,6 +22,7 @@ class PickCard {
         ),
       ),
       h('dl', {}, ...rows.flatMap(([k, v]) => [h('dt', {}, k), h('dd', {}, v)])),
+      ...actions,
     );
   }
 
@@ -68,6 +69,19 @@ export class Picking {
       ]);
   }
 
+  /** Lets the view go with a body, and stay where it is again. */
+  private followButton(body: number): HTMLElement {
+    const button = h('button', { class: 'text follow', type: 'button' });
+    const label = () =>
+      (button.textContent = this.picture.following === body ? 'stop following' : 'follow this body');
+    button.addEventListener('click', () =>
+      this.picture.follow(this.picture.following === body ? undefined : body),
+    );
+    this.picture.followChanged = label;
+    label();
+    return button;
+  }
+
   pickAt(x: number, y: number): void {
     const picked = this.picture.pick(x, y);
     const point = (p: ArrayLike<number>) => [0, 1, 2].map((k) => (p[k] ?? 0).toFixed(4)).join(', ') + ' m';
@@ -87,14 +101,16 @@ export class Picking {
       ]);
     } else if (picked.body) {
       const at = this.picture.positionOf(picked.body.index, picked.vertex ?? -1);
-      this.card.show(picked.body.name, [
+      const rows: [string, string][] = [
         ['kind', picked.body.kind],
         ['clicked at', point([picked.at.x, picked.at.y, picked.at.z])],
         ['nearest point', `number ${picked.vertex}`],
         ...(at ? [['lies at', point(at)] as [string, string]] : []),
         ['points', this.picture.pointsOf(picked.body.index).toLocaleString('en')],
         ...this.touching(picked.body.index),
-      ]);
+      ];
+      const moves = !picked.body.fixed;
+      this.card.show(picked.body.name, rows, ...(moves ? [this.followButton(picked.body.index)] : []));
     }
   }
 }

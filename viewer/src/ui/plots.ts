@@ -6,8 +6,8 @@ import { plotSpecs, roundUp, squeeze, type PlotSpec } from './plot_data';
 
 const kLeft = 6;
 const kRight = 6;
-const kTop = 6;
-const kBottom = 6;
+const kTop = 17; // room for the label of the largest value
+const kBottom = 17; // and of the least
 
 class Plot {
   readonly element: HTMLElement;
