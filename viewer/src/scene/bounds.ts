@@ -31,7 +31,7 @@ export function boxWithoutStrays(positions: Float32Array): THREE.Box3 {
 const diagonal = (box: THREE.Box3) => (box.isEmpty() ? 0 : box.min.distanceTo(box.max));
 
 const kScattered = 4; // times their extent at the start: bodies that wide apart do not all matter
-const kTravel = 24; // times their extent at the start: how far bodies that stay together are followed
+const kTravel = 60; // times their extent at the start: how far bodies that stay together are followed
 const kWide = 1.5; // times the extent of what moves: fixed bodies up to so wide are of its scale
 const kAround = 1.5; // extents at the start by which what scattered is followed
 

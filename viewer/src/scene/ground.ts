@@ -72,7 +72,7 @@ export class Ground {
 
   /** With a floor of the scene's own, shadows and grid lie just above it. */
   setFloor(height: number | undefined, radius: number): void {
-    this.grid.material.uniforms.strength!.value = height !== undefined ? 0.6 : this.standing ? 1 : 0.5;
+    this.grid.material.uniforms.strength!.value = height !== undefined ? 0.6 : this.standing ? 1 : 0.35;
     if (height !== undefined) this.object.position.z = height + 0.0005 * radius;
   }
 
