@@ -39,7 +39,11 @@ inline const std::vector<Mistake> kMistakes = {
     // Not JSON at all.
     {"EmptyFile", kGood, "", "1: /", {"not valid JSON"}},
     {"OnlyAString", kGood, "\"scene\"", "1: /", {"\"scene\"", "must be an object"}},
-    {"MissingComma", "\"name\": \"good\",", "\"name\": \"good\"", "5: /", {"not valid JSON"}},
+    {"MissingComma",
+     "\"name\": \"good\",",
+     "\"name\": \"good\"",
+     "4: /",
+     {"not valid JSON", "a comma is missing after \"good\""}},
     {"TextAfterTheEnd", "\"max\": 0.1}]\n}", "\"max\": 0.1}]\n} more", "19: /", {"not valid JSON"}},
     {"NotANumber", "\"duration\": 1.0", "\"duration\": NaN", "6: /", {"NaN and Infinity are not allowed"}},
     {"Infinity", "\"duration\": 1.0", "\"duration\": Infinity", "6: /", {"NaN and Infinity are not allowed"}},

@@ -9,6 +9,7 @@
 
 #include "brim/core/error.h"
 #include "brim/core/printable.h"
+#include "brim/scene/syntax_hint.h"
 
 namespace brim {
 
@@ -80,7 +81,7 @@ class TreeBuilder : public nlohmann::json_sax<Json> {
     return true;
   }
 
-  bool parse_error(std::size_t, const std::string& last, const nlohmann::detail::exception& e) override {
+  bool parse_error(std::size_t end, const std::string& last, const nlohmann::detail::exception& e) override {
     const std::string where = stack_.empty() ? "" : stack_.back().pointer;
     std::string what = e.what();
     // The library's prefix ("[json.exception...] parse error at line 1, column 2: ") repeats what we say ourselves.
@@ -88,6 +89,9 @@ class TreeBuilder : public nlohmann::json_sax<Json> {
       if (const auto colon = what.find(": ", cut); colon != std::string::npos) what = what.substr(colon + 2);
     if (const auto cut = what.find("] "); what.starts_with("[") && cut != std::string::npos)
       what = what.substr(cut + 2);
+    if (const auto hint = syntax_hint(std::string_view(doc_.text).substr(0, end), what))
+      throw InputError(fmt::format("{}:{}: {}: not valid JSON: {}", doc_.file, hint->line, where.empty() ? "/" : where,
+                                   hint->message));
     const bool not_number = last.find("NaN") != std::string::npos || last.find("nan") != std::string::npos ||
                             last.find("Inf") != std::string::npos || last.ends_with("N") || last.ends_with("I");
     if (not_number) what += "; NaN and Infinity are not allowed, numbers must be finite";

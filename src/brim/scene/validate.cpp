@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "brim/core/error.h"
+#include "brim/scene/common_words.h"
 
 namespace brim {
 
@@ -61,6 +62,12 @@ std::string type_name(const Json& value) {
   if (value.is_object()) return "an object";
   if (value.is_array()) return fmt::format("a list of {}", value.size());
   return shown(value);
+}
+
+/// The allowed word that is meant by another one.
+std::string probable_word(const std::string& word, const std::vector<std::string>& allowed) {
+  const std::string meant = meant_word(word, allowed);
+  return meant.empty() ? nearest_word(word, allowed) : meant;
 }
 
 class Validator {
@@ -168,7 +175,7 @@ class Validator {
     std::vector<std::string> words;
     for (const Json& v : choices)
       if (v.is_string()) words.push_back(v.get<std::string>());
-    const std::string near = value.is_string() ? nearest_word(value.get<std::string>(), words) : "";
+    const std::string near = value.is_string() ? probable_word(value.get<std::string>(), words) : "";
     fail(at, fmt::format("{} is not allowed; must be {}{}", shown(value), allowed(schema),
                          near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near)));
   }
@@ -219,10 +226,13 @@ class Validator {
       } else if (!extra.get<bool>()) {
         std::vector<std::string> words;
         for (const auto& [k, unused] : properties.items()) words.push_back(k);
-        const std::string near = nearest_word(key, words);
+        const RightPlace elsewhere = right_place(key, words);
+        const std::string near = elsewhere.key.empty() ? probable_word(key, words) : elsewhere.key;
         misspelt.insert(near);
-        note(below, fmt::format("unknown key \"{}\"{}; allowed here: {}", key,
-                                near.empty() ? "" : fmt::format("; did you mean \"{}\"?", near), either(words)));
+        const std::string hint = !elsewhere.key.empty() ? "; " + elsewhere.message
+                                 : near.empty()         ? ""
+                                                        : fmt::format("; did you mean \"{}\"?", near);
+        note(below, fmt::format("unknown key \"{}\"{}; allowed here: {}", key, hint, either(words)));
       }
     }
     if (schema.contains("required"))
@@ -298,7 +308,7 @@ class Validator {
     if (!value.contains(key))
       fail(at, fmt::format("the key \"{}\" is missing; it must be one of {}", key, either(quoted)));
     const Json& given = value.at(key);
-    const std::string near = given.is_string() ? nearest_word(given.get<std::string>(), words) : "";
+    const std::string near = given.is_string() ? probable_word(given.get<std::string>(), words) : "";
     const bool body = root_.contains("$defs") && root_.at("$defs").contains("body") &&
                       &resolve(root_.at("$defs").at("body").at("oneOf").front()) == branches.front();
     fail(at + "/" + key,
