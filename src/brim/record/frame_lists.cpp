@@ -72,8 +72,8 @@ FrameLists::FrameLists(h5::File& file, const World& world, bool create)
   std::string names, kinds, bodies;
   for (int i = 0; i < world.attachment_count(); ++i) {
     const Attachment& a = world.attachment(i);
-    names += (i > 0 ? "\n" : "") + a.name;
-    kinds += (i > 0 ? "\n" : "") + kind_of(a);
+    names.append(i > 0 ? "\n" : "").append(a.name);
+    kinds.append(i > 0 ? "\n" : "").append(kind_of(a));
     bodies += fmt::format("{}{} {}", i > 0 ? "\n" : "", number_of(world, a.body), number_of(world, a.to));
   }
   file.attribute("/links", "names", names);

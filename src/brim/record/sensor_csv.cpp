@@ -26,7 +26,7 @@ std::string head_of(const RecordedSensor& s) {
   std::string text;
   for (std::size_t c = 0; c < s.channels.size(); ++c) {
     const std::string unit = s.units[c].empty() ? "" : " [" + s.units[c] + "]";
-    text += "," + word_text(s.name + "." + s.channels[c] + unit);
+    text.append(",").append(word_text(s.name + "." + s.channels[c] + unit));
   }
   return text;
 }
@@ -43,7 +43,8 @@ std::string frames_text(const RunReader& run, const SensorRecord& record) {
     text += fmt::format("{},{}", f, run.time(f));
     for (std::size_t i = 0; i < values.size(); ++i) {
       const std::size_t n = record.sensors()[i].channels.size();
-      for (std::size_t c = 0; c < n; ++c) text += "," + number_text(values[i][static_cast<std::size_t>(f) * n + c]);
+      for (std::size_t c = 0; c < n; ++c)
+        text.append(",").append(number_text(values[i][static_cast<std::size_t>(f) * n + c]));
     }
     text += "\n";
   }
@@ -69,11 +70,13 @@ std::string steps_text(const SensorRecord& record) {
     std::string line, time;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const std::size_t n = rows[i].size() / width[i], missing = most - n;
-      for (std::size_t c = 1; c < width[i]; ++c)
-        line += "," + (step < missing ? "" : number_text(rows[i][(step - missing) * width[i] + c]));
+      for (std::size_t c = 1; c < width[i]; ++c) {
+        line.append(",");
+        if (step >= missing) line.append(number_text(rows[i][(step - missing) * width[i] + c]));
+      }
       if (step >= missing) time = number_text(rows[i][(step - missing) * width[i]]);
     }
-    text += time + line + "\n";
+    text.append(time).append(line).append("\n");
   }
   return text;
 }
