@@ -32,10 +32,12 @@ void add_validate(CLI::App& app, int& code) {
   command->callback([path, settings, &code] {
     const Scene scene = load_scene(*path, settings->read());
     // Building finds what only files and meshes can tell.
-    const World world = build_world(scene);
+    World world = build_world(scene);
     check_own_bodies(world);
     for (const std::string& line : late_entries(scene))
       std::fprintf(stderr, "brim: warning: %s\n", printable(line).c_str());
+    for (const Warning& warning : world.material_warnings())
+      std::fprintf(stderr, "brim: warning: %s\n", printable(warning.message).c_str());
     std::printf("%s: good: %d bodies, %zu coordinates, %lld frames of %.6g s\n", path->c_str(), world.body_count(),
                 world.state().q.size(), static_cast<long long>(scene.frames), scene.frame_time());
     code = kGood;

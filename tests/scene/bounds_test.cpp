@@ -63,6 +63,24 @@ TEST(Bounds, BodiesThatStartWithinEachOtherAreToldUnderBothResponses) {
   }
 }
 
+TEST(Bounds, BodiesThatStartDeepWithinEachOtherAreToBePlacedApart) {
+  World world =
+      build_world(parse_scene(R"({"brim": 1, "name": "t", "frames": 1, "world": {"response": "penalty"}, "bodies": [
+          {"kind": "obstacle", "name": "floor", "shape": {"kind": "plane"}},
+          {"kind": "rigid", "name": "box", "shape": {"kind": "box", "size": [1, 1, 1]},
+           "transform": {"position": [0, 0, -2]}}]})",
+                              "scene.json"));
+  int saturated = 0;
+  for (const Warning& w : world.step().warnings) {
+    if (w.code != "saturation") continue;
+    ++saturated;
+    EXPECT_NE(w.message.find("at the start"), std::string::npos) << w.message;
+    EXPECT_NE(w.message.find("place them apart"), std::string::npos) << w.message;
+    EXPECT_EQ(w.message.find("time_step"), std::string::npos) << w.message;
+  }
+  EXPECT_EQ(saturated, 1);
+}
+
 TEST(Bounds, KeysAreShortAndPlain) {
   const auto read = [](const std::string& key) {
     return message([&] { parse_scene("{\"" + key + "\": 1}", "scene.json"); });

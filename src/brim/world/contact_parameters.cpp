@@ -153,7 +153,51 @@ PairMaterial ContactParameters::material_of(const WorldPart& part_a, const World
   return m;
 }
 
+void ContactParameters::warn_of_restitution(std::span<const WorldPart> parts, const WorldOptions& options,
+                                            StepReport& report) const {
+  std::map<std::string, std::vector<const WorldPart*>> by_material;  // one part of each kind of response
+  for (const WorldPart& p : parts) {
+    auto& all = by_material[p.info.material.name];
+    const auto same = [&](const WorldPart* q) {
+      return is_rigid(*q) == is_rigid(p) && is_fixed(*q) == is_fixed(p) && q->solid == p.solid &&
+             q->info.conforming == p.info.conforming && q->info.material.response == p.info.material.response;
+    };
+    if (std::ranges::none_of(all, same)) all.push_back(&p);
+  }
+  // A restitution that was given to a deformable body, or to a pair; not that of a ball which meets one by chance.
+  const auto unheard = [&](const WorldPart& a, const WorldPart& b) {
+    if (is_rigid(a) && is_rigid(b)) return false;
+    const bool rows =
+        !a.info.conforming && !b.info.conforming && material_of(a, b, options).response == Response::Constraint;
+    return !rows;
+  };
+  const auto tell = [&](double e, const std::string& whose) {
+    report.warnings.push_back(
+        {report.time, "no_restitution",
+         fmt::format("the restitution {:g} of {} has no effect on deformable bodies, grains and fluids: they meet "
+                     "others by penalties, which have none; give them the response \"constraint\", or leave it out",
+                     e, whose)});
+  };
+  for (const auto& [name, own] : by_material) {
+    const auto soft = std::ranges::find_if(
+        own, [](const WorldPart* p) { return !is_rigid(*p) && p->info.material.restitution > 0.0; });
+    if (soft == own.end()) continue;
+    const auto meets = [&](const WorldPart& b) { return b.body_index != (*soft)->body_index && unheard(**soft, b); };
+    if (std::ranges::any_of(parts, meets)) tell((*soft)->info.material.restitution, fmt::format("'{}'", name));
+  }
+  for (const auto& [names, pair] : options.pair_materials) {
+    if (!(pair.restitution > 0.0)) continue;
+    const auto first = by_material.find(names.first), second = by_material.find(names.second);
+    if (first == by_material.end() || second == by_material.end()) continue;
+    const bool some = std::ranges::any_of(first->second, [&](const WorldPart* a) {
+      return std::ranges::any_of(second->second, [&](const WorldPart* b) { return unheard(*a, *b); });
+    });
+    if (some) tell(pair.restitution, fmt::format("'{}' and '{}'", names.first, names.second));
+  }
+}
+
 void ContactParameters::warn(std::span<const WorldPart> parts, const WorldOptions& options, StepReport& report) const {
+  warn_of_restitution(parts, options, report);
   // One part represents all with its material and modulus, solid or not.
   std::map<std::tuple<std::string, double, bool>, const WorldPart*> example;
   for (const WorldPart& p : parts)

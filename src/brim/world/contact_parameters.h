@@ -47,7 +47,7 @@ class ContactParameters {
   /// The last pairs, from `first` on, are links: they get no contact parameters, and hold the bodies that they join.
   void leave_to_links(std::span<const WorldPart> parts, const ContactSet& contacts, std::size_t first);
   /// Warns of materials whose given contact stiffness is below five times the modulus of the material behind it, or
-  /// thirty times what would be chosen.
+  /// thirty times what would be chosen, and of restitutions of pairs that meet by penalties.
   void warn(std::span<const WorldPart> parts, const WorldOptions& options, StepReport& report) const;
   /// Parameters of constraint rows between two parts.
   ConstraintPair constraint_between(const WorldPart& a, const WorldPart& b, const WorldOptions& options) const;
@@ -57,6 +57,8 @@ class ContactParameters {
   std::span<const ConstraintPair> constraints() const { return constraints_; }
 
  private:
+  /// Warns of restitutions given to deformable bodies, or to pairs with them, that meet others by penalties.
+  void warn_of_restitution(std::span<const WorldPart> parts, const WorldOptions& options, StepReport& report) const;
   /// [Pa] required by the loads between two parts
   double stiffness_under(const Loads& loads, const PartInfo& a, const PartInfo& b, double dt) const;
   /// [Pa] of a pair without a given stiffness, in this sub-step

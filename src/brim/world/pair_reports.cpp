@@ -12,6 +12,15 @@ void warn_of_saturation(std::span<const WorldPart> parts, const PairReport& r, d
                         StepReport& report) {
   if (!(r.worst_pressure > 0.6) || report.warnings.size() >= kMostWarnings) return;
   const WorldPart &a = parts[r.part_a], &b = parts[r.part_b];
+  const bool placed = time == 0.0 && report.substeps == 1;  // nothing has moved yet
+  if (placed) {
+    report.warnings.push_back(
+        {time, "saturation",
+         fmt::format("'{}' and '{}' overlap by {:.2f} of full density at the start, where contact gives way; place "
+                     "them apart",
+                     a.body->name(), b.body->name(), r.worst_pressure)});
+    return;
+  }
   const std::string stiffer =
       stiffness > 0.0
           ? fmt::format("give the materials '{}' and '{}' a \"stiffness\" above {:.2g} Pa in \"pairs\", or ",

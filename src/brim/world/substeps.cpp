@@ -25,6 +25,43 @@ constexpr double kLeastThickness = 2.0;
 /// square) after 3 s at 0.27, and at 0.3 to 1.3 mm/s at 0.07 (heap_rests of docs/validation.md).
 constexpr double kFallOfBalls = 0.16;
 
+/// The part that moves by the most of its voxels.
+struct FastestPart {
+  const WorldPart* part = nullptr;
+  double speed = 0.0;  ///< [m/s]
+};
+
+FastestPart fastest_of(std::span<const WorldPart> parts, std::span<const double> v,
+                       std::span<const std::size_t> first_v) {
+  FastestPart fastest;
+  for (const WorldPart& part : parts) {
+    const double speed = speed_bound(part, velocities_of(part, v, first_v));
+    if (fastest.part == nullptr || speed / part.h > fastest.speed / fastest.part->h) fastest = {&part, speed};
+  }
+  return fastest;
+}
+
+/// Why sub-steps of a length [s] are too long, what may come of it and what helps.
+std::string text_of_cap(const NeededPieces& needed, const FastestPart& fastest, const WorldOptions& options,
+                        double length) {
+  const std::string cure = "a smaller \"time_step\" or a larger \"max_substeps\"";
+  if (needed.motion >= std::max(needed.fall, needed.inner) && fastest.part != nullptr)
+    return fmt::format(
+        "bodies move too fast for the {} sub-steps that max_substeps allows: the fastest, '{}' at {:.3g} m/s, moves "
+        "by {:.3g} voxels in each and may pass through others; a smaller \"time_step\", a larger \"max_substeps\" or "
+        "a coarser \"voxel_size\" prevents that",
+        options.max_substeps, fastest.part->body->name(), fastest.speed, fastest.speed * length / fastest.part->h);
+  if (needed.inner >= needed.fall)
+    return fmt::format(
+        "inner forces of bodies need shorter sub-steps than the {} that max_substeps allows, {:.2g} s "
+        "each: bodies may burst; {} prevents that",
+        options.max_substeps, length, cure);
+  return fmt::format(
+      "balls fall too far in each of the {} sub-steps that max_substeps allows: heaps of them may not "
+      "come to rest; {} prevents that",
+      options.max_substeps, cure);
+}
+
 }  // namespace
 
 double motion_limit(const WorldPart& a, const WorldPart& b, const WorldOptions& options, bool held) {
@@ -70,19 +107,18 @@ double stable_pieces(std::span<const WorldPart> parts, double time) {
   return std::max(1.0, time / longest);
 }
 
-double choose_substep(double pieces, const WorldOptions& options, double left, StepReport& report) {
+double choose_substep(const NeededPieces& needed, std::span<const WorldPart> parts, std::span<const double> v,
+                      std::span<const std::size_t> first_v, const WorldOptions& options, double left,
+                      StepReport& report) {
   const double remaining = std::max(1, options.max_substeps - report.substeps);
-  const double asked = std::max(pieces, options.min_substeps * left / options.time_step);
+  const double asked =
+      std::max({needed.motion, needed.fall, needed.inner, options.min_substeps * left / options.time_step});
   double n = std::ceil(asked - 1e-9);
   if (n > remaining) {
     n = remaining;
     if (report.warnings.empty() || report.warnings.back().code != "substeps_capped")
       report.warnings.push_back(
-          {report.time, "substeps_capped",
-           fmt::format("relative motion asks for {} sub-steps, and {} of the {} that max_substeps allows are left; "
-                       "bodies may pass through each other",
-                       asked < 1e9 ? fmt::format("{:.0f}", std::ceil(asked)) : "too many", remaining,
-                       options.max_substeps)});
+          {report.time, "substeps_capped", text_of_cap(needed, fastest_of(parts, v, first_v), options, left / n)});
   }
   return left / n;
 }

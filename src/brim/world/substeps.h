@@ -48,7 +48,16 @@ double fall_pieces(std::span<const WorldPart> parts, double gravity, double time
 /// Pieces, at least 1, that `time` [s] must be cut into for the inner forces of all bodies (LongestStep).
 double stable_pieces(std::span<const WorldPart> parts, double time);
 
-/// Length of the next sub-step, [s]: `left` cut into equal pieces. @param pieces  required by motion
-double choose_substep(double pieces, const WorldOptions& options, double left, StepReport& report);
+/// Pieces that the rest of a step must be cut into, each at least 1.
+struct NeededPieces {
+  double motion = 1.0;  ///< motion_pieces
+  double fall = 1.0;    ///< fall_pieces
+  double inner = 1.0;   ///< stable_pieces
+};
+
+/// Length of the next sub-step, [s]: `left` cut into equal pieces. Warns where these are more than max_substeps allows.
+double choose_substep(const NeededPieces& needed, std::span<const WorldPart> parts, std::span<const double> v,
+                      std::span<const std::size_t> first_v, const WorldOptions& options, double left,
+                      StepReport& report);
 
 }  // namespace brim

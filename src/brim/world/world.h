@@ -185,6 +185,8 @@ class World {
 
   /// Advances by options().time_step. Never throws for numerical failure: the report shows it.
   StepReport step();
+  /// What the first step will warn of in the materials.
+  std::vector<Warning> material_warnings();
   /// The report of no step: energies and speed of the present state, without contact.
   StepReport present();
   /// True while a body sleeps. Only if options().sleep is set.

@@ -100,6 +100,14 @@ StepReport World::step() {
   return report;
 }
 
+std::vector<Warning> World::material_warnings() {
+  StepReport report;
+  report.time = impl_->state.time;
+  impl_->start();
+  impl_->laws.warn(impl_->parts, impl_->options, report);
+  return report.warnings;
+}
+
 StepReport World::present() {
   StepReport report;
   report.time = impl_->state.time;

@@ -172,9 +172,9 @@ double World::Impl::choose_length(double left, StepReport& report) {
   held_pairs = state.step == 0 && report.substeps == 0
                    ? HeldPairs()
                    : HeldPairs(RowMemory::pairs(ReferencePoses::rows_of(state.warm_start)));
-  const double pieces =
-      std::max({motion_pieces(state.v, left, g * left), fall_pieces(parts, g, left), stable_pieces(parts, left)});
-  return choose_substep(pieces, options, left, report);
+  const NeededPieces needed = {motion_pieces(state.v, left, g * left), fall_pieces(parts, g, left),
+                               stable_pieces(parts, left)};
+  return choose_substep(needed, parts, state.v, first_v, options, left, report);
 }
 
 double World::Impl::pieces_after_solve(double dt, StepReport& report) {
