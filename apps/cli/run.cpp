@@ -162,7 +162,7 @@ void add_run(CLI::App& app, int& code) {
       "exit with 1 when an expectation of the scene is not met, or one that is marked as a known miss is");
   command->add_option("--levels", o->levels, "take the levels of detail of this run, frame by frame");
   command->add_flag("--json", o->json, "report progress as lines of JSON on standard output");
-  command->add_flag("--quiet", o->quiet, "no progress bar");
+  command->add_flag("--quiet", o->quiet, "no progress bar; the closing line and warnings stay");
   command->add_flag("--profile", o->profile,
                     "print where the time went: by phase, kind of body, solves and memory traffic");
   command->add_flag("--view", o->view, "serve the run to a browser while it is made, and after it until Ctrl-C");
