@@ -76,12 +76,12 @@ export class Ground {
     if (height !== undefined) this.object.position.z = height + 0.0005 * radius;
   }
 
-  /** Lies at the bottom of the box that holds what is to be seen, or at z = 0 if that is near it. */
+  /** Lies at the bottom of the box that holds what is to be seen; without obstacles at z = 0, if all stays above it. */
   place(center: THREE.Vector3, radius: number, box: THREE.Box3): void {
     const reach = 5 * radius;
     this.spacing = roundLength(radius / 6);
     this.object.position.set(center.x, center.y, this.standing ? box.min.z - 0.002 * radius : 0);
-    this.object.visible = this.standing || (box.min.z < radius && box.max.z > -radius);
+    this.object.visible = this.standing || (box.min.z > -0.05 * radius && box.min.z < radius);
     this.shadow.visible = this.standing;
     this.object.scale.set(reach, reach, 1);
     const u = this.grid.material.uniforms;
