@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "brim/body/fem/fem_body.h"
+#include "support/soft_worlds.h"
 #include "support/solids.h"
 #include "support/worlds.h"
 
@@ -83,17 +84,18 @@ TEST(ContactParameters, ARestitutionThatPenaltiesDoNotHaveIsToldOnce) {
 TEST(ContactParameters, ARestitutionOfADeformableBodyIsToldOnce) {
   const auto said = [](double soft, double rigid, double pair, Response response) {
     WorldOptions o = options_at(0.125);
+    o.response = Response::Inherit;
     o.pair_materials[{"hard", "soft"}].restitution = pair;
     World w(o);
     RigidModel hard;
     hard.shape = make_sphere(0.25);
     hard.mass = 1.0, hard.inertia = 0.025 * Mat3::Identity(), hard.position = Vec3(0, 0, 2);
     hard.part.material.name = "hard", hard.part.material.restitution = rigid;
-    w.add(std::make_unique<RigidBody>(hard));
+    w.add(testing::named<RigidBody>("ball", hard));
     FemOptions jelly;
     jelly.young = 1e5;
     jelly.material.name = "soft", jelly.material.restitution = soft, jelly.material.response = response;
-    w.add(std::make_unique<FemBody>(testing::block(2, 2, 2, 0.25), jelly));
+    w.add(testing::named<FemBody>("jelly", testing::block(2, 2, 2, 0.25), jelly));
     return warnings_of(w, "no_restitution", 3);
   };
   EXPECT_EQ(said(0.0, 0.8, -1.0, Response::Inherit), 0) << "the ball's own, which has an effect on the floor";

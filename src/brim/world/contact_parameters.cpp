@@ -189,10 +189,15 @@ void ContactParameters::warn_of_restitution(std::span<const WorldPart> parts, co
     if (!(pair.restitution > 0.0)) continue;
     const auto first = by_material.find(names.first), second = by_material.find(names.second);
     if (first == by_material.end() || second == by_material.end()) continue;
-    const bool some = std::ranges::any_of(first->second, [&](const WorldPart* a) {
-      return std::ranges::any_of(second->second, [&](const WorldPart* b) { return unheard(*a, *b); });
-    });
-    if (some) tell(pair.restitution, fmt::format("'{}' and '{}'", names.first, names.second));
+    // Where solids of these materials heed it, it is meant for them.
+    bool lost = false, heeded = false;
+    for (const WorldPart* one : first->second)
+      for (const WorldPart* other : second->second) {
+        if (is_fixed(*one) && is_fixed(*other)) continue;
+        const bool without = unheard(*one, *other);
+        lost = lost || without, heeded = heeded || !without;
+      }
+    if (lost && !heeded) tell(pair.restitution, fmt::format("'{}' and '{}'", names.first, names.second));
   }
 }
 
