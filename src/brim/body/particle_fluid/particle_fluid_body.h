@@ -13,6 +13,7 @@
 #include "brim/body/particle_fluid/cohesion.h"
 #include "brim/body/particle_fluid/fluid_contact.h"
 #include "brim/body/particle_fluid/fluid_images.h"
+#include "brim/body/particle_fluid/fluid_lattice.h"
 #include "brim/body/particle_fluid/fluid_pairs.h"
 #include "brim/body/restless.h"
 
@@ -159,8 +160,5 @@ class ParticleFluidBody final : public Body,
   std::vector<float> inside_;       ///< s_i, cell order
   mutable WorkspacePool<Product> products_;
 };
-
-/// Centres of the cells of a cubic lattice in a box, [m]: initial particles of a body of fluid.
-std::vector<Vec3> lattice_in_box(const Vec3& lo, const Vec3& hi, double spacing);
 
 }  // namespace brim
