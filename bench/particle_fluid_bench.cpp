@@ -18,7 +18,7 @@ struct Cube {
     return o;
   }
   explicit Cube(double viscosity)
-      : body(lattice_in_box(Vec3::Zero(), Vec3::Ones(), 1.0 / 29), options(viscosity)),
+      : body(lattice_in_box(Vec3::Zero(), Vec3::Ones(), 1.0 / 29).x, options(viscosity)),
         q(body.q_size()),
         v(body.v_size()) {
     body.initial_state(q, v);

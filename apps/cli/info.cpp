@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "brim/body/changing_surface.h"
+#include "brim/body/known_volume.h"
 #include "brim/core/error.h"
 #include "brim/core/printable.h"
 #include "brim/io/surface_reader.h"
@@ -52,10 +53,12 @@ Aabb shown_box(const Body& body) {
   return box;
 }
 
-/// ", 3.2 kg, 0.2 x 0.1 x 0.1 m, voxels of 0.01 m, 7 coordinates"
+/// ", 3.2 kg, 0.002 m³, 0.2 x 0.1 x 0.1 m, voxels of 0.01 m, 7 coordinates"
 std::string size_text(const Body& body) {
   std::string text;
   if (!body.immobile()) text += fmt::format(", {:.4g} kg", body.mass());
+  const auto* known = dynamic_cast<const KnownVolume*>(&body);
+  if (known != nullptr && known->volume() > 0.0) text += fmt::format(", {:.4g} m³", known->volume());
   if (const Aabb box = shown_box(body); !box.empty())
     text += fmt::format(", {:.4g} x {:.4g} x {:.4g} m", box.extent().x(), box.extent().y(), box.extent().z());
   double finest = std::numeric_limits<double>::infinity();

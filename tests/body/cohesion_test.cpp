@@ -16,7 +16,7 @@ std::unique_ptr<ParticleFluidBody> drop(int side, double jitter, double viscosit
   std::mt19937 rng(11);
   std::uniform_real_distribution<double> noise(-jitter * kSpacing, jitter * kSpacing);
   const double half = 0.5 * side * kSpacing;
-  std::vector<Vec3> x = lattice_in_box(Vec3::Constant(-half), Vec3::Constant(half), kSpacing);
+  std::vector<Vec3> x = lattice_in_box(Vec3::Constant(-half), Vec3::Constant(half), kSpacing).x;
   for (Vec3& p : x) p += Vec3(noise(rng), noise(rng), noise(rng));
   ParticleFluidOptions o;
   o.spacing = kSpacing;

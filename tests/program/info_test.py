@@ -97,13 +97,18 @@ class Info(unittest.TestCase):
             {"kind": "obstacle", "name": "floor", "shape": {"kind": "plane", "display_size": 2}},
             {**box, "name": "box", "voxel_size": 0.02},
             {**box, "name": "brick", "repeat": {"count": [1, 1, 3], "spacing": [1, 1, 1]}},
+            {"kind": "particle_fluid", "name": "drop", "spacing": 0.04, "shape": {"kind": "sphere", "radius": 0.1}},
+            {"kind": "grid_fluid", "name": "pond", "cell_size": 0.1, "box": {"lo": [0, 0, 0], "hi": [1, 1, 1]},
+             "fill": [{"kind": "plane", "point": [0, 0, 0.5], "normal": [0, 0, 1]}]},
             {"kind": "image_volume", "name": "slip", "file": "head.nrrd", "window": [-500, -500], "unit": 1}]}
         (self.root / "s.json").write_text(json.dumps(scene))
         lines = [line.strip() for line in self.brim(file="s.json").splitlines()]
-        self.assertIn("box: rigid, 4 kg, 0.1 x 0.2 x 0.4 m, voxels of 0.02 m, 7 coordinates", lines)
+        self.assertIn("box: rigid, 4 kg, 0.008 m³, 0.1 x 0.2 x 0.4 m, voxels of 0.02 m, 7 coordinates", lines)
         self.assertTrue(any(line.startswith("floor: obstacle, 2 x 2 x 0 m") for line in lines), lines)
         self.assertTrue(any(line.startswith("brick.0 to brick.2: rigid, 4 kg") for line in lines), lines)
-        slip = re.search(r"slip: image_volume, ([\d.e+]+) kg, ([\d.]+) x ", "\n".join(lines))
+        self.assertTrue(any(line.startswith("drop: particle_fluid, 4.189 kg, 0.004189 m³,") for line in lines), lines)
+        self.assertTrue(any(line.startswith("pond: grid_fluid, 500 kg, 0.5 m³,") for line in lines), lines)
+        slip = re.search(r"slip: image_volume, ([\d.e+]+) kg, [\d.e+]+ m³, ([\d.]+) x ", "\n".join(lines))
         self.assertGreater(float(slip[1]), 1e8)     # metres for millimetres
         self.assertAlmostEqual(float(slip[2]), 80, delta=6)
 

@@ -22,7 +22,7 @@ inline ParticleFluidOptions options(double viscosity = 0.0) {
 inline std::vector<Vec3> block(const Vec3& size, double jitter = 0.0, const Vec3& lo = Vec3::Zero()) {
   std::mt19937 rng(kSeed);
   std::uniform_real_distribution<double> noise(-jitter * kSpacing, jitter * kSpacing);
-  std::vector<Vec3> x = lattice_in_box(lo, lo + size, kSpacing);
+  std::vector<Vec3> x = lattice_in_box(lo, lo + size, kSpacing).x;
   for (Vec3& p : x) p += Vec3(noise(rng), noise(rng), noise(rng));
   return x;
 }

@@ -13,8 +13,9 @@ namespace {
 
 using namespace testing::fluids;
 
-std::unique_ptr<Body> fluid(std::vector<Vec3> x, double viscosity = 1.0) {
+std::unique_ptr<Body> fluid(std::vector<Vec3> x, double viscosity = 1.0, double spacing = kSpacing) {
   ParticleFluidOptions o = options(viscosity);
+  o.spacing = spacing;
   o.material.friction = 0.0;
   auto b = std::make_unique<ParticleFluidBody>(std::move(x), o);
   b->set_name("fluid");
@@ -22,7 +23,7 @@ std::unique_ptr<Body> fluid(std::vector<Vec3> x, double viscosity = 1.0) {
 }
 
 /// Walls that stand on a floor around a square, with water in between.
-World tank(double depth, double side = 0.4) {
+World tank(double side, FluidLattice water) {
   WorldOptions o;
   o.time_step = 0.005;
   o.voxel_size = 0.025;
@@ -32,8 +33,12 @@ World tank(double depth, double side = 0.4) {
   w.add(testing::obstacle("east", make_box(Vec3(0.1, 0.8, 0.6)), 0.0, Vec3(0.5 * side + 0.05, 0, 0.3)));
   w.add(testing::obstacle("south", make_box(Vec3(0.8, 0.1, 0.6)), 0.0, Vec3(0, -0.5 * side - 0.05, 0.3)));
   w.add(testing::obstacle("north", make_box(Vec3(0.8, 0.1, 0.6)), 0.0, Vec3(0, 0.5 * side + 0.05, 0.3)));
-  w.add(fluid(block(Vec3(side, side, depth), 0.0, Vec3(-0.5 * side, -0.5 * side, 0))));
+  w.add(fluid(std::move(water.x), 1.0, water.spacing));
   return w;
+}
+
+World tank(double depth, double side = 0.4) {
+  return tank(side, {block(Vec3(side, side, depth), 0.0, Vec3(-0.5 * side, -0.5 * side, 0)), kSpacing});
 }
 
 TEST(FillStage, WallsOnAFloorCarryNoneOfTheWeightAndTheHydrostaticForceAcross) {
@@ -127,6 +132,26 @@ TEST(FillStage, AFloatingBoxDisplacesItsWeight) {
   // The surface of a pool that keeps its volume: water and what lies in it, over the floor.
   const double surface = (w.body(5).mass() + m.mass) / 1000.0 / (side * side);
   EXPECT_NEAR(surface - bottom, 0.1, 0.1 * 0.1);
+}
+
+TEST(FillStage, APoolWhoseSidesAreNoWholeSpacingsStartsAtRest) {
+  // Cubes of one spacing, nine in a row of 8.5, would start a quarter of a spacing from the walls.
+  const double side = 8.5 * kSpacing, depth = 6.4 * kSpacing;
+  const Vec3 lo(-0.5 * side, -0.5 * side, 0);
+  World w = tank(side, lattice_in_box(lo, lo + Vec3(side, side, depth), kSpacing));
+  EXPECT_NEAR(w.body(5).mass(), 1000.0 * side * side * depth, 1e-9);
+  double fastest = 0.0, highest = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    ASSERT_TRUE(w.step().ok);
+    const auto q = w.q(5), v = w.v(5);
+    for (std::size_t k = 0; k < v.size(); k += 3) {
+      fastest = std::max(fastest, Vec3(v[k], v[k + 1], v[k + 2]).norm());
+      highest = std::max(highest, q[k + 2]);
+    }
+  }
+  // As of whole spacings, whose lattice gives way at some 0.2 m/s; 2.7 m/s from a quarter of a spacing.
+  EXPECT_LT(fastest, 0.4);
+  EXPECT_LT(highest, depth);
 }
 
 TEST(FillStage, AFilmBetweenPlatesIsShearedByItsViscosity) {

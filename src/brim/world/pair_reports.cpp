@@ -4,9 +4,31 @@
 
 #include <algorithm>
 
+#include "brim/body/filling.h"
+#include "brim/core/interface_of.h"
 #include "brim/core/parallel.h"
+#include "brim/world/fill_stage.h"
 
 namespace brim {
+
+namespace {
+
+/// Warns when elements of a body that fills space start inside the other part: its pressure throws both apart.
+/// @param overlap  [voxels] of the deepest element, from its layer's place before the surface
+void warn_of_drowned_start(const WorldPart& a, const WorldPart& b, double overlap, double time, StepReport& report) {
+  constexpr double kInside = 0.2;  // of the layer's distance from a surface: what is random about a start is no fault
+  const WorldPart &fluid = a.info.conforming ? a : b, &solid = a.info.conforming ? b : a;
+  const double gap = interface_of<Filling>(*fluid.body)->fill_gap();
+  const double inside = overlap * std::min(a.h, b.h) - gap;
+  if (!(inside > kInside * gap)) return;
+  report.warnings.push_back(
+      {time, "start_overlap",
+       fmt::format("'{}' starts up to {:.2g} m inside '{}', and they are thrown apart: leave that space out of the "
+                   "fluid's shape by \"carve\", or place them apart",
+                   fluid.body->name(), inside, solid.body->name())});
+}
+
+}  // namespace
 
 void warn_of_saturation(std::span<const WorldPart> parts, const PairReport& r, double stiffness, double time,
                         StepReport& report) {
@@ -36,16 +58,21 @@ void warn_of_saturation(std::span<const WorldPart> parts, const PairReport& r, d
 void warn_of_start(std::span<const WorldPart> parts, double time, StepReport& report) {
   constexpr double kDeep = 2.0;  // [voxels]
   for (const PairReport& r : report.pairs) {
-    // A conforming part starts where the other leaves room.
-    const bool conforming = parts[r.part_a].info.conforming || parts[r.part_b].info.conforming;
-    if (conforming || !(r.worst_overlap > kDeep)) continue;
+    const WorldPart &a = parts[r.part_a], &b = parts[r.part_b];
     if (report.warnings.size() >= kMostWarnings) return;
+    if (fills(a, b)) {
+      warn_of_drowned_start(a, b, r.worst_overlap, time, report);
+      continue;
+    }
+    // A conforming part starts where the other leaves room.
+    const bool conforming = a.info.conforming || b.info.conforming;
+    if (conforming || !(r.worst_overlap > kDeep)) continue;
     report.warnings.push_back(
         {time, "start_overlap",
          fmt::format(
              "'{}' and '{}' overlap by {:.2g} voxels at the start: they are pushed apart, or stay within each other; "
              "place them apart",
-             parts[r.part_a].body->name(), parts[r.part_b].body->name(), r.worst_overlap)});
+             a.body->name(), b.body->name(), r.worst_overlap)});
   }
 }
 

@@ -14,6 +14,7 @@
 #include "brim/body/grid_fluid/pressure_projection.h"
 #include "brim/body/grid_fluid/touched_cells.h"
 #include "brim/body/grid_fluid/wet_faces.h"
+#include "brim/body/known_volume.h"
 #include "brim/body/movable_base.h"
 #include "brim/body/restless.h"
 #include "brim/body/touched_surface.h"
@@ -49,7 +50,8 @@ class GridFluidBody final : public Body,
                             public TouchedSurface,
                             public FlowsAround,
                             public IdleVelocities,
-                            public MovableBase {
+                            public MovableBase,
+                            public KnownVolume {
  public:
   /// @throws InputError for a grid without cells, or values out of range
   explicit GridFluidBody(GridFluidModel model);
@@ -134,8 +136,7 @@ class GridFluidBody final : public Body,
   std::span<const double> level_set() const { return phi_; }
   /// Distance to the fluid at x: the level set within the box, [m].
   double distance(const Vec3& x) const;
-  /// [m³]
-  double volume() const;
+  double volume() const override;
   /// [Pa] per cell, found by the last solve; zero in dry cells.
   double pressure(int cell) const { return dt_ > 0.0 ? impulse_[cell] / dt_ : 0.0; }
   /// Largest flow out of a wet cell divided by its size, [1/s].

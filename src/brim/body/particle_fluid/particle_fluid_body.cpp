@@ -32,15 +32,6 @@ double lattice_sum(const FluidKernel& kernel, double spacing) {
 
 }  // namespace
 
-std::vector<Vec3> lattice_in_box(const Vec3& lo, const Vec3& hi, double spacing) {
-  const Vec3 n = ((hi - lo) / spacing).array().round().max(0.0);
-  std::vector<Vec3> x;
-  for (int k = 0; k < static_cast<int>(n.z()); ++k)
-    for (int j = 0; j < static_cast<int>(n.y()); ++j)
-      for (int i = 0; i < static_cast<int>(n.x()); ++i) x.push_back(lo + spacing * Vec3(i + 0.5, j + 0.5, k + 0.5));
-  return x;
-}
-
 ParticleFluidBody::ParticleFluidBody(std::vector<Vec3> x, ParticleFluidOptions options)
     : start_(std::move(x)),
       options_(std::move(options)),

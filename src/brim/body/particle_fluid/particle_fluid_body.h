@@ -5,6 +5,7 @@
 
 #include "brim/body/body.h"
 #include "brim/body/filling.h"
+#include "brim/body/known_volume.h"
 #include "brim/body/longest_step.h"
 #include "brim/body/loose_nodes.h"
 #include "brim/body/motion_clusters.h"
@@ -13,6 +14,7 @@
 #include "brim/body/particle_fluid/cohesion.h"
 #include "brim/body/particle_fluid/fluid_contact.h"
 #include "brim/body/particle_fluid/fluid_images.h"
+#include "brim/body/particle_fluid/fluid_lattice.h"
 #include "brim/body/particle_fluid/fluid_pairs.h"
 #include "brim/body/restless.h"
 
@@ -50,7 +52,8 @@ class ParticleFluidBody final : public Body,
                                 public Restless,
                                 public Movable,
                                 public MotionClusters,
-                                public LongestStep {
+                                public LongestStep,
+                                public KnownVolume {
  public:
   /// @param x  particles at the start, world frame, [m]
   /// @throws InputError  when a number is out of range or there are no particles
@@ -104,6 +107,7 @@ class ParticleFluidBody final : public Body,
   double fill_drag(std::size_t k) const override;
 
   double mass() const override { return particle_mass_ * static_cast<double>(start_.size()); }
+  double volume() const override { return mass() / options_.density; }
   double potential_energy(const Environment& env) const override;
   Vec3 linear_momentum(std::span<const double> v) const override;
   Vec3 angular_momentum(std::span<const double> v) const override;
@@ -159,8 +163,5 @@ class ParticleFluidBody final : public Body,
   std::vector<float> inside_;       ///< s_i, cell order
   mutable WorkspacePool<Product> products_;
 };
-
-/// Centres of the cells of a cubic lattice in a box, [m]: initial particles of a body of fluid.
-std::vector<Vec3> lattice_in_box(const Vec3& lo, const Vec3& hi, double spacing);
 
 }  // namespace brim

@@ -2,6 +2,7 @@
 
 #include "brim/body/body.h"
 #include "brim/body/distance_bound.h"
+#include "brim/body/known_volume.h"
 #include "brim/body/movable.h"
 #include "brim/body/outer_forces.h"
 #include "brim/body/posed_display.h"
@@ -17,6 +18,7 @@ struct RigidModel {
   std::shared_ptr<const Shape> shape;    ///< solid, in the shape's own frame
   Vec3 center_of_mass = Vec3::Zero();    ///< [m] in the shape's frame
   double mass = 1.0;                     ///< [kg]
+  double volume = 0.0;                   ///< [m³] 0: unknown; told, not used
   Mat3 inertia = Mat3::Identity();       ///< [kg m²] about the centre of mass, shape's axes
   Vec3 position = Vec3::Zero();          ///< [m] initial position of the shape's origin
   Quat rotation = Quat::Identity();      ///< initial, from the shape's frame to the world
@@ -36,7 +38,8 @@ class RigidBody final : public Body,
                         public Turns,
                         public PosedDisplay,
                         public OuterForces,
-                        public Movable {
+                        public Movable,
+                        public KnownVolume {
  public:
   /// @throws InputError when mass or inertia is not positive
   explicit RigidBody(RigidModel model);
@@ -73,6 +76,7 @@ class RigidBody final : public Body,
                 std::unique_ptr<Map>& map) const override;
 
   double mass() const override { return model_.mass; }
+  double volume() const override { return model_.volume; }
   double potential_energy(const Environment& env) const override;
   Vec3 linear_momentum(std::span<const double> v) const override;
   Vec3 angular_momentum(std::span<const double> v) const override;

@@ -76,6 +76,7 @@ class RigidImageMaker final : public BodyMaker {
     model.shape = shape_;
     model.center_of_mass = properties_.center;
     model.mass = properties_.mass;
+    model.volume = properties_.volume;
     model.inertia = properties_.inertia;
     model.position = place.position;
     model.rotation = place.rotation;

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "brim/body/particle_fluid/particle_fluid_body.h"
 #include "brim/mesh/topology.h"
 #include "brim/scene/kinds.h"
@@ -43,12 +45,13 @@ class ParticleFluidMaker final : public BodyMaker {
       throw at.error(fmt::format("{:.6g} m is not allowed; must be at most the shape's smallest extent, {:.6g} m",
                                  spacing_, box.extent().minCoeff()));
     check_count(at, box.extent().prod() / (spacing_ * spacing_ * spacing_), kBytesPerFluidParticle, limit, "particles");
-    const Vec3 room = spacing_ * (box.extent() / spacing_).array().round().matrix();
+    const FluidLattice lattice =
+        lattice_in_solid([&](const Vec3& x) { return solid.shape->distance(x); }, box, solid.unit.mass, spacing_);
     const RegionDistance carved = region_distance(n.at("carve"));
     SceneRandom random(static_cast<std::uint64_t>(n.integer("seed")));
     const double jitter = spacing_ * n.number("jitter");
-    for (const Vec3& x : lattice_in_box(box.center() - 0.5 * room, box.center() + 0.5 * room, spacing_)) {
-      if (!(solid.shape->distance(x) < 0.0) || carved(x / scale) < 0.0) continue;
+    for (const Vec3& x : lattice.x) {
+      if (carved(x / scale) < 0.0) continue;
       Vec3 moved = x;
       for (double& along : moved) along += jitter * random.symmetric();
       particles_.push_back(moved);
@@ -56,6 +59,7 @@ class ParticleFluidMaker final : public BodyMaker {
     if (particles_.empty())
       throw at.error(
           fmt::format("no particle fits: {:.6g} m is too large for what \"carve\" leaves of the shape", spacing_));
+    spacing_ = lattice.spacing;
   }
 
   std::unique_ptr<Body> body(const Placement& place) const override {
@@ -71,7 +75,7 @@ class ParticleFluidMaker final : public BodyMaker {
     options.gravity = gravity_;
     options.initial_velocity = place.velocity;
     options.initial_spin = place.angular_velocity;
-    options.voxel_size = node_.number("voxel_size");
+    options.voxel_size = std::min(node_.number("voxel_size"), spacing_);
     options.material = material_;
     return std::make_unique<ParticleFluidBody>(std::move(x), std::move(options));
   }
@@ -80,7 +84,7 @@ class ParticleFluidMaker final : public BodyMaker {
   Node node_;
   Material material_;
   Vec3 gravity_;
-  double spacing_ = 0.0;         ///< [m]
+  double spacing_ = 0.0;         ///< [m] of the lattice that fits the shape
   std::vector<Vec3> particles_;  ///< scaled, not placed
 };
 

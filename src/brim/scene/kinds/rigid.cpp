@@ -27,6 +27,7 @@ class RigidMaker final : public BodyMaker {
     model.shape = solid_.shape;
     model.center_of_mass = solid_.unit.center;
     model.mass = mass_;
+    model.volume = solid_.unit.volume;
     model.inertia = mass_ / solid_.unit.mass * solid_.unit.inertia;
     model.position = place.position;
     model.rotation = place.rotation;
