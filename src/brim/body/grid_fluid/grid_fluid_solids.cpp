@@ -15,6 +15,8 @@ constexpr double kWithin = 0.5;
 constexpr double kNear = 0.5, kJustWet = 0.02;
 /// Layers of cells on both sides of a solid's surface that know how deep they lie in it.
 constexpr int kLayers = 4;
+/// Mark of a cell that is known to hold air, and tells other cells nothing.
+constexpr unsigned char kAir = 2;
 
 }  // namespace
 
@@ -104,9 +106,26 @@ void GridFluidBody::extend_into_solids() {
   const double far = g.box().extent().norm();
   for (const int c : unknown) phi_[c] = far;
   // First to where water comes through open faces: beyond a thin wall there may be air.
-  for (const bool only_open : {true, false})
-    while (extend_by_a_layer(only_open, known, unknown)) {
+  while (extend_by_a_layer(true, known, unknown)) {
+  }
+  air_in_pockets(known, unknown);
+  while (extend_by_a_layer(false, known, unknown)) {
+  }
+}
+
+void GridFluidBody::air_in_pockets(std::vector<unsigned char>& known, std::vector<int>& unknown) {
+  const MacGrid& g = model_.grid;
+  std::erase_if(unknown, [&](int c) {
+    const Vec3i at(c % g.n.x(), c / g.n.x() % g.n.y(), c / (g.n.x() * g.n.y()));
+    bool pocket = false;
+    for (int a = 0; a < 3; ++a) {
+      const int low = g.face(a, at), high = low + g.face_stride(a);
+      pocket = pocket || (at[a] > 0 && left_of_face_[low] >= WetFaces::kLeastOpen) ||
+               (at[a] + 1 < g.n[a] && left_of_face_[high] >= WetFaces::kLeastOpen);
     }
+    if (pocket) phi_[c] = g.dx, known[c] = kAir;
+    return pocket;
+  });
 }
 
 bool GridFluidBody::extend_by_a_layer(bool only_open, std::vector<unsigned char>& known, std::vector<int>& unknown) {
