@@ -115,17 +115,28 @@ void GridFluidBody::extend_into_solids() {
 
 void GridFluidBody::air_in_pockets(std::vector<unsigned char>& known, std::vector<int>& unknown) {
   const MacGrid& g = model_.grid;
-  std::erase_if(unknown, [&](int c) {
+  const auto any_neighbour = [&](int c, const auto& f) {
     const Vec3i at(c % g.n.x(), c / g.n.x() % g.n.y(), c / (g.n.x() * g.n.y()));
-    bool pocket = false;
-    for (int a = 0; a < 3; ++a) {
-      const int low = g.face(a, at), high = low + g.face_stride(a);
-      pocket = pocket || (at[a] > 0 && left_of_face_[low] >= WetFaces::kLeastOpen) ||
-               (at[a] + 1 < g.n[a] && left_of_face_[high] >= WetFaces::kLeastOpen);
-    }
-    if (pocket) phi_[c] = g.dx, known[c] = kAir;
-    return pocket;
-  });
+    for (int a = 0; a < 3; ++a)
+      for (const int side : {-1, 1}) {
+        if (at[a] + side < 0 || at[a] + side >= g.n[a]) continue;
+        const int face = g.face(a, at) + (side > 0 ? g.face_stride(a) : 0);
+        if (f(c + side * g.cell_stride(a), left_of_face_[face] >= WetFaces::kLeastOpen)) return true;
+      }
+    return false;
+  };
+  std::vector<int> pocket;
+  for (const int c : unknown)
+    if (any_neighbour(c, [](int, bool open) { return open; })) pocket.push_back(c), known[c] = kAir;
+  // What lies beside known cells takes their surface, as solids do, with all that is open to it.
+  while (std::erase_if(pocket, [&](int c) {
+    const bool beside = any_neighbour(c, [&](int o, bool open) { return known[o] == 1 || (open && known[o] == 0); });
+    if (beside) known[c] = 0;
+    return beside;
+  })) {
+  }
+  for (const int c : pocket) phi_[c] = g.dx;
+  std::erase_if(unknown, [&](int c) { return known[c] == kAir; });
 }
 
 bool GridFluidBody::extend_by_a_layer(bool only_open, std::vector<unsigned char>& known, std::vector<int>& unknown) {
