@@ -122,13 +122,15 @@ TEST(FaceMap, TheSurfaceItselfFollowsItsMatterAlongItAndMovesAcrossItAsContactIs
   const Dented d(kSeed);
   const auto v = random_faces(d.grid.faces(), kSeed + 7);
   std::vector<FaceWeight> row;
+  SurfaceFaces surface;
+  surface.find(d.grid, d.wet, d.phi);
   std::vector<Vec3> told(d.surface.size());
   FaceMap map;
   map.reset(d.grid, d.wet, d.phi, SurfaceMotion::Slips, d.surface);
   map.apply(v, told);
   double along = 0.0;
   for (std::size_t p = 0; p < d.surface.size(); ++p) {
-    const Vec3 u = surface_velocity(d.grid, d.wet, d.phi, SurfaceMotion::Follows, v, d.surface[p], row);
+    const Vec3 u = surface_velocity(d.grid, d.wet, surface, d.phi, SurfaceMotion::Follows, v, d.surface[p], row);
     const Vec3 n = told[p].normalized();
     EXPECT_NEAR(u.dot(n), told[p].norm(), 1e-12);
     along = std::max(along, (u - u.dot(n) * n).norm());

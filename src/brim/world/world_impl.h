@@ -80,8 +80,9 @@ struct World::Impl {
   SelfContact self_contact;
   FillStage fill;
   FluidCoupling coupling;
-  BoxSweep motion_sweep;  ///< for the choice of sub-steps
-  HeldPairs held_pairs;   ///< that rows connected in the last sub-step
+  bool fluids_told = false;  ///< whether two fluids may meet has been said
+  BoxSweep motion_sweep;     ///< for the choice of sub-steps
+  HeldPairs held_pairs;      ///< that rows connected in the last sub-step
   FreeFlight flight;
   ContactMaps maps;
   Turning turning;

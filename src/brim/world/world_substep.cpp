@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "brim/core/stop.h"
 #include "brim/core/stopwatch.h"
 #include "brim/world/ball_points.h"
+#include "brim/world/fluid_warnings.h"
 #include "brim/world/reference_poses.h"
 #include "brim/world/row_memory.h"
 #include "brim/world/substeps.h"
@@ -225,6 +227,14 @@ double World::Impl::substep(double left, StepReport& report) {
         {state.time, "not_finite", "the solve gave values that are not finite; the state before it is kept"});
     return left;
   }
+  if (const auto runaway = runaway_fluid(parts, state.v, first_v)) {
+    take_back();
+    report.ok = false;
+    report.warnings.push_back({state.time, "runaway_fluid", *runaway});
+    return left;
+  }
+  if (!std::exchange(fluids_told, true))
+    if (const auto meeting = meeting_fluids(parts)) report.warnings.push_back({state.time, "two_fluids", *meeting});
   const bool last = left - dt <= 1e-9 * options.time_step;
   report_substep(dt, last, report);
   advance(dt, report);

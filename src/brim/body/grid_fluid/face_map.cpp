@@ -92,37 +92,24 @@ bool interpolate(const MacGrid& g, const WetFaces& wet, int a, const Vec3& x, co
 
 /// Calls f(face, axis, weight) for the surface faces around x: weight K, signed towards the dry cell.
 template <class F>
-void surface_faces(const MacGrid& g, const WetFaces& wet, std::span<const double> phi, const Vec3& x, const F& f) {
+void surface_faces(const MacGrid& g, const SurfaceFaces& surface, const Vec3& x, const F& f) {
+  static const double end = gauss(kReach * kReach);
   const Vec3 s = (x - g.origin) / g.dx - Vec3::Constant(0.5);
   const double reach = kReach + 1.0;  // from the dry cell to where the surface cuts the line to the wet one
   const Vec3i first = (s.array() - reach).ceil().cast<int>().max(0);
   const Vec3i last = (s.array() + reach).floor().cast<int>().min(g.n.array() - 1);
-  for (int k = first.z(); k <= last.z(); ++k)
-    for (int j = first.y(); j <= last.y(); ++j)
-      for (int i = first.x(); i <= last.x(); ++i) {
-        const Vec3i c(i, j, k);
-        const int cell = g.cell(c);
-        if (wet.cell[cell] || phi[cell] > 2.0 * g.dx) continue;
-        const Vec3 away = c.cast<double>() - s;
-        for (int a = 0; a < 3; ++a)
-          for (const int side : {-1, 1}) {
-            if (c[a] + side < 0 || c[a] + side >= g.n[a]) continue;
-            const int other = cell + side * g.cell_stride(a);
-            if (!wet.cell[other]) continue;
-            Vec3 cut = away;
-            cut[a] += side * phi[cell] / (phi[cell] - phi[other]);
-            const double t2 = cut.squaredNorm();
-            if (t2 > kReach * kReach) continue;
-            const double t = gauss(t2) - gauss(kReach * kReach);
-            f(side < 0 ? g.face(a, c) : g.face(a, c + Vec3i::Unit(a)), a, side < 0 ? t : -t);
-          }
-      }
+  surface.for_cuts(first, last, [&](const SurfaceFaces::Cut& c) {
+    Vec3 cut = c.cell - s;
+    cut[c.axis] += c.way;
+    const double t2 = cut.squaredNorm();
+    if (t2 <= kReach * kReach) f(c.face, c.axis, c.sign * (gauss(t2) - end));
+  });
 }
 
 }  // namespace
 
-Vec3 surface_row(const MacGrid& g, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
-                 const Vec3& x, std::vector<FaceWeight>& row) {
+Vec3 surface_row(const MacGrid& g, const WetFaces& wet, const SurfaceFaces& surface, std::span<const double> phi,
+                 SurfaceMotion motion, const Vec3& x, std::vector<FaceWeight>& row) {
   row.clear();
   const auto ask_matter = [&](const Vec3& y, const Mat3& share) {
     bool found = true;
@@ -148,7 +135,7 @@ Vec3 surface_row(const MacGrid& g, const WetFaces& wet, std::span<const double> 
   const Vec3 at = x - depth * slope;
 
   Vec3 area = Vec3::Zero();
-  surface_faces(g, wet, phi, at, [&](int face, int a, double k) {
+  surface_faces(g, surface, at, [&](int face, int a, double k) {
     area[a] += k;
     row.push_back({face, Vec3(k, 0.0, 0.0)});
   });
@@ -166,9 +153,9 @@ Vec3 surface_row(const MacGrid& g, const WetFaces& wet, std::span<const double> 
   return (part / std::max(along, 1e-12) * area + (1.0 - part) * n).normalized();
 }
 
-Vec3 surface_velocity(const MacGrid& g, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
-                      std::span<const double> v, const Vec3& x, std::vector<FaceWeight>& row) {
-  surface_row(g, wet, phi, motion, x, row);
+Vec3 surface_velocity(const MacGrid& g, const WetFaces& wet, const SurfaceFaces& surface, std::span<const double> phi,
+                      SurfaceMotion motion, std::span<const double> v, const Vec3& x, std::vector<FaceWeight>& row) {
+  surface_row(g, wet, surface, phi, motion, x, row);
   Vec3 u = Vec3::Zero();
   for (const FaceWeight& e : row) u += v[e.face] * e.weight;
   return u;
@@ -179,10 +166,11 @@ void FaceMap::reset(const MacGrid& g, const WetFaces& wet, std::span<const doubl
   const std::size_t n = points.size();
   if (row_.size() < n) row_.resize(n);
   direction_.resize(n);
+  if (n > 0) surface_.find(g, wet, phi);
   parallel_for(
       n,
       [&](std::size_t p) {
-        direction_[p] = surface_row(g, wet, phi, motion(g.cell_at(points[p])), points[p], row_[p]);
+        direction_[p] = surface_row(g, wet, surface_, phi, motion(g.cell_at(points[p])), points[p], row_[p]);
       },
       64);
   row_start_.assign(n + 1, 0);

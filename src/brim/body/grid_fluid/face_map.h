@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "brim/body/grid_fluid/mac_grid.h"
+#include "brim/body/grid_fluid/surface_faces.h"
 #include "brim/body/grid_fluid/wet_faces.h"
 #include "brim/map/directed_map.h"
 #include "brim/map/map.h"
@@ -35,13 +36,15 @@ enum class SurfaceMotion { Slips, Sticks, Follows };
 /// along the wall for ever. So a slipping fluid receives a force f as Pf, P = p nᵀ with p = β g/(g·n) + (1 − β) n, and
 /// forces along p unchanged: Pp = p. More than two cells below the surface (at the walls of the box) u is Σ w v. Empty
 /// far from any wet face.
-/// @param motion  which R
+/// @param surface  found for the same wet faces and φ
+/// @param motion   which R
 /// @return p over its length; zero when u is that of a constant field, and forces of any direction are accepted
-Vec3 surface_row(const MacGrid& grid, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
-                 const Vec3& x, std::vector<FaceWeight>& row);
+Vec3 surface_row(const MacGrid& grid, const WetFaces& wet, const SurfaceFaces& surface, std::span<const double> phi,
+                 SurfaceMotion motion, const Vec3& x, std::vector<FaceWeight>& row);
 /// u for given face velocities, [m/s]. @param row  workspace
-Vec3 surface_velocity(const MacGrid& grid, const WetFaces& wet, std::span<const double> phi, SurfaceMotion motion,
-                      std::span<const double> v, const Vec3& x, std::vector<FaceWeight>& row);
+Vec3 surface_velocity(const MacGrid& grid, const WetFaces& wet, const SurfaceFaces& surface,
+                      std::span<const double> phi, SurfaceMotion motion, std::span<const double> v, const Vec3& x,
+                      std::vector<FaceWeight>& row);
 
 /// Map of a grid fluid: points move as the nearest surface. The linear momentum of contact is exact, for a slipping
 /// fluid only for forces along its directions. Angular momentum is not exact. Constant during a step. Tests:
@@ -65,8 +68,9 @@ class FaceMap final : public Map, public DirectedMap {
 
  private:
   std::vector<std::size_t> row_start_;
-  std::vector<FaceWeight> entry_;             ///< by point
-  std::vector<Vec3> direction_;               ///< by point
+  std::vector<FaceWeight> entry_;  ///< by point
+  std::vector<Vec3> direction_;    ///< by point
+  SurfaceFaces surface_;
   std::vector<std::vector<FaceWeight>> row_;  ///< workspace
 };
 

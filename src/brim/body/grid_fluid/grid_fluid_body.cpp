@@ -151,10 +151,11 @@ void GridFluidBody::advance(double dt, std::span<double> q, std::span<const doub
   const auto phi = q.first(g.cells());
   if (among_solids()) std::copy(phi_.begin(), phi_.end(), phi.begin());
   const double left = q.back() - leaving(dt, phi, v);
+  surface_.find(g, wet_, phi_);
   level_.advect(phi, dt, (cells + 3.0) * g.dx, model_.open, [&](int cell, const Vec3& x) -> Vec3 {
     thread_local std::vector<FaceWeight> row;
     const auto at = [&](SurfaceMotion motion, const Vec3& y) {
-      return surface_velocity(g, wet_, phi_, motion, v, y, row);
+      return surface_velocity(g, wet_, surface_, phi_, motion, v, y, row);
     };
     if (touched_.has(cell)) return at(touched_motion(cell), x);
     // Along its own normal alone, or without the midpoint, a curved surface would sweep more than its matter does.

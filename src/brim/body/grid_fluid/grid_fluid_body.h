@@ -152,6 +152,9 @@ class GridFluidBody final : public Body,
   /// Gives cells beside known ones the mean of these. @param only_open  through open faces alone
   /// @return false when there are no such cells
   bool extend_by_a_layer(bool only_open, std::vector<unsigned char>& known, std::vector<int>& unknown);
+  /// Makes air of pockets that no water reaches through open faces, as behind a piston that leaves a side of the box:
+  /// as water they could not follow the solids that bound them.
+  void air_in_pockets(std::vector<unsigned char>& known, std::vector<int>& unknown);
   /// Removes the inside of solids from the fluid as seen by contact: seen_ = max(phi_, depth in solids).
   void hide_in_solids();
   bool among_solids() const { return !left_.empty(); }
@@ -201,6 +204,7 @@ class GridFluidBody final : public Body,
   mutable LevelSet level_;
   mutable std::vector<double> extended_, scratch_;
   mutable ExtensionMarks marks_;
+  mutable SurfaceFaces surface_;  ///< of phi_, in advance
   MomentumKeeper keeper_;
 };
 

@@ -15,6 +15,8 @@ constexpr double kWithin = 0.5;
 constexpr double kNear = 0.5, kJustWet = 0.02;
 /// Layers of cells on both sides of a solid's surface that know how deep they lie in it.
 constexpr int kLayers = 4;
+/// Mark of a cell that is known to hold air, and tells other cells nothing.
+constexpr unsigned char kAir = 2;
 
 }  // namespace
 
@@ -104,9 +106,37 @@ void GridFluidBody::extend_into_solids() {
   const double far = g.box().extent().norm();
   for (const int c : unknown) phi_[c] = far;
   // First to where water comes through open faces: beyond a thin wall there may be air.
-  for (const bool only_open : {true, false})
-    while (extend_by_a_layer(only_open, known, unknown)) {
-    }
+  while (extend_by_a_layer(true, known, unknown)) {
+  }
+  air_in_pockets(known, unknown);
+  while (extend_by_a_layer(false, known, unknown)) {
+  }
+}
+
+void GridFluidBody::air_in_pockets(std::vector<unsigned char>& known, std::vector<int>& unknown) {
+  const MacGrid& g = model_.grid;
+  const auto any_neighbour = [&](int c, const auto& f) {
+    const Vec3i at(c % g.n.x(), c / g.n.x() % g.n.y(), c / (g.n.x() * g.n.y()));
+    for (int a = 0; a < 3; ++a)
+      for (const int side : {-1, 1}) {
+        if (at[a] + side < 0 || at[a] + side >= g.n[a]) continue;
+        const int face = g.face(a, at) + (side > 0 ? g.face_stride(a) : 0);
+        if (f(c + side * g.cell_stride(a), left_of_face_[face] >= WetFaces::kLeastOpen)) return true;
+      }
+    return false;
+  };
+  std::vector<int> pocket;
+  for (const int c : unknown)
+    if (any_neighbour(c, [](int, bool open) { return open; })) pocket.push_back(c), known[c] = kAir;
+  // What lies beside known cells takes their surface, as solids do, with all that is open to it.
+  while (std::erase_if(pocket, [&](int c) {
+    const bool beside = any_neighbour(c, [&](int o, bool open) { return known[o] == 1 || (open && known[o] == 0); });
+    if (beside) known[c] = 0;
+    return beside;
+  })) {
+  }
+  for (const int c : pocket) phi_[c] = g.dx;
+  std::erase_if(unknown, [&](int c) { return known[c] == kAir; });
 }
 
 bool GridFluidBody::extend_by_a_layer(bool only_open, std::vector<unsigned char>& known, std::vector<int>& unknown) {
