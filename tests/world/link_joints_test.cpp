@@ -225,6 +225,42 @@ TEST(LinkJoints, LightSolidsCarryHeavyOnesWithoutSwinging) {
   }
 }
 
+/// A bridge of planks between two fixed hinges, straight at first: nothing holds it across until it has sagged, and
+/// then its pull is large. What the fall stretched comes back as speed where shorter sub-steps close it.
+TEST(LinkJoints, AStraightBridgeSagsAndGainsNoEnergy) {
+  for (const int n : {5, 7, 9}) {
+    World w(options_at(0.025));
+    const auto x_of = [&](int i) { return 0.3 * (i - 0.5 * n); };
+    for (int i = 0; i < n; ++i) {
+      RigidModel m;
+      m.shape = make_box(Vec3(0.25, 1.0, 0.05));
+      m.mass = 5.0;
+      m.inertia = m.mass / 12.0 * Vec3(1.0025, 0.065, 1.0625).asDiagonal();
+      m.position = Vec3(x_of(i) + 0.15, 0, 0);
+      auto plank = std::make_unique<RigidBody>(m);
+      plank->set_name("plank" + std::to_string(i));
+      w.add(std::move(plank));
+    }
+    for (int i = 0; i <= n; ++i) {
+      const std::string name = "plank" + std::to_string(std::min(i, n - 1));
+      Attachment a = joint(JointKind::Revolute, name, i > 0 && i < n ? "plank" + std::to_string(i - 1) : "",
+                           Vec3(x_of(i), 0, 0), Vec3(0, 1, 0));
+      a.name += std::to_string(i);
+      w.attach(a);
+    }
+    double most = -std::numeric_limits<double>::infinity(), apart = 0.0;
+    StepReport r;
+    for (int s = 0; s < 120; ++s) {
+      r = w.step();
+      ASSERT_TRUE(r.ok) << n << " planks";
+      most = std::max(most, r.kinetic_energy + r.potential_energy);
+      for (const LinkReport& link : r.links) apart = std::max(apart, link.error);
+    }
+    EXPECT_LT(most, 0.01) << n << " planks; the start has 0 J";
+    EXPECT_LT(apart, 0.01) << n << " planks";
+  }
+}
+
 /// What a hinge carries is the weight, whether the body lies on a limit, is held by a drive or by nothing along it; the
 /// points around the axis carry far more, of a couple with what acts along the coordinate.
 TEST(LinkJoints, TheForceOfAJointAtALimitOrUnderADriveIsWhatTheBodyNeeds) {

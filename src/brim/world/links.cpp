@@ -115,8 +115,8 @@ std::pair<Vec3, Vec3> Links::stretch(const Link& link, const Held& held, const C
 }
 
 void Links::append(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q,
-                   int space, double time, double dt, ContactSet& set) {
-  time_ = time, dt_ = dt;
+                   int space, double time, double dt, double longest, ContactSet& set) {
+  time_ = time, dt_ = dt, closing_ = std::min(1.0, dt / longest);
   ties_.clear();
   coordinate_.assign(links_.size(), {});
   const std::size_t first = set.size();
@@ -223,22 +223,24 @@ void Links::begin(const ContactSet& set, std::span<const Vec3> velocity_a, std::
     const double k = held.share * (link.given.stiffness > 0.0 ? link.given.stiffness : rigid(link));
     const double d = held.share * link.given.damping, s = dt_ * k + d;
     const Vec3 u = velocity_a[first + i] - velocity_b[first + i] - tie.target;
+    const Vec3 error = (link.given.stiffness > 0.0 ? 1.0 : closing_) * tie.error;
     Bond& bond = bonds[i];
     bond.n = tie.n;
     switch (held.hold) {
       case Hold::Point:
         bond.along = dt_ * s;
-        bond.force = -k * tie.error - s * u;
+        bond.force = -k * error - s * u;
         break;
       case Hold::Across:
         bond.along = dt_ * s, bond.across = -dt_ * s;
-        bond.force = -k * tie.error - s * (u - tie.n * tie.n.dot(u));
+        bond.force = -k * error - s * (u - tie.n * tie.n.dot(u));
         break;
       case Hold::Along:
         bond.across = dt_ * s;
-        bond.force = -k * tie.error - s * tie.n.dot(u) * tie.n;
+        bond.force = -k * error - s * tie.n.dot(u) * tie.n;
         bond.one_way = link.given.pulls_only;
         if (!bond.one_way) break;
+        if (tie.n.dot(error) < 0.0) bond.force -= k * (tie.error - error);  // slack, until it is drawn out
         bond.n = -tie.n;
         bond.waits = !(tie.n.dot(tie.error + dt_ * u) > 0.0);  // slack now, and at the end of the step too
         break;

@@ -83,8 +83,10 @@ class Links {
   std::pair<int, int> bodies(std::size_t i) const { return {links_[i]->body_a, links_[i]->body_b}; }
 
   /// Appends the active links to the set. @param space  number of the part that stands for space
+  /// @param longest  [s] of any sub-step. A rigid link closes an error within that time: one made in a long sub-step
+  ///   and closed in a shorter one would become speed, most of all across chains that are almost straight.
   void append(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q,
-              int space, double time, double dt, ContactSet& set);
+              int space, double time, double dt, double longest, ContactSet& set);
   /// Passes the links to the response, after its begin. @param velocity_a, velocity_b  [m/s] at all contacts
   void begin(const ContactSet& set, std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b,
              Penalty& response) const;
@@ -186,6 +188,7 @@ class Links {
   std::vector<Tie> ties_;
   std::vector<Coordinate> coordinate_;  ///< per link
   double time_ = 0.0, dt_ = 0.0;
+  double closing_ = 1.0;  ///< share of a rigid link's error that this sub-step closes
 };
 
 }  // namespace brim

@@ -99,7 +99,8 @@ void World::Impl::begin_substep(double dt, StepReport& report) {
   tell_touched();
   check_stop();
   if (!links.empty())
-    links.append(parts, state.q, first_q, static_cast<int>(parts.size()) - 1, state.time, dt, stage.contacts());
+    links.append(parts, state.q, first_q, static_cast<int>(parts.size()) - 1, state.time, dt,
+                 options.time_step / options.min_substeps, stage.contacts());
 }
 
 void World::Impl::begin_penalties(double dt, StepReport& report) {
