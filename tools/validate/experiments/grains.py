@@ -47,31 +47,23 @@ def heap_rests(case):
 
 
 @experiment(law="grains flow out at the same rate at any level", source="Hagen 1852, Janssen 1895: walls carry the weight", unit="-", tolerance=0.10, theory=1.0,
-            measure=lambda c, r: float(np.mean([rate_of(r, name, 0.65, 0.40) / rate_of(r, name, 0.90, 0.65) for name in SILO])),
-            curve=lambda c, r: (r.time, inside(r, SILO[0])), axes=("t [s]", "share inside [-]"))
+            misses={"": "starts differ by more: with five seeds of the grains 0.83 to 0.98, median 0.85, and 0.88 to 1.19, median 0.98, before walls gave grains their exact normals; filled half as high again 0.96 to 1.15, median 1.02, and 0.90 as the mean of three in one scene"},
+            measure=lambda c, r: rate_of(r, 0.65, 0.40) / rate_of(r, 0.90, 0.65),
+            curve=lambda c, r: (r.time, inside(r)), axes=("t [s]", "share inside [-]"))
 def silo_empties(case):
-    """A silo empties 4,655 grains through a slot (bench/scenes/silo.json, filled to 0.7 m): the rate from 65 to 40 % left over that from 90 to
-    65 %, the mean of three fillings, which flow beside each other without touching. Single ones differ by 8 % (five: 0.96 to 1.15). The law is one
-    of silos that are filled higher than they are wide: below, the rate falls (0.83 to 0.98 from 0.48 m on)."""
+    """A silo of 3,059 grains empties through a slot (bench/scenes/silo.json): the rate from 65 to 40 % left over that from 90 to 65 %."""
     silo = json.loads((pathlib.Path(__file__).resolve().parents[3] / "bench/scenes/silo.json").read_text(encoding="utf-8"))
     silo.pop("$schema")
-    (grains,) = [b for b in silo["bodies"] if b["kind"] == "points"]
-    silo["bodies"].remove(grains)
-    grid = grains["grid"] | {"count": [*grains["grid"]["count"][:2], 35]}
-    silo["bodies"] += [grains | {"name": name, "seed": seed, "grid": grid} for seed, name in enumerate(SILO, 1)]
-    return silo | {"duration": 3.0, "filters": [{"between": [SILO[i], SILO[j]]} for i, j in ((0, 1), (0, 2), (1, 2))]}
+    return silo | {"duration": 2.0}
 
 
-SILO = ("first", "second", "third")
+def inside(run):
+    return (run.nodes("grains")[0][:, :, 2] > 0).mean(1)
 
 
-def inside(run, name):
-    return (run.nodes(name)[0][:, :, 2] > 0).mean(1)
-
-
-def rate_of(run, name, most, least):
+def rate_of(run, most, least):
     """[1/s] Mean rate at which the share inside falls between two shares."""
-    share = inside(run, name)
+    share = inside(run)
     window = (share <= most) & (share >= least)
     return -fits.slope_of(run.time[window], share[window])
 
