@@ -31,11 +31,14 @@ TEST(CubeDistances, AreThoseOfTheShapeInSinglePrecision) {
       make_box(Vec3(1.2, 0.7, 0.4)),
       make_capsule(0.3, 0.9),
       make_cylinder(0.5, 0.6),
+      make_torus(0.6, 0.25),
+      make_bowl(0.7, 0.2),
+      make_cup(0.5, 0.8, 0.15),
       make_half_space(),
       make_grid_shape(std::make_shared<DistanceGrid>(make_distance_grid(shapes::torus(0.6, 0.25, 48, 24), fine)), 0.5)};
   std::size_t near = 0;
-  for (int trial = 0; trial < 120; ++trial) {
-    const Shape& shape = *shapes[trial % 6];
+  for (int trial = 0; trial < 180; ++trial) {
+    const Shape& shape = *shapes[trial % std::size(shapes)];
     const auto& known = dynamic_cast<const KnownDistance&>(shape);
     const Pose pose{rotation_from_vector(3.0 * vector()).toRotationMatrix(), vector()};
     const NodeCube cube{(10.0 * vector()).cast<int>(), 0.08};

@@ -88,5 +88,42 @@ TEST(RoundGap, OfWhatIsFlatHollowOrSharpIsLeftAlone) {
   EXPECT_FALSE(settle_round_gap(above, floor, Vec3::Zero(), {Vec3::Zero(), Vec3::Zero()}, h));
 }
 
+TEST(RoundGap, OfSurfacesWithFormulasIsExact) {
+  constexpr unsigned kSeed = 7;
+  SCOPED_TRACE(kSeed);
+  std::mt19937 rng(kSeed);
+  const auto ball = make_sphere(0.3), bowl = make_bowl(1.1, 0.1);
+  for (int trial = 0; trial < 20; ++trial) {
+    const Pose world = any_pose(rng);
+    const Vec3 n = (Vec3(0, 0, 1.5) + any_pose(rng).translation).normalized();  // out of the bowl
+    const CubeSide a = solid_side(ball, {world.rotation, world.rotation * (-0.7 * n) + world.translation}),
+                   b = solid_side(bowl, world);
+    const Vec3 up = world.rotation * n, x = world.translation - up;
+    const Mat3 across = Mat3::Identity() - up * up.transpose();
+    const Vec3 aside = 0.3 * h * any_pose(rng).translation;
+    const auto seen = find_round_point(a, b, x + aside, (up + aside).normalized(), h);
+    ASSERT_TRUE(seen);
+    EXPECT_LT((seen->x - x).norm(), 1e-4 * h);
+    EXPECT_NEAR(seen->gap, 0.0, 1e-5 * h);
+    EXPECT_LT((seen->normal - up).norm(), 1e-4);
+    EXPECT_LT((seen->bend_a - across / 0.3).norm(), 1e-2);
+    EXPECT_LT((seen->bend_b + across).norm(), 1e-2) << "hollow";
+  }
+  const auto other = sampled({Vec3(-0.7, -0.7, -0.2), Vec3(0.7, 0.7, 1.2)},
+                             [](const Vec3& p) { return (p - Vec3(0, 0, 0.5)).norm() - 0.5; });
+  const Pose here{Mat3::Identity(), Vec3::Zero()};
+  const CubeSide floor = solid_side(make_half_space(), here);
+  const auto found = [&](const CubeSide& a) { return find_round_point(a, floor, Vec3::Zero(), Vec3::UnitZ(), h); };
+  EXPECT_TRUE(found(solid_side(make_sphere(0.5), {Mat3::Identity(), Vec3(0, 0, 0.5)})));
+  EXPECT_FALSE(found(solid_side(other, here))) << "sampled";
+  EXPECT_FALSE(found(solid_side(make_capsule(0.5, 1.0),
+                                {rotation_from_vector(Vec3(M_PI_2, 0, 0)).toRotationMatrix(), Vec3(0, 0, 0.5)})))
+      << "a line";
+  EXPECT_FALSE(found(solid_side(make_box(Vec3(1, 1, 1)), {Mat3::Identity(), Vec3(0, 0, 0.5)}))) << "a face";
+  EXPECT_FALSE(found(solid_side(make_box(Vec3(1, 1, 1)), {rotation_from_vector(Vec3(M_PI_4, 0, 0)).toRotationMatrix(),
+                                                          Vec3(0, 0, std::sqrt(0.5))})))
+      << "an edge";
+}
+
 }  // namespace
 }  // namespace brim::round_gap_test

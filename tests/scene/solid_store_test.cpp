@@ -59,8 +59,8 @@ TEST(SolidStore, KnowsAConvexPolyhedronExactly) {
 TEST(SolidStore, BodiesOfASceneShareTheirShapes) {
   const Scene scene = parse_scene(
       R"({"brim": 1, "name": "two", "frames": 1, "bodies": [
-        {"kind": "rigid", "name": "a", "shape": {"kind": "torus", "radius": 0.4, "tube": 0.1}},
-        {"kind": "obstacle", "name": "b", "shape": {"kind": "torus", "radius": 0.4, "tube": 0.1}}]})",
+        {"kind": "rigid", "name": "a", "shape": {"kind": "blob", "radius": 0.4}},
+        {"kind": "obstacle", "name": "b", "shape": {"kind": "blob", "radius": 0.4}}]})",
       "two.json");
   SolidStore store;
   const auto bodies = build_bodies(scene, store);

@@ -232,7 +232,7 @@ TriMesh bowl(double radius, double thickness, int around) {
   const int quarter = std::max(2, around / 4);
   const double middle = radius - 0.5 * thickness;
   arc(profile, 0.0, 0.0, radius, -0.5 * pi, 0.0, quarter);
-  const int rim = 6;
+  const int rim = std::max(6, around / 16);
   for (int i = 1; i < rim; ++i) {
     const double a = pi * i / rim;
     profile.push_back({middle + 0.5 * thickness * std::cos(a), 0.5 * thickness * std::sin(a)});

@@ -10,7 +10,7 @@
 
 namespace brim {
 
-/// A convex shape averaged over balls of diameter w. @tparam Shape  has double operator()(p), its distance, and double
+/// A shape averaged over balls of diameter w. @tparam Shape  has double operator()(p), its distance, and double
 /// share(p, w), the volume fraction of the ball about p
 template <class Shape>
 class AveragedShape final : public KnownDistance {
@@ -26,11 +26,13 @@ class AveragedShape final : public KnownDistance {
     if (share > 0.0 && share < 1.0) return ramp_inverse(share, w_);
     return share > 0.0 ? std::min(d, -half) : std::max(d, half);
   }
-  /// For a convex solid the averaged distance is at least the distance minus half a ramp.
-  double least_distance(const Vec3& p) const override { return shape_(p) - 0.5 * w_; }
+  /// A ball of radius d about p holds no matter, so that the ball of diameter w is full to at most 1 − (2d/w)³: its
+  /// distance under the ramp is at least d − 0.56 w (d − w/2 beside a flat or convex surface).
+  double least_distance(const Vec3& p) const override { return shape_(p) - kMostAdded * w_; }
   bool by_rows() const override { return false; }
 
  private:
+  static constexpr double kMostAdded = 0.56;
   const Shape& shape_;
   double w_;
 };

@@ -46,6 +46,9 @@ double slices(const Vec3& p, double r, double lo, double hi, const Radius& radiu
   return sum * (hi - lo);
 }
 
+/// Half the width of a disc of radius r at a distance z from its centre, [m].
+double chord(double r, double z) { return std::sqrt(std::max(0.0, r * r - z * z)); }
+
 double volume(double r) { return 4.0 / 3.0 * std::numbers::pi * r * r * r; }
 
 }  // namespace
@@ -78,6 +81,29 @@ double ball_share_of_capsule(const Vec3& p, double w, double radius, double half
   };
   return (slices(p, r, -half, half, [=](double) { return radius; }) + slices(p, r, half, half + radius, round) +
           slices(p, r, -half - radius, -half, round)) /
+         volume(r);
+}
+
+double ball_share_of_torus(const Vec3& p, double w, double radius, double tube) {
+  const double r = 0.5 * w;
+  return (slices(p, r, -tube, tube, [=](double z) { return radius + chord(tube, z); }) -
+          slices(p, r, -tube, tube, [=](double z) { return radius - chord(tube, z); })) /
+         volume(r);
+}
+
+double ball_share_of_bowl(const Vec3& p, double w, double middle, double half) {
+  const double r = 0.5 * w, outer = middle + half, inner = middle - half;
+  return (slices(p, r, -outer, 0.0, [=](double z) { return chord(outer, z); }) -
+          slices(p, r, -inner, 0.0, [=](double z) { return chord(inner, z); }) +
+          slices(p, r, 0.0, half, [=](double z) { return middle + chord(half, z); }) -
+          slices(p, r, 0.0, half, [=](double z) { return middle - chord(half, z); })) /
+         volume(r);
+}
+
+double ball_share_of_cup(const Vec3& p, double w, double radius, double height, double thickness) {
+  const double r = 0.5 * w;
+  return (slices(p, r, 0.0, height, [=](double) { return radius; }) -
+          slices(p, r, thickness, height, [=](double) { return radius - thickness; })) /
          volume(r);
 }
 

@@ -16,5 +16,9 @@ double ball_share_of_box(const Vec3& p, double w, const Vec3& half);
 /// By slices along z: the lens of two discs, integrated with eight points; error below 1e-3.
 double ball_share_of_cylinder(const Vec3& p, double w, double radius, double half);
 double ball_share_of_capsule(const Vec3& p, double w, double radius, double half);
+double ball_share_of_torus(const Vec3& p, double w, double radius, double tube);
+/// @param middle, half  [m] radius of the middle of the shell, half its thickness
+double ball_share_of_bowl(const Vec3& p, double w, double middle, double half);
+double ball_share_of_cup(const Vec3& p, double w, double radius, double height, double thickness);
 
 }  // namespace brim

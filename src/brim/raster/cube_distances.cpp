@@ -91,6 +91,44 @@ BRIM_WIDE void cylinder_distances(const CubeFrame& frame, double radius, double 
   });
 }
 
+BRIM_WIDE void torus_distances(const CubeFrame& frame, double radius, double tube, const NodeMask& wanted, float* d) {
+  const Vec3f b = frame.base.cast<float>();
+  const float big = static_cast<float>(radius), r = static_cast<float>(tube);
+  for_rows(frame, wanted, d, [&](const CubeRow& x, const CubeRow& y, const CubeRow& z) BRIM_LAMBDA_INLINE {
+    const CubeRow px = b[0] + x, py = b[1] + y, pz = b[2] + z, s = wide_root(px * px + py * py) - big;
+    return wide_root(s * s + pz * pz) - r;
+  });
+}
+
+BRIM_WIDE void bowl_distances(const CubeFrame& frame, double middle, double half, const NodeMask& wanted, float* d) {
+  const Vec3f b = frame.base.cast<float>();
+  const float m = static_cast<float>(middle), t = static_cast<float>(half);
+  for_rows(frame, wanted, d, [&](const CubeRow& x, const CubeRow& y, const CubeRow& z) BRIM_LAMBDA_INLINE {
+    const CubeRow px = b[0] + x, py = b[1] + y, pz = b[2] + z, ss = px * px + py * py, s = wide_root(ss) - m;
+    const CubeRow shell = size_of(wide_root(ss + pz * pz) - m), rim = wide_root(s * s + pz * pz);
+    return (pz > CubeRow{} ? rim : shell) - t;
+  });
+}
+
+BRIM_WIDE void cup_distances(const CubeFrame& frame, double radius, double height, double thickness,
+                             const NodeMask& wanted, float* d) {
+  const Vec3f b = frame.base.cast<float>();
+  const Slab ends(frame.base[2] - 0.5 * height, 0.5 * height);
+  const float r = static_cast<float>(radius), inner = static_cast<float>(radius - thickness),
+              above = static_cast<float>(frame.base[2] - height), up = static_cast<float>(frame.base[2] - thickness);
+  for_rows(frame, wanted, d, [&](const CubeRow& x, const CubeRow& y, const CubeRow& z) BRIM_LAMBDA_INLINE {
+    const CubeRow px = b[0] + x, py = b[1] + y, s = wide_root(px * px + py * py);
+    const CubeRow side = s - r, end = beyond(ends, z), os = positive(side), oe = positive(end);
+    const CubeRow outer = wide_root(os * os + oe * oe) + smaller(larger(side, end), CubeRow{});
+    const CubeRow wall = s - inner, over = up + z, ow = positive(wall), of = positive(-over);
+    const CubeRow hollow = wide_root(ow * ow + of * of) + smaller(larger(wall, -over), CubeRow{});
+    const CubeRow top = above + z;
+    const CubeRow open = smaller(wide_root(wall * wall + top * top), over);
+    const CubeRow solid = larger(outer, -hollow);
+    return ((top > CubeRow{}) & (wall < CubeRow{})) ? open : solid;
+  });
+}
+
 BRIM_WIDE void half_space_distances(const CubeFrame& frame, const NodeMask& wanted, float* d) {
   const float b = static_cast<float>(frame.base[2]);
   for_rows(frame, wanted, d,

@@ -22,6 +22,10 @@ void sphere_distances(const CubeFrame& frame, double radius, const NodeMask& wan
 void box_distances(const CubeFrame& frame, const Vec3& half, const NodeMask& wanted, float* d);
 void capsule_distances(const CubeFrame& frame, double radius, double half, const NodeMask& wanted, float* d);
 void cylinder_distances(const CubeFrame& frame, double radius, double half, const NodeMask& wanted, float* d);
+void torus_distances(const CubeFrame& frame, double radius, double tube, const NodeMask& wanted, float* d);
+void bowl_distances(const CubeFrame& frame, double middle, double half, const NodeMask& wanted, float* d);
+void cup_distances(const CubeFrame& frame, double radius, double height, double thickness, const NodeMask& wanted,
+                   float* d);
 void half_space_distances(const CubeFrame& frame, const NodeMask& wanted, float* d);
 
 /// rho = ramp(d, w) on all nodes of the rows that contain a wanted one.

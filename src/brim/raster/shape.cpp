@@ -1,12 +1,10 @@
 #include "brim/raster/shape.h"
 
 #include "brim/core/error.h"
-#include "brim/raster/averaged_shape.h"
 #include "brim/raster/ball_share.h"
-#include "brim/raster/convex_distance.h"
 #include "brim/raster/cube_distances.h"
-#include "brim/raster/known_distance.h"
 #include "brim/raster/place_distances.h"
+#include "brim/raster/shape_of.h"
 
 namespace brim {
 
@@ -22,38 +20,7 @@ Aabb Shape::placed_bounds(const Pose& pose) const {
 
 namespace {
 
-/// Gives a shape its block filler from its own distance without a virtual call per node.
-template <class Self>
-class ShapeOf : public Shape, public KnownDistance, public ConvexDistance {
- public:
-  double distance(const Vec3& p) const final { return self()(p); }
-  double slack() const final { return 0.0; }
-  double rough_distance(const Vec3& p) const final { return self()(p); }
-  void distances(const PlaceArrays& at, double* d) const override {
-    for (int i = 0; i < at.count; ++i) d[i] = self()(Vec3(at.x[i], at.y[i], at.z[i]));
-  }
-  bool by_rows() const final { return true; }
-  const ConvexDistance* convex() const final { return this; }
-  void fill(const Pose& pose, const TileKey& tile, double h, double w, DensityBlock& out) const final {
-    fill_block(self(), pose, tile, h, w, out);
-  }
-
- private:
-  const Self& self() const { return static_cast<const Self&>(*this); }
-};
-
-/// The same for a shape with a formula for the share of its matter in a ball.
-template <class Self>
-class RoundedShapeOf : public ShapeOf<Self>, public AveragedDistances {
- public:
-  const KnownDistance& averaged(double w) const final { return widths_.of(static_cast<const Self&>(*this), w); }
-  bool detailed() const final { return false; }
-
- private:
-  AveragedWidths<Self> widths_;
-};
-
-class Sphere final : public RoundedShapeOf<Sphere> {
+class Sphere final : public RoundedShapeOf<Sphere, ConvexShapeOf<Sphere>> {
  public:
   explicit Sphere(double r) : r_(r) {}
   double operator()(const Vec3& p) const { return p.norm() - r_; }
@@ -78,7 +45,7 @@ class Sphere final : public RoundedShapeOf<Sphere> {
   double r_;
 };
 
-class Box final : public RoundedShapeOf<Box> {
+class Box final : public RoundedShapeOf<Box, ConvexShapeOf<Box>> {
  public:
   explicit Box(const Vec3& extents) : half_(0.5 * extents) {}
   double operator()(const Vec3& p) const {
@@ -114,7 +81,7 @@ class Box final : public RoundedShapeOf<Box> {
   Vec3 half_;
 };
 
-class CapsuleShape final : public RoundedShapeOf<CapsuleShape> {
+class CapsuleShape final : public RoundedShapeOf<CapsuleShape, ConvexShapeOf<CapsuleShape>> {
  public:
   CapsuleShape(double r, double length) : r_(r), half_(0.5 * length) {}
   double operator()(const Vec3& p) const {
@@ -142,7 +109,7 @@ class CapsuleShape final : public RoundedShapeOf<CapsuleShape> {
   double r_, half_;
 };
 
-class Cylinder final : public RoundedShapeOf<Cylinder> {
+class Cylinder final : public RoundedShapeOf<Cylinder, ConvexShapeOf<Cylinder>> {
  public:
   Cylinder(double r, double height) : r_(r), half_(0.5 * height) {}
   double operator()(const Vec3& p) const {
@@ -177,7 +144,7 @@ class Cylinder final : public RoundedShapeOf<Cylinder> {
   double r_, half_;
 };
 
-class HalfSpace final : public ShapeOf<HalfSpace> {
+class HalfSpace final : public ConvexShapeOf<HalfSpace> {
  public:
   double operator()(const Vec3& p) const { return p.z(); }
   double distance_and_gradient(const Vec3& p, Vec3& gradient) const override {
@@ -207,32 +174,27 @@ class HalfSpace final : public ShapeOf<HalfSpace> {
   double thickness() const override { return std::numeric_limits<double>::infinity(); }
 };
 
-void check_positive(const char* what, double value) {
-  if (!(value > 0.0) || !std::isfinite(value))
-    throw InputError(fmt::format("{} is {}, but must be a positive finite length [m]", what, value));
-}
-
 }  // namespace
 
 std::shared_ptr<const Shape> make_sphere(double radius) {
-  check_positive("sphere radius", radius);
+  check_length("sphere radius", radius);
   return std::make_shared<Sphere>(radius);
 }
 
 std::shared_ptr<const Shape> make_box(const Vec3& extents) {
-  for (int a = 0; a < 3; ++a) check_positive("box extent", extents[a]);
+  for (int a = 0; a < 3; ++a) check_length("box extent", extents[a]);
   return std::make_shared<Box>(extents);
 }
 
 std::shared_ptr<const Shape> make_capsule(double radius, double length) {
-  check_positive("capsule radius", radius);
-  check_positive("capsule length", length);
+  check_length("capsule radius", radius);
+  check_length("capsule length", length);
   return std::make_shared<CapsuleShape>(radius, length);
 }
 
 std::shared_ptr<const Shape> make_cylinder(double radius, double height) {
-  check_positive("cylinder radius", radius);
-  check_positive("cylinder height", height);
+  check_length("cylinder radius", radius);
+  check_length("cylinder height", height);
   return std::make_shared<Cylinder>(radius, height);
 }
 

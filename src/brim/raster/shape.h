@@ -43,6 +43,12 @@ std::shared_ptr<const Shape> make_box(const Vec3& extents);
 std::shared_ptr<const Shape> make_capsule(double radius, double length);
 /// Cylinder about z of the given radius and full height.
 std::shared_ptr<const Shape> make_cylinder(double radius, double height);
+/// Ring around z: points within `tube` of the circle of the given radius, tube < radius.
+std::shared_ptr<const Shape> make_torus(double radius, double tube);
+/// Half-sphere shell, open towards +z, with a round rim; the outer sphere's centre is the origin.
+std::shared_ptr<const Shape> make_bowl(double radius, double thickness);
+/// Cylindrical beaker with a floor, open towards +z, standing on z = 0; outer radius and full height.
+std::shared_ptr<const Shape> make_cup(double radius, double height, double thickness);
 /// Half-space z <= 0.
 std::shared_ptr<const Shape> make_half_space();
 

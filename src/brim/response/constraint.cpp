@@ -37,6 +37,16 @@ Constraint::Bend sharp_bend(const ContactSet& s, std::size_t c, double h) {
   return bend;
 }
 
+/// The gap around a round point, as a patch's model tells it.
+PatchModel model_of(const RoundPoint& point, FixedPart fixed, double h) {
+  PatchModel m;
+  m.x = m.least_point = point.x, m.n = point.normal, m.gap = m.least_gap = point.gap;
+  m.bend_a = point.bend_a, m.bend_b = point.bend_b, m.curvature = point.bend_a + point.bend_b;
+  const double share = share_of_b(m.bend_a.norm(), m.bend_b.norm(), fixed, h);
+  m.turn = share * m.bend_b - (1.0 - share) * m.bend_a;
+  return m;
+}
+
 }  // namespace
 
 void Constraint::gather(const ContactSet& contacts, std::span<const Vec3> normals,
@@ -57,10 +67,12 @@ void Constraint::gather(const ContactSet& contacts, std::span<const Vec3> normal
     if (last) break;
     points_.pairs.push_back(contacts.pairs[p]);
     points_.pairs.back().begin = points_.size();
+    by_formula_ = 0;
     if (pairs[p].constrained && contacts.pairs[p].begin < contacts.pairs[p].end)
       gather_pair(contacts, normals, contacts.pairs[p], pairs[p], options);
     points_.pairs.back().end = points_.size();
-    off_nodes_.push_back(pairs[p].rigid);
+    const std::size_t found = points_.size() - points_.pairs.back().begin;
+    off_nodes_.push_back(pairs[p].rigid && (found == 0 || by_formula_ < found));
   }
 }
 
@@ -219,6 +231,22 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
   while (!rest_.empty()) {
     const Vec3 deepest = contacts.point[rest_.front()];
     const auto around = [&](std::size_t c) { return (contacts.point[c] - deepest).norm() <= far; };
+    // Nodes with smaller gaps than the model get points of their own.
+    const auto drop_told = [&](const PatchModel& model) {
+      std::erase_if(rest_, [&](std::size_t c) {
+        return around(c) || (-contacts.depth[c] >= model.gap_at(contacts.point[c]) - miss &&
+                             model.turn_at(contacts.point[c]).norm() <= kAlongArc);
+      });
+    };
+    if (options.side_a != nullptr && !fits_)
+      if (const auto found =
+              find_round_point(*options.side_a, *options.side_b, deepest, normals[rest_.front()], pair.h)) {
+        add_point(contacts, rest_.front(), found->x, found->normal, found->gap, law, {found->bend_a, found->bend_b});
+        ++by_formula_;
+        if (!law.rigid) return;
+        drop_told(model_of(*found, law.fixed, pair.h));
+        continue;
+      }
     PatchModel model = fitter_.fit(contacts, normals, pair.h, rest_, law.fixed);
     around_ = rest_;
     const auto told = [&](std::size_t c) {
@@ -246,11 +274,7 @@ void Constraint::add_patch(const ContactSet& contacts, std::span<const Vec3> nor
               {model.bend_a, model.bend_b});
     if (!law.rigid) return;
     add_corners(contacts, pair, law, options, model, round, first, center);
-    // Nodes with smaller gaps than the model get points of their own.
-    std::erase_if(rest_, [&](std::size_t c) {
-      return around(c) || (-contacts.depth[c] >= model.gap_at(contacts.point[c]) - miss &&
-                           model.turn_at(contacts.point[c]).norm() <= kAlongArc);
-    });
+    drop_told(model);
   }
 }
 

@@ -79,13 +79,17 @@ class Constraint {
     Mat3 a = Mat3::Zero(), b = Mat3::Zero();
   };
   std::span<const Bend> bends() const { return bend_; }
+  /// True when gaps and curvatures of a pair of points() are read at grid nodes, not from formulas.
+  bool off_nodes(std::size_t pair) const { return off_nodes_[pair] != 0; }
   /// Where the two surfaces are round, at the only point of a gathered pair.
   std::span<const RoundContact> round() const { return round_; }
   /// Places a point where its surfaces will touch: friction acts there too.
   void place(std::size_t c, const Vec3& point, const Vec3& normal, double gap);
 
   /// @param start, free  [m/s] relative velocity a − b at each point: at the start, and of the motion without contact
-  void set_targets(const ConstraintOptions& options, std::span<const Vec3> start, std::span<const Vec3> free);
+  /// @param lift  [m/s] normal velocity at the end of the step of what follows a curved surface, in addition
+  void set_targets(const ConstraintOptions& options, std::span<const Vec3> start, std::span<const Vec3> free,
+                   std::span<const double> lift = {});
   /// Lower bounds of the normal velocity at the end of the step, and of its mean over the step, [m/s].
   std::span<const double> velocity_targets() const { return velocity_target_; }
   std::span<const double> position_targets() const { return position_target_; }
@@ -146,6 +150,7 @@ class Constraint {
   ContactSet points_;
   std::vector<Vec3> normal_, grip_;
   std::vector<double> friction_, restitution_;
+  std::size_t by_formula_ = 0;           ///< points of the pair being gathered that find_round_point found
   std::vector<std::uint8_t> off_nodes_;  ///< per pair of points_: nonzero when its gaps are read at grid nodes
   std::vector<Bend> bend_;
   std::vector<RoundContact> round_;

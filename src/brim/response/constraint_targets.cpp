@@ -24,8 +24,8 @@ constexpr double kTogetherOffNodes = 0.1;
 
 }  // namespace
 
-void Constraint::set_targets(const ConstraintOptions& options, std::span<const Vec3> start,
-                             std::span<const Vec3> free) {
+void Constraint::set_targets(const ConstraintOptions& options, std::span<const Vec3> start, std::span<const Vec3> free,
+                             std::span<const double> lift) {
   const double dt = options.dt;
   velocity_target_.resize(points_.size()), position_target_.resize(points_.size());
   touch_time_.assign(points_.size(), 0.0);
@@ -46,7 +46,7 @@ void Constraint::set_targets(const ConstraintOptions& options, std::span<const V
       // A point that will bounce is not slowed down by the margin in the step before contact.
       const bool flies = hits && -u1 > options.bounce_speed;
       const double closing = -std::max(0.0, gap - (flies ? 0.0 : touch * pair.h)) / dt;
-      velocity_target_[c] = closing;
+      velocity_target_[c] = closing + (lift.empty() ? 0.0 : lift[c]);
       position_target_[c] = closing + push;
       const bool touches = open + dt * u1 < 0.0;
       if (touches && hits && gap <= least + together * pair.h) {

@@ -6,8 +6,8 @@ namespace brim {
 
 namespace {
 
-/// [1/h] curvature below which a surface counts as flat; [h] largest distance that a contact point rolls.
-constexpr double kNearlyFlat = 1e-4, kFarthest = 0.2;
+/// [1/h] curvature below which a surface counts as flat.
+constexpr double kNearlyFlat = 1e-4;
 
 using Vec2 = Eigen::Vector2d;
 using Mat2 = Eigen::Matrix2d;
@@ -41,7 +41,7 @@ Mat3 bend_across(const std::array<float, 3>& packed, const Vec3& n) {
   return t * tensor_of(packed) * t.transpose();
 }
 
-RowPoint moved(const RowPoint& row, const RigidMotion& a, const RigidMotion& b, double h) {
+RowPoint moved(const RowPoint& row, const RigidMotion& a, const RigidMotion& b, double h, double farthest) {
   if (a.none && b.none) return row;
   const double flat = kNearlyFlat / h;
   const Vec3 &n = row.normal, by_a = a.displacement(row.point), by_b = b.displacement(row.point);
@@ -54,7 +54,7 @@ RowPoint moved(const RowPoint& row, const RigidMotion& a, const RigidMotion& b, 
   Vec2 way =
       inverse * (bend_a * way_a + bend_b * way_b + bend * (inverse * (tilt_a - tilt_b)) + 0.5 * flat * (way_a + way_b));
   // On nearly flat surfaces the point would roll too far.
-  if (way.norm() > kFarthest * h) way *= kFarthest * h / way.norm();
+  if (way.norm() > farthest * h) way *= farthest * h / way.norm();
   const double size_a = bend_a.norm() + 0.5 * flat, size_b = bend_b.norm() + 0.5 * flat;
   const double share = size_a / (size_a + size_b);
   const Vec2 turn = share * (tilt_b + bend_b * (way - way_b)) + (1.0 - share) * (tilt_a - bend_a * (way - way_a));

@@ -36,8 +36,8 @@ struct RigidMotion {
 ///   (C_a + C_b) x = C_a δ_a + C_b δ_b + (θ_a − θ_b) × n
 /// On flat ones it moves with the mean of both. The normal is that of the flatter surface at the new point.
 /// Second-order terms, curvature times the square of the tangential displacement, are neglected.
-/// @param h  [m] grid step: points roll by at most a fifth of it
-RowPoint moved(const RowPoint& row, const RigidMotion& a, const RigidMotion& b, double h);
+/// @param h  [m] grid step  @param farthest  [h] that the point rolls
+RowPoint moved(const RowPoint& row, const RigidMotion& a, const RigidMotion& b, double h, double farthest = 0.2);
 
 /// Two unit vectors perpendicular to a unit normal, as the columns of a matrix.
 Eigen::Matrix<double, 3, 2> tangents_of(const Vec3& n);
@@ -51,7 +51,7 @@ struct PairRows {
   double h = 0.0;                       ///< [m] step at which they meet
   double w = 0.0;                       ///< [m] ramp width at that step
   double friction = 0.0, restitution = 0.0;
-  bool off_nodes = false;          ///< gaps read at grid nodes, not between convex solids
+  bool off_nodes = false;          ///< gaps read at grid nodes, not from formulas
   std::size_t begin = 0, end = 0;  ///< rows of the pair
 };
 

@@ -32,4 +32,20 @@ struct RoundGap {
 std::optional<RoundGap> settle_round_gap(const CubeSide& a, const CubeSide& b, const Vec3& x,
                                          const RoundDirections& round, double h);
 
+/// The point where two solids with formulas for their distances are nearest, where the gap is round.
+struct RoundPoint {
+  Vec3 x = Vec3::Zero();                              ///< [m] half-way between the surfaces
+  double gap = 0.0;                                   ///< [m]
+  Vec3 normal = Vec3::UnitZ();                        ///< unit, towards a
+  Mat3 bend_a = Mat3::Zero(), bend_b = Mat3::Zero();  ///< [1/m] curvatures across it, positive when convex
+};
+
+/// Newton's steps from a point near the least gap, with slopes and curvatures of the solids' own distances. Nodes know
+/// the curvature of a bowl to a half of itself only, and may take a ball for flat where they are few: what rolls is
+/// driven or braked by normals that do not turn with the surface.
+/// @param normal  towards a, roughly  @param h  [m] grid step
+/// @return nothing where the gap is not round in both directions, or a solid has no formula (KnownDistance::by_rows)
+std::optional<RoundPoint> find_round_point(const CubeSide& a, const CubeSide& b, const Vec3& x, const Vec3& normal,
+                                           double h);
+
 }  // namespace brim

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <numbers>
 
 #include "brim/mesh/flat_surface.h"
 #include "brim/mesh/mass_properties.h"
 #include "brim/mesh/primitives.h"
 #include "brim/mesh/topology.h"
+#include "brim/scene/exact_solid.h"
 #include "brim/scene/given_arrays.h"
 #include "brim/scene/limits.h"
 #include "brim/scene/solid_store.h"
@@ -19,8 +19,6 @@ namespace {
 
 /// Sides of a bowl's circles: facets so flat that what rolls in it does not feel them.
 constexpr int kBowlSides = 128;
-
-constexpr double kPi = std::numbers::pi;
 
 SurfaceTreatment treatment_of(const std::string& word) {
   if (word == "winding_number") return SurfaceTreatment::WindingNumber;
@@ -150,41 +148,6 @@ SolidSurface read_surface_of(const Node& n, double s) {
   });
 }
 
-namespace {
-
-/// Primitives with an exact distance; nothing for other kinds. Sets the exact mass properties where the mesh's are not.
-std::shared_ptr<const Shape> primitive(const Node& n, double s, MassProperties& unit, double& area) {
-  const std::string kind = n.string("kind");
-  const auto round_body = [&](double volume, double surface, double ixx, double izz) {
-    unit = MassProperties{volume, volume, Vec3::Zero(), Vec3(ixx, ixx, izz).asDiagonal()};
-    area = surface;
-  };
-  if (kind == "plane") return make_half_space();
-  if (kind == "box") return make_box(s * n.vec3("size"));
-  if (kind == "sphere") {
-    const double r = s * n.number("radius"), v = 4.0 / 3.0 * kPi * r * r * r;
-    round_body(v, 4.0 * kPi * r * r, 0.4 * v * r * r, 0.4 * v * r * r);
-    return make_sphere(r);
-  }
-  if (kind == "cylinder") {
-    const double r = s * n.number("radius"), l = s * n.number("length"), v = kPi * r * r * l;
-    round_body(v, 2.0 * kPi * r * (r + l), v * (3.0 * r * r + l * l) / 12.0, 0.5 * v * r * r);
-    return make_cylinder(r, l);
-  }
-  if (kind == "capsule") {
-    const double r = s * n.number("radius"), l = s * n.number("length");
-    const double cyl = kPi * r * r * l, balls = 4.0 / 3.0 * kPi * r * r * r;
-    // Two half balls, each with its centre of mass 3r/8 beyond the cylinder's end.
-    const double end = 0.5 * l + 0.375 * r;
-    const double ixx = cyl * (3.0 * r * r + l * l) / 12.0 + balls * (0.4 - 9.0 / 64.0) * r * r + balls * end * end;
-    round_body(cyl + balls, 2.0 * kPi * r * l + 4.0 * kPi * r * r, ixx, 0.5 * cyl * r * r + 0.4 * balls * r * r);
-    return make_capsule(r, l);
-  }
-  return nullptr;
-}
-
-}  // namespace
-
 Solid read_solid(const Node& body, double memory_limit, SolidStore& store) {
   return read_solid(body.at("shape"), body, body.at("transform").number("scale"), body.number("voxel_size"),
                     memory_limit, store);
@@ -195,7 +158,11 @@ Solid read_solid(const Node& n, const Node& at, double scale, double voxel_size,
   SolidSurface source = read_surface_of(n, scale);
   Solid solid;
   solid.area = surface_area(source.mesh);
-  solid.shape = primitive(n, scale, solid.unit, solid.area);
+  if (auto exact = exact_solid(n, scale)) {
+    solid.shape = std::move(exact->shape);
+    if (exact->area > 0.0) solid.area = exact->area;
+    solid.unit = exact->unit;
+  }
   const bool plane = n.string("kind") == "plane";
   const Aabb box = bounds(source.mesh.vertices);
   solid.voxel_size = voxel_size > 0.0 ? voxel_size : plane ? 1.0 : 0.125 * box.extent().minCoeff();

@@ -38,8 +38,10 @@ constexpr double kMostPushed = 10.0;
 /// Slows bodies that would move much farther than the rows of their island ask for: a leg that stands a thousandth of a
 /// radian off its dead centre would turn round to rise by a tenth of a voxel.
 /// @param asked  [m/s] by each row  @param way  [m/s] displacements over the step, changed in place
+/// @param meant  per body: its way is not that of a push alone
 void bound_push(std::span<const WorldPart> parts, const ContactSet& points, Islands islands,
-                std::span<const double> asked, std::span<const std::size_t> first_v, std::span<double> way) {
+                std::span<const double> asked, std::span<const std::size_t> first_v,
+                std::span<const std::uint8_t> meant, std::span<double> way) {
   const std::size_t bodies = first_v.size() - 1;
   std::vector<double> most(bodies, 0.0), motion(bodies, 0.0);
   for (const ContactPair& pair : points.pairs)
@@ -54,7 +56,7 @@ void bound_push(std::span<const WorldPart> parts, const ContactSet& points, Isla
   }
   for (std::size_t b = 0; b < bodies; ++b) {
     const double limit = kMostPushed * most[static_cast<std::size_t>(islands.first_of(static_cast<std::int32_t>(b)))];
-    if (!(motion[b] > limit)) continue;
+    if (meant[b] || !(motion[b] > limit)) continue;
     for (std::size_t i = first_v[b]; i < first_v[b + 1]; ++i) way[i] *= limit / motion[b];
   }
 }
@@ -90,6 +92,7 @@ void ConstraintStep::begin(std::span<const std::unique_ptr<Body>> bodies, std::s
   mark_bodies(contacts, pairs, gathered);
   ways_.assign(points.pairs.size(), {});
   find_round_impacts(v);
+  follow_curves(v);
   most_sweeps_ = find_most_sweeps();
   if (mapped_) build_maps();
   frame_.resize(n), offset_.resize(n);
@@ -115,7 +118,7 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
   std::vector<Vec3> free(n);
   for (std::size_t c = 0; c < n; ++c)
     free[c] = start_[c] + frame_[c].transpose() * (sweep_.velocity(c, change) - sweep_.velocity(c, response));
-  rows_.set_targets(settings_.rows, start_, free);
+  rows_.set_targets(settings_.rows, start_, free, lift_);
   if (rows_.bounces()) {
     std::vector<double> without = change;
     for (std::size_t i = 0; i < width_; ++i) without[i] -= response[i];
@@ -143,6 +146,7 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
   if (rows_.targets_differ()) {
     std::vector<Vec3> lambda = lambda_;
     std::vector<double> way = change;
+    const std::vector<std::uint8_t> along = go_along_curves(lambda, way);
     const double worst = report.row_residual;
     if (solids_ && exact_ && (!rows_.breaks() || follow_bends(lambda, way)))
       push_apart(lambda, way, report);
@@ -155,7 +159,7 @@ bool ConstraintStep::correct(const ImplicitStep::Respond& solve, std::span<doubl
     for (std::size_t i = 0; i < position_correction_.size(); ++i) position_correction_[i] = way[i] - change[i];
     std::vector<double> asked(n);
     for (std::size_t c = 0; c < n; ++c) asked[c] = std::abs(rows_.position_targets()[c] - rows_.velocity_targets()[c]);
-    bound_push(parts_, rows_.points(), join_rows(), asked, first_v_, position_correction_);
+    bound_push(parts_, rows_.points(), join_rows(), asked, first_v_, along, position_correction_);
   } else {
     complete(lambda_, change);
   }

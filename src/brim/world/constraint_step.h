@@ -83,6 +83,14 @@ class ConstraintStep {
   /// Places the rows of balls that will hit each other where they touch (find_round_impact), with the bodies where they
   /// are then.
   void find_round_impacts(std::span<const double> v);
+  /// Lets rows of solids that touch at one point of curved surfaces act where and as these lie in the middle of the
+  /// step: v' = v + α n with n of the middle turns a velocity without changing its size, as α n of the start, where n·v
+  /// = 0 already, does not turn it, and that of the end shortens it by half the square of the angle.
+  void follow_curves(std::span<const double> v);
+  /// Sets displacements back to the chord of the way along a curved surface, from its direction at the end of the step:
+  /// those of bodies without other contacts to the mean of their velocities at the start and the end, gravity included.
+  /// @return per body: it goes by that mean
+  std::vector<std::uint8_t> go_along_curves(std::vector<Vec3>& lambda, std::vector<double>& way) const;
   /// Velocity of a rigid part's or a link's material at x, [m/s].
   Vec3 velocity_of(std::int32_t part, const Vec3& x, std::span<const double> v) const;
   /// Velocity of a rigid part, [m/s]. @param arm  [m] from its centre
@@ -174,7 +182,13 @@ class ConstraintStep {
   int most_sweeps_ = 0;
 
   std::vector<Mat3> frame_;  ///< rows n, t1, t2
-  /// [m] ways of the two bodies of a pair to the moment of the impact that its row describes.
+  /// [m/s] per point: normal velocity at the end of the step of what follows a curved surface.
+  std::vector<double> lift_;
+  /// Per pair: it touches at one point of a curved surface, above which it may be yet, or along which it moves already.
+  enum Follows : std::uint8_t { kNot, kAbove, kAlong };
+  std::vector<std::uint8_t> follows_;
+  /// [m] ways of the two bodies of a pair to the moment that its row describes: of an impact, or the middle of the
+  /// step.
   struct Ways {
     Vec3 a = Vec3::Zero(), b = Vec3::Zero();
   };

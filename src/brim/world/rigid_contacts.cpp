@@ -29,19 +29,35 @@ const PosedShape* rigid_solid(const WorldPart& part) {
   return solid != nullptr && solid->known_distance() != nullptr ? solid : nullptr;
 }
 
-/// A curvature in tangents_of(n), [1/m]. Concave directions count as flat: the other surface has the larger curvature.
-std::array<float, 3> pack_bend(const Mat3& bend, const Vec3& n) {
-  if (bend == Mat3::Zero()) return {};
-  const Eigen::Matrix<double, 3, 2> t = tangents_of(n);
-  const Eigen::Matrix2d b = t.transpose() * bend * t;
+/// Least curvature of two surfaces together, over the larger of either, at which a hollow one of them is followed.
+constexpr double kClearlyConvex = 0.2;
+
+std::array<float, 3> pack(const Eigen::Matrix2d& m) {
+  return {static_cast<float>(m(0, 0)), static_cast<float>(m(0, 1)), static_cast<float>(m(1, 1))};
+}
+
+/// A symmetric matrix without its negative eigenvalues.
+Eigen::Matrix2d without_hollows(const Eigen::Matrix2d& b) {
   const double mean = 0.5 * (b(0, 0) + b(1, 1)), half = 0.5 * (b(0, 0) - b(1, 1)), spread = std::hypot(half, b(0, 1));
-  const auto pack = [](double uu, double uv, double vv) {
-    return std::array<float, 3>{static_cast<float>(uu), static_cast<float>(uv), static_cast<float>(vv)};
-  };
-  if (mean >= spread) return pack(b(0, 0), b(0, 1), b(1, 1));
-  if (mean + spread <= 0.0) return {};
+  if (mean >= spread) return b;
+  if (mean + spread <= 0.0) return Eigen::Matrix2d::Zero();
   const double most = 0.5 * (mean + spread), x = most / spread;
-  return pack(most + x * half, x * b(0, 1), most - x * half);
+  Eigen::Matrix2d m;
+  m << most + x * half, x * b(0, 1), x * b(0, 1), most - x * half;
+  return m;
+}
+
+/// The curvatures of both surfaces of a row, in tangents_of(n), [1/m]. They are kept as they are where together they
+/// are clearly convex, as those of a ball in a bowl: the point then rolls as they say. Elsewhere the concave directions
+/// of each count as flat.
+void pack_bends(const Constraint::Bend& bend, RowPoint& row) {
+  if (bend.a == Mat3::Zero() && bend.b == Mat3::Zero()) return;
+  const Eigen::Matrix<double, 3, 2> t = tangents_of(row.normal);
+  const Eigen::Matrix2d a = t.transpose() * bend.a * t, b = t.transpose() * bend.b * t;
+  const Eigen::Matrix2d both = a + b;
+  const double mean = 0.5 * (both(0, 0) + both(1, 1)), spread = std::hypot(0.5 * (both(0, 0) - both(1, 1)), both(0, 1));
+  const bool fits = mean - spread > kClearlyConvex * std::max(a.norm(), b.norm());
+  row.bend_a = pack(fits ? a : without_hollows(a)), row.bend_b = pack(fits ? b : without_hollows(b));
 }
 
 bool before(std::int32_t a, std::int32_t b, const RigidContacts::Touch& t) {
@@ -228,13 +244,13 @@ void RigidContacts::sample(Pair& pair, Workspace& ws, bool every_node) const {
   options.every_node = every_node;
   if (t.level == 0) options.side_a = &a, options.side_b = &b;  // averaged solids have no edges
   ws.rows.gather(set, ws.normal, std::span(&law(t.part_a, t.part_b), 1), options);
+  pair.off_nodes = ws.rows.off_nodes(0);
   const ContactSet& points = ws.rows.points();
   for (std::size_t c = 0; c < points.size(); ++c) {
     const Vec3& normal = ws.rows.normals()[c];
-    const Constraint::Bend& bend = ws.rows.bends()[c];
     const Vec3& x = points.point[c];
-    pair.rows.push_back(
-        {x, normal, -points.depth[c], ws.rows.grips()[c] - x, pack_bend(bend.a, normal), pack_bend(bend.b, normal)});
+    pair.rows.push_back({x, normal, -points.depth[c], ws.rows.grips()[c] - x, {}, {}});
+    pack_bends(ws.rows.bends()[c], pair.rows.back());
   }
 }
 

@@ -151,7 +151,7 @@ def amplitude(run, name, start, end):
     return np.abs(run.center(name)[run.at(start):run.at(end), 0]).max()
 
 
-@experiment(law="the amplitude stays", source="energy", unit="-", tolerance=0.05, cases=cases(response=BOTH), theory=1.0,
+@experiment(law="the amplitude stays", source="energy", unit="-", tolerance=0.005, cases=cases(response=BOTH), theory=1.0,
             measure=lambda c, r: amplitude(r, "ball", 3.7, 5.0) / amplitude(r, "ball", 0.0, 1.3),
             curve=lambda c, r: (r.time, r.center("ball")[:, 0]), axes=("t [s]", "x [m]"))
 def bowl(case):
