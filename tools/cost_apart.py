@@ -71,6 +71,7 @@ def main() -> None:
         count = 1
         for n in body.get("repeat", {}).get("count", []):
             count *= n
+        count *= body.get("repeat", {}).get("around", {}).get("count", 1)
         one = {k: v for k, v in body.items() if k != "repeat"}
         place = dict(one.get("transform", {}))
         place["position"] = [*place.get("position", [0, 0, 0])[:2], lowest]

@@ -166,6 +166,14 @@ class State(unittest.TestCase):
             again.append(world.hash)
         self.assertEqual(hashes, again)
 
+    def test_copies_in_a_circle_are_handles_in_order(self):
+        world = brim.World(gravity=(0, 0, 0))
+        ring = world.add("rigid", name="b", shape=brim.box((0.2, 0.1, 0.1)), transform={"position": (1, 0, 0)}, velocity=(0, 2, 0),
+                         repeat={"around": {"count": 4, "axis": (0, 0, 1)}})
+        self.assertEqual([b.name for b in ring], ["b.0", "b.1", "b.2", "b.3"])
+        np.testing.assert_allclose([b.q[:3] for b in ring], [(1, 0, 0), (0, 1, 0), (-1, 0, 0), (0, -1, 0)], atol=1e-12)
+        np.testing.assert_allclose([b.v[:3] for b in ring], [(0, 2, 0), (-2, 0, 0), (0, -2, 0), (2, 0, 0)], atol=1e-12)
+
     def test_forces_and_writing_wake_what_sleeps(self):
         world, ball = ball_world(height=0.2, voxel_size=0.05, sleep=True)
 

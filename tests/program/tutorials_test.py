@@ -62,6 +62,9 @@ class Tutorials(unittest.TestCase):
     def test_animators(self):
         self.follow("animators.md")
 
+    def test_machines(self):
+        self.follow("machines.md")
+
     def test_researchers(self):
         self.follow("researchers.md")
 

@@ -113,6 +113,19 @@ TEST_F(Include, MistakesAreSaidWhereTheyStand) {
   EXPECT_NE(message_of(turned).find("move it, not turn it"), std::string::npos) << message_of(turned);
 }
 
+TEST_F(Include, CopiesInACircleMoveAndTurn) {
+  write("ring.json", R"({"bodies": [{"kind": "rigid", "name": "a", "shape": {"kind": "sphere", "radius": 0.1},
+    "transform": {"position": [1, 0, 0]}, "repeat": {"around": {"count": 4}}}]})");
+  const World world = build_world(scene_of(R"([{"file": "ring.json", "transform": {"position": [10, 0, 2],
+    "rotation": {"axis": [1, 0, 0], "degrees": 90}}}])"));
+  ASSERT_EQ(world.body_count(), 5);
+  const Vec3 places[] = {{11, 0, 2}, {10, 0, 3}, {9, 0, 2}, {10, 0, 1}};
+  for (int k = 0; k < 4; ++k) {
+    const std::span<const double> q = world.q(1 + k);
+    EXPECT_LT((Vec3(q[0], q[1], q[2]) - places[k]).norm(), 1e-12) << k;
+  }
+}
+
 TEST_F(Include, SensorsRegionsOfFiltersAndFieldsOfAirComeAlong) {
   write("parts/plate.json", R"({"brim": 1, "name": "plate", "frames": 1,
     "bodies": [

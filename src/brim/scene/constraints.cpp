@@ -68,7 +68,8 @@ void check_constraints(const Node& list, bool has_corners) {
 }
 
 std::vector<HeldRegion> read_constraints(const Node& list, std::span<const Vec3> rest,
-                                         std::span<const std::int32_t> corners, ParticleOptions& options) {
+                                         std::span<const std::int32_t> corners, const Quat& turned,
+                                         ParticleOptions& options) {
   std::vector<HeldRegion> held;
   std::vector<char> taken(rest.size(), 0);
   for (std::size_t i = 0; i < list.size(); ++i) {
@@ -99,9 +100,9 @@ std::vector<HeldRegion> read_constraints(const Node& list, std::span<const Vec3>
     }
     if (nodes.empty()) continue;
     if (select.string("kind") != "corners") held.push_back({nodes, region(select)});
-    const Vec3 velocity = n.vec3("velocity");
+    const Vec3 velocity = turned * n.vec3("velocity");
     if (n.has("keyframes"))
-      options.motions.push_back(keyed_motion(std::move(nodes), read_motion(n.at("keyframes")), rest));
+      options.motions.push_back(keyed_motion(std::move(nodes), read_motion(n.at("keyframes"), turned), rest));
     else if (velocity != Vec3::Zero())
       options.motions.push_back(NodeMotion::constant_velocity(std::move(nodes), velocity));
     else

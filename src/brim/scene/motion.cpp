@@ -69,7 +69,7 @@ void check_key_times(const Node& keys) {
                       keys.at(i - 1).number("time")));
 }
 
-std::vector<MotionKey> read_motion(const Node& keys) {
+std::vector<MotionKey> read_motion(const Node& keys, const Quat& turned) {
   std::vector<MotionKey> motion;
   std::optional<Turn> before;
   for (std::size_t i = 0; i < keys.size(); ++i) {
@@ -79,6 +79,10 @@ std::vector<MotionKey> read_motion(const Node& keys) {
     if (i > 0 && before && turn) add_between(motion, *before, *turn, key);
     motion.push_back(key);
     before = turn;
+  }
+  for (MotionKey& key : motion) {
+    key.offset = turned * key.offset;
+    key.rotation = turned * key.rotation * turned.conjugate();
   }
   return motion;
 }

@@ -19,7 +19,8 @@ void check_key_times(const Node& keyframes);
 /// Reads the keys of a motion. Between rotations about one axis, given by axis or Euler angles, the angle is linear,
 /// also over many turns, by keys added in between; other rotations take the short way. Tests:
 /// tests/scene/motion_test.cpp
-std::vector<MotionKey> read_motion(const Node& keyframes);
+/// @param turned  of the body's placement (placement.h): offsets and axes of rotations turn by it
+std::vector<MotionKey> read_motion(const Node& keyframes, const Quat& turned = Quat::Identity());
 /// Offset and rotation of a motion at a time: interpolated between keys, constant outside.
 MotionKey at_time(const std::vector<MotionKey>& keys, double time);
 /// Reads a rotation of a scene. @throws InputError  when its axis or quaternion has length zero

@@ -18,6 +18,7 @@ class Mover {
   void entry(Json& body, const Node& written) const {
     if (turns_) need_free(body, written);
     pose(body["transform"]);
+    if (body.contains("repeat") && body["repeat"].is_object()) circle(body["repeat"]);
     for (const char* key : {"velocity", "angular_velocity"}) direction(body, key);
     if (body.contains("keyframes")) keyframes(body["keyframes"]);
     if (body.contains("constraints") && body["constraints"].is_array())
@@ -91,6 +92,14 @@ class Mover {
       transform["rotation"] =
           quaternion(r_ * (transform.contains("rotation") ? rotation_of(transform["rotation"]) : Quat::Identity()));
   }
+  void circle(Json& repeat) const {
+    if (!repeat.contains("around") || !repeat["around"].is_object()) return;
+    Json& around = repeat["around"];
+    around.emplace("point", Json::array({0, 0, 0}));
+    around.emplace("axis", Json::array({0, 0, 1}));
+    point(around, "point");
+    direction(around, "axis");
+  }
   void keyframes(Json& keys) const {
     if (!turns_ || !keys.is_array()) return;
     for (Json& key : keys) {
@@ -121,8 +130,13 @@ class Mover {
     throw written.error(
         fmt::format("{} along the axes of the world; the scene that includes it may move it, not turn it", what));
   }
+  /// Copies in a circle alone have no axes of the world in them.
+  static bool on_a_grid(const Json& repeat) {
+    return !repeat.is_object() || !repeat.contains("around") || repeat.contains("count") || repeat.contains("jitter") ||
+           repeat.value("turn", Json("none")) != "none";
+  }
   static void need_free(const Json& body, const Node& written) {
-    if (body.contains("repeat")) refuse(written, "the copies of a \"repeat\" lie");
+    if (body.contains("repeat") && on_a_grid(body.at("repeat"))) refuse(written, "the copies of a \"repeat\" lie");
     if (body.value("kind", "") == "grid_fluid") refuse(written, "the grid of a grid_fluid lies");
     if (body.contains("constraints") && body.at("constraints").is_array())
       for (const Json& c : body.at("constraints"))

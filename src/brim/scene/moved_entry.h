@@ -8,7 +8,7 @@ namespace brim {
 /// @param body       changed in place; defaults may be missing
 /// @param transform  {"position", "rotation"}, validated
 /// @param written    source of the body, for messages
-/// @throws InputError  when a rotation meets axis-aligned data: repeats, upright boxes, grid fluids
+/// @throws InputError  when a rotation meets axis-aligned data: grids of copies, upright boxes, grid fluids
 void move_entry(Json& body, const Node& transform, const Node& written);
 
 /// The same for an entry of "filters", "attachments", "joints", "forces" or "sensors": its points, regions, directions,

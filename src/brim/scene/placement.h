@@ -11,6 +11,7 @@ struct Placement {
   std::string name;
   Vec3 position = Vec3::Zero();  ///< [m]
   Quat rotation = Quat::Identity();
+  Quat turned = Quat::Identity();        ///< part of the rotation by which copies in a circle turn with all they do
   double scale = 1.0;                    ///< [-]
   Vec3 velocity = Vec3::Zero();          ///< [m/s]
   Vec3 angular_velocity = Vec3::Zero();  ///< [rad/s], world frame

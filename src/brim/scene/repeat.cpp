@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "brim/math/splitmix.h"
+#include "brim/scene/circle.h"
 #include "brim/scene/motion.h"
 
 namespace brim {
@@ -23,6 +24,15 @@ Vec3 motion_of(const Node& body, const char* key, const char* unit) {
   return v;
 }
 
+/// Copies along x, y and z.
+std::vector<int> grid_count(const Node& repeat) {
+  if (repeat.has("count")) return repeat.at("count").integers();
+  if (repeat.has("around")) return {1, 1, 1};
+  throw repeat.error(
+      "neither \"count\" nor \"around\" is given; \"count\", a list of 3 whole numbers, makes copies on a grid, "
+      "\"around\", an object with \"count\", copies in a circle");
+}
+
 }  // namespace
 
 std::uint64_t SceneRandom::next() { return next_scattered(state_); }
@@ -36,9 +46,10 @@ Quat random_rotation(SceneRandom& random) {
 
 std::size_t repeat_count(const Node& body) {
   if (!body.has("repeat")) return 1;
+  const Node repeat = body.at("repeat");
   std::size_t n = 1;
-  for (const int c : body.at("repeat").at("count").integers()) n *= static_cast<std::size_t>(c);
-  return n;
+  for (const int c : grid_count(repeat)) n *= static_cast<std::size_t>(c);
+  return repeat.has("around") ? n * static_cast<std::size_t>(repeat.at("around").integer("count")) : n;
 }
 
 std::vector<Placement> placements(const Node& body) {
@@ -53,25 +64,28 @@ std::vector<Placement> placements(const Node& body) {
   if (!body.has("repeat")) return {first};
 
   const Node repeat = body.at("repeat");
-  const std::vector<int> count = repeat.at("count").integers();
+  const std::vector<int> count = grid_count(repeat);
+  const Circle circle = repeat.has("around") ? read_circle(repeat.at("around")) : Circle();
   const Vec3 spacing = repeat.vec3("spacing"), jitter = repeat.vec3("jitter");
   const std::string turn = repeat.string("turn");
   const double turn_degrees = repeat.number("turn_degrees");
   const auto seed = static_cast<std::uint64_t>(repeat.integer("seed"));
   std::vector<Placement> all;
   all.reserve(repeat_count(body));
-  for (int k = 0; k < count[2]; ++k)
-    for (int j = 0; j < count[1]; ++j)
-      for (int i = 0; i < count[0]; ++i) {
-        Placement p = first;
-        SceneRandom random(seed * 0x100000001b3u + all.size());
-        const Vec3 cell(i - 0.5 * (count[0] - 1), j - 0.5 * (count[1] - 1), k);
-        for (int a = 0; a < 3; ++a) p.position[a] += cell[a] * spacing[a] + jitter[a] * random.symmetric();
-        if (turn == "any") p.rotation = random_rotation(random) * p.rotation;
-        if (turn == "yaw") p.rotation = yaw(turn_degrees * random.symmetric()) * p.rotation;
-        p.name += fmt::format(".{}", all.size());
-        all.push_back(std::move(p));
-      }
+  const auto copy = [&](int i, int j, int k) {
+    Placement p = first;
+    SceneRandom random(seed * 0x100000001b3u + all.size());
+    const Vec3 cell(i - 0.5 * (count[0] - 1), j - 0.5 * (count[1] - 1), k);
+    for (int a = 0; a < 3; ++a) p.position[a] += cell[a] * spacing[a] + jitter[a] * random.symmetric();
+    if (turn == "any") p.rotation = random_rotation(random) * p.rotation;
+    if (turn == "yaw") p.rotation = yaw(turn_degrees * random.symmetric()) * p.rotation;
+    p.name += fmt::format(".{}", all.size());
+    return p;
+  };
+  for (int c = 0; c < circle.count; ++c)
+    for (int k = 0; k < count[2]; ++k)
+      for (int j = 0; j < count[1]; ++j)
+        for (int i = 0; i < count[0]; ++i) all.push_back(circle.place(copy(i, j, k), c));
   return all;
 }
 

@@ -30,10 +30,14 @@ class SceneRandom {
 Quat random_rotation(SceneRandom& random);
 
 /// Number of bodies in a body's node, without making them.
+/// @throws InputError  when a "repeat" has neither "count" nor "around"
 std::size_t repeat_count(const Node& body);
 
 /// The transform of a body's node, and one placement per copy: the grid of "repeat", centred on the position in x and y
-/// and rising from it in z, each copy displaced and rotated at random by its seed and number alone.
+/// and rising from it in z, each copy displaced and rotated at random by its seed and number alone; and that grid
+/// turned about the axis of "around" (circle.h) for each place of the circle, first to last.
+/// Tests: tests/scene/circle_test.cpp
+/// @throws InputError  for velocities beyond what can be stepped, and as repeat_count and read_circle
 std::vector<Placement> placements(const Node& body);
 
 }  // namespace brim

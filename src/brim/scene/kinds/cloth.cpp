@@ -66,7 +66,7 @@ class ClothMaker final : public BodyMaker {
     options.bending = node_.number("bend_stiffness");
     read_particle_options(node_, place, material_, options);
     options.self_contact = node_.boolean("self_contact");
-    read_constraints(node_.at("constraints"), mesh.vertices, corners_, options);
+    read_constraints(node_.at("constraints"), mesh.vertices, corners_, place.turned, options);
     return std::make_unique<ClothBody>(std::move(mesh), std::move(options));
   }
 

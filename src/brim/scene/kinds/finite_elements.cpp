@@ -47,7 +47,7 @@ class FiniteElementsMaker final : public BodyMaker {
     read_particle_options(node_, place, material_, options);
     options.display = solid_.display;
     for (Vec3& x : options.display.vertices) x = place.position + place.rotation * x;
-    read_constraints(node_.at("constraints"), mesh.vertices, {}, options);
+    read_constraints(node_.at("constraints"), mesh.vertices, {}, place.turned, options);
     return std::make_unique<FemBody>(std::move(mesh), options);
   }
 

@@ -37,6 +37,8 @@ void check_grid_fluid(const Node& n) {
     throw transform.at("scale").error("a grid fluid cannot be scaled; give other sizes");
   if (n.has("repeat") && n.at("repeat").string("turn") != "none")
     throw n.at("repeat").at("turn").error("a grid fluid's box cannot be turned");
+  if (n.has("repeat") && n.at("repeat").has("around"))
+    throw n.at("repeat").at("around").error("a grid fluid's box cannot be turned; \"count\" makes copies on a grid");
   check_regions(n.at("fill"));
   check_regions(n.at("carve"));
 }

@@ -127,7 +127,7 @@ class SoftImageMaker final : public BodyMaker {
       // The lattice's nodes are known once it is built.
       const SoftImageBody free(solid_.grid, {}, spacing_, place.rotation, place.position, options,
                                {solid_.density, solid_.young});
-      read_constraints(node_.at("constraints"), free.rest_positions(), {}, options);
+      read_constraints(node_.at("constraints"), free.rest_positions(), {}, place.turned, options);
     }
     return std::make_unique<SoftImageBody>(solid_.grid, surface_, spacing_, place.rotation, place.position,
                                            std::move(options), CellMaterial{solid_.density, solid_.young});

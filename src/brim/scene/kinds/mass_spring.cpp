@@ -96,7 +96,7 @@ class MassSpringMaker final : public BodyMaker {
     options.self_contact = node_.boolean("self_contact");
     options.display = display_;
     for (Vec3& x : options.display.vertices) x = place.position + place.rotation * x;
-    read_constraints(node_.at("constraints"), vertices(mesh), corners_, options);
+    read_constraints(node_.at("constraints"), vertices(mesh), corners_, place.turned, options);
     return std::visit(
         [&](const auto& m) -> std::unique_ptr<Body> { return std::make_unique<MassSpringBody>(m, std::move(options)); },
         mesh);

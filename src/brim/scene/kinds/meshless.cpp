@@ -62,7 +62,7 @@ class MeshlessMaker final : public BodyMaker {
     std::vector<HeldRegion> held;
     if (node_.at("constraints").size() > 0) {
       const MeshlessBody free(model_, place.rotation, place.position, options);
-      held = read_constraints(node_.at("constraints"), free.rest_positions(), {}, options);
+      held = read_constraints(node_.at("constraints"), free.rest_positions(), {}, place.turned, options);
     }
     return std::make_unique<MeshlessBody>(model_, place.rotation, place.position, std::move(options), held);
   }

@@ -37,10 +37,10 @@ std::vector<PoseKey> even_motion(const Placement& p, double duration) {
 class ObstacleMaker final : public BodyMaker {
  public:
   ObstacleMaker(const Node& n, const BuildContext& context)
-      : solid_(read_solid(n, context.world.memory_limit, context.solids)),
+      : node_(n),
+        solid_(read_solid(n, context.world.memory_limit, context.solids)),
         material_(context.material),
         duration_(context.duration) {
-    if (n.has("keyframes")) motion_ = read_motion(n.at("keyframes"));
     const double spin = n.vec3("angular_velocity").norm();
     if (spin * duration_ > 1e5)
       throw n.at("angular_velocity")
@@ -50,9 +50,13 @@ class ObstacleMaker final : public BodyMaker {
   std::unique_ptr<Body> body(const Placement& place) const override {
     ObstacleModel model;
     model.shape = solid_.shape;
-    model.keys = motion_.empty() ? even_motion(place, duration_) : std::vector<PoseKey>{};
-    for (const MotionKey& k : motion_)
-      model.keys.push_back({k.time, place.position + k.offset, k.rotation * place.rotation});
+    if (node_.has("keyframes")) {
+      model.keys.clear();
+      for (const MotionKey& k : read_motion(node_.at("keyframes"), place.turned))
+        model.keys.push_back({k.time, place.position + k.offset, k.rotation * place.rotation});
+    } else {
+      model.keys = even_motion(place, duration_);
+    }
     model.part.voxel_size = solid_.voxel_size;
     model.part.thickness = solid_.shape->thickness();
     if (solid_.unit.volume > 0.0)
@@ -63,10 +67,10 @@ class ObstacleMaker final : public BodyMaker {
   }
 
  private:
+  Node node_;
   Solid solid_;
   Material material_;
   double duration_;
-  std::vector<MotionKey> motion_;
 };
 
 }  // namespace

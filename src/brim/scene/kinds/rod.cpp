@@ -99,7 +99,7 @@ class RodMaker final : public BodyMaker {
     options.rests_straight = node_.boolean("rests_straight");
     read_particle_options(node_, place, material_, options);
     options.self_contact = node_.boolean("self_contact");
-    read_constraints(node_.at("constraints"), nodes, {}, options);
+    read_constraints(node_.at("constraints"), nodes, {}, place.turned, options);
     return node_.placed([&] { return std::make_unique<RodBody>(std::move(nodes), std::move(options)); });
   }
 
