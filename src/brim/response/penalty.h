@@ -125,6 +125,13 @@ class Penalty {
   std::span<const std::uint8_t> acting() const { return active_; }
   /// True when no contact can have a force in this step.
   bool idle() const { return idle_; }
+  /// After rows have changed what a solve found: releases one-way links that pull now, and joins those that are met.
+  /// @return true when one has changed: the solve is to be made again  @param delta  [m/s] of all contacts
+  bool update_one_way(std::span<const Vec3> delta);
+  /// True when a link acts one way.
+  bool acts_one_way() const {
+    return std::ranges::any_of(bonds_, [](const Bond& b) { return b.one_way; });
+  }
   /// True when no contact can be released or have friction: the result of the next solve is final.
   bool settled() const { return settled_; }
   /// Smoothed unit normals, towards a, one per contact; available after begin.

@@ -68,6 +68,14 @@ void Penalty::update_bonds(std::span<const Vec3> delta, double& changed, double&
   }
 }
 
+bool Penalty::update_one_way(std::span<const Vec3> delta) {
+  double changed = 0.0, total = 0.0;
+  update_bonds(delta, changed, total);
+  if (!(changed > 0.0)) return false;
+  settle_actions();
+  return true;
+}
+
 void Penalty::start_friction(const ContactSet& contacts) {
   parallel_for(contacts.pairs.size(), [&](std::size_t p) { start_friction_of(p, contacts); });
 }

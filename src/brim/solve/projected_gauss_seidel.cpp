@@ -79,7 +79,7 @@ Vec3 ProjectedGaussSeidel::row_velocity(std::size_t r, std::span<const double> v
   Vec3 u = Vec3::Zero();
   for (std::size_t i = first_share_[r]; i < first_share_[r + 1]; ++i) u += shares_[i].row * v[shares_[i].index];
   const Vec3* column = learned_.data() + r * kLearned;
-  for (std::size_t k = 0; k < learned_columns_; ++k) u += column[k] * v[first_learned_ + k];
+  for (std::size_t k = 0; k < learned_columns_; ++k) u += column[k] * v[first_learned_[r] + k];
   return u;
 }
 
@@ -89,30 +89,42 @@ void ProjectedGaussSeidel::add_row_response(std::size_t r, const Vec3& impulse, 
             v.data() + runs_[k].index);
   const Vec3* column = learned_.data() + r * kLearned;
   for (std::size_t k = 0; k < learned_columns_; k += 2) {
-    v[first_learned_ + k] -= column[k].dot(impulse);
-    v[first_learned_ + k + 1] += column[k + 1].dot(impulse);
+    v[first_learned_[r] + k] -= column[k].dot(impulse);
+    v[first_learned_[r] + k + 1] += column[k + 1].dot(impulse);
   }
 }
 
-void ProjectedGaussSeidel::begin_learning(std::size_t first) {
-  first_learned_ = first, learned_columns_ = 0;
-  learned_.resize(friction_.size() * kLearned);
+void ProjectedGaussSeidel::begin_learning(std::size_t first, std::span<const std::int32_t> island) {
+  island_.assign(island.begin(), island.end());
+  island_.resize(size(), 0);
+  learned_columns_ = 0;
+  learned_.assign(friction_.size() * kLearned, Vec3::Zero());
+  first_learned_.assign(friction_.size(), first);
+  for (std::size_t c = 0; c < size(); ++c)
+    if (!place_[c].rigid) first_learned_[place_[c].row] += kLearned * static_cast<std::size_t>(island_[c]);
 }
 
 void ProjectedGaussSeidel::learn(std::span<const Vec3> impulse, std::span<const Vec3> expected,
                                  std::span<const Vec3> actual) {
-  double before = 0.0, after = 0.0;
-  for (std::size_t c = 0; c < size(); ++c) before += impulse[c].dot(expected[c]), after += impulse[c].dot(actual[c]);
-  if (learned_columns_ == kLearned || !(before > 0.0) || !(after > 0.0)) return;
+  if (learned_columns_ == kLearned || size() == 0) return;
+  const auto islands = static_cast<std::size_t>(*std::ranges::max_element(island_)) + 1;
+  std::vector<double> before(islands, 0.0), after(islands, 0.0);
   for (std::size_t c = 0; c < size(); ++c) {
-    if (place_[c].rigid) continue;
+    const auto i = static_cast<std::size_t>(island_[c]);
+    before[i] += impulse[c].dot(expected[c]), after[i] += impulse[c].dot(actual[c]);
+  }
+  bool any = false;
+  for (std::size_t c = 0; c < size(); ++c) {
+    const auto i = static_cast<std::size_t>(island_[c]);
+    if (place_[c].rigid || !(before[i] > 0.0) || !(after[i] > 0.0)) continue;
+    any = true;
     const std::size_t r = place_[c].row;
     Vec3* column = learned_.data() + r * kLearned + learned_columns_;
-    column[0] = expected[c] / std::sqrt(before), column[1] = actual[c] / std::sqrt(after);
+    column[0] = expected[c] / std::sqrt(before[i]), column[1] = actual[c] / std::sqrt(after[i]);
     local_[r] += column[1] * column[1].transpose() - column[0] * column[0].transpose();
     local_inverse_[r] = invert_response(local_[r]);
   }
-  learned_columns_ += 2;
+  if (any) learned_columns_ += 2;
 }
 
 Vec3 ProjectedGaussSeidel::velocity(std::size_t c, std::span<const double> v) const {
@@ -175,13 +187,15 @@ void ProjectedGaussSeidel::find_layers(std::size_t width) {
   for (std::size_t g = 0; g < group_.size(); ++g) layered_[next[layer[g]]++] = static_cast<std::uint32_t>(g);
 }
 
-double ProjectedGaussSeidel::sweep(bool backward, double friction, std::span<const Vec3> offset,
+double ProjectedGaussSeidel::sweep(bool backward, const SweepOptions& options, std::span<const Vec3> offset,
                                    std::span<const double> target, std::span<Vec3> impulse, std::span<double> v) const {
   double worst = 0.0;
   if (layer_first_.empty()) {
-    for (std::size_t k = 0; k < group_.size(); ++k)
-      worst = std::max(worst, relax_group(group_[backward ? group_.size() - 1 - k : k], backward, friction, offset,
-                                          target, impulse, v));
+    for (std::size_t k = 0; k < group_.size(); ++k) {
+      const Group& group = group_[backward ? group_.size() - 1 - k : k];
+      if (!options.skipped.empty() && options.skipped[group.begin]) continue;
+      worst = std::max(worst, relax_group(group, backward, options.friction, offset, target, impulse, v));
+    }
     return worst;
   }
   const std::size_t layers = layer_first_.size() - 1;
@@ -191,7 +205,7 @@ double ProjectedGaussSeidel::sweep(bool backward, double friction, std::span<con
         layer_first_[l + 1] - layer_first_[l],
         [&](std::size_t i) {
           const std::uint32_t g = layered_[layer_first_[l] + i];
-          change_[g] = relax_group(group_[g], backward, friction, offset, target, impulse, v);
+          change_[g] = relax_group(group_[g], backward, options.friction, offset, target, impulse, v);
         },
         kPairsOfWork);
   }
@@ -216,11 +230,12 @@ ProjectedGaussSeidel::Report ProjectedGaussSeidel::solve(std::span<const Vec3> o
   Report report;
   const std::size_t n = size();
   for (std::size_t c = 0; c < n; ++c) {
+    if (!options.skipped.empty() && options.skipped[c]) continue;
     const Vec3 u = velocity(c, v) + offset[c];
     if (u.x() < target[c] || impulse[c].x() > 0.0) options.scale = std::max(options.scale, std::abs(u.x() - target[c]));
   }
   if (n == 0 || !(options.scale > 0.0)) return report;
-  const bool at_once = options.may_at_once && n <= kMostAtOnce, rigid = friction_.empty();
+  const bool at_once = options.may_at_once && n <= kMostAtOnce, rigid = pairs_only();
   SweepOptions first = options;
   if (at_once && !rigid) first.max_sweeps = std::min(options.max_sweeps, kFewSweeps);
   report = sweeps(offset, target, first, impulse, v);
@@ -247,8 +262,8 @@ ProjectedGaussSeidel::Report ProjectedGaussSeidel::sweeps(std::span<const Vec3> 
     check_stop();
     before_.assign(impulse.begin(), impulse.end());
     v_before_.assign(v.begin(), v.end());
-    double worst = sweep(false, options.friction, offset, target, impulse, v);
-    worst = std::max(worst, sweep(true, options.friction, offset, target, impulse, v));
+    double worst = sweep(false, options, offset, target, impulse, v);
+    worst = std::max(worst, sweep(true, options, offset, target, impulse, v));
     report.sweeps += 2;
     report.residual = worst / options.scale;
     report.converged = report.residual <= options.tolerance;

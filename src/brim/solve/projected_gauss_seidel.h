@@ -21,8 +21,8 @@ namespace brim {
 /// the next, the previous change is continued as in conjugate gradients (Silcowitz, Niebe and Erleben 2010), unless the
 /// changes grow.
 /// If the contacts are few enough and the sweeps do not converge, all are solved at once (ContactAdmm) and swept again:
-/// soon where some are of the general form, else after all sweeps and when far off. If that fails too, the result with
-/// the smallest contact_residual is taken.
+/// soon where some are of the general form, else after all sweeps and when far off, if the options let it. If that
+/// fails too, the result with the smallest contact_residual is taken.
 class ProjectedGaussSeidel {
  public:
   using Entry = ContactEntry;
@@ -33,6 +33,8 @@ class ProjectedGaussSeidel {
     double scale = 0.0;       ///< [m/s] smallest scale of the residual
     double friction = 1.0;    ///< multiplies that of every contact: 0 for a frictionless solve
     bool may_at_once = true;  ///< false: sweeps only
+    /// Nonzero for contacts that stay as they are, with the others of their group; shape (n), or empty. Sweeps only.
+    std::span<const std::uint8_t> skipped = {};
   };
   struct Report {
     int sweeps = 0;
@@ -58,12 +60,13 @@ class ProjectedGaussSeidel {
   }
   std::size_t size() const { return place_.size(); }
 
-  /// Makes room for learn(): velocities from `first` on, kLearned of them, describe no body. Call it after the last
-  /// add().
-  void begin_learning(std::size_t first);
+  /// Makes room for learn(): velocities from `first` on, kLearned of each island, describe no body. Call it after the
+  /// last add(). @param island  number of each contact's island, from 0; no response leads from one to another. Empty:
+  /// a single one
+  void begin_learning(std::size_t first, std::span<const std::int32_t> island = {});
   /// Corrects the responses R P Rᵀ of contacts of the general form by one that is known, so that they give it for these
-  /// impulses (Broyden-Fletcher-Goldfarb-Shanno): W' = W − W λ (W λ)ᵀ / λ·W λ + u uᵀ / λ·u. Does nothing where the
-  /// room is used up or a product is not positive.
+  /// impulses (Broyden-Fletcher-Goldfarb-Shanno): W' = W − W λ (W λ)ᵀ / λ·W λ + u uᵀ / λ·u, in every island. Does
+  /// nothing where the room is used up or a product is not positive.
   /// @param impulse  λ, zero at contacts of rigid pairs  @param expected  W λ, [m/s]  @param actual  u, [m/s]
   void learn(std::span<const Vec3> impulse, std::span<const Vec3> expected, std::span<const Vec3> actual);
   /// Velocities that begin_learning() makes room for: two for each response.
@@ -78,6 +81,8 @@ class ProjectedGaussSeidel {
   Report solve(std::span<const Vec3> offset, std::span<const double> target, SweepOptions options,
                std::span<Vec3> impulse, std::span<double> v);
 
+  /// True when all contacts are between two rigid bodies, in the compact form.
+  bool pairs_only() const { return friction_.empty(); }
   /// Contacts that are relaxed together, [begin, end): those of one rigid pair, or one of the general form.
   std::size_t groups() const { return group_.size(); }
   std::pair<std::size_t, std::size_t> group(std::size_t g) const { return {group_[g].begin, group_[g].end}; }
@@ -119,7 +124,7 @@ class ProjectedGaussSeidel {
   void find_layers(std::size_t width);
   double relax_group(const Group& g, bool backward, double friction, std::span<const Vec3> offset,
                      std::span<const double> target, std::span<Vec3> impulse, std::span<double> v) const;
-  double sweep(bool backward, double friction, std::span<const Vec3> offset, std::span<const double> target,
+  double sweep(bool backward, const SweepOptions& options, std::span<const Vec3> offset, std::span<const double> target,
                std::span<Vec3> impulse, std::span<double> v) const;
   /// Corrects row r of the general form. @return largest resulting change of u, [m/s]
   double relax(std::size_t r, double friction, const Vec3& offset, double target, Vec3& impulse,
@@ -147,10 +152,12 @@ class ProjectedGaussSeidel {
   std::vector<double> response_;
   std::vector<std::size_t> first_share_{0}, first_run_{0};
   std::vector<double> friction_;
-  std::vector<Mat3> local_;          ///< W = R P Rᵀ
-  std::vector<Mat3> local_inverse_;  ///< zero where W is singular
-  std::vector<Vec3> learned_;        ///< per row kLearned columns c: W' = W + Σ ∓ c cᵀ, minus for even ones
-  std::size_t first_learned_ = 0, learned_columns_ = 0;
+  std::vector<Mat3> local_;                 ///< W = R P Rᵀ
+  std::vector<Mat3> local_inverse_;         ///< zero where W is singular
+  std::vector<Vec3> learned_;               ///< per row kLearned columns c: W' = W + Σ ∓ c cᵀ, minus for even ones
+  std::vector<std::size_t> first_learned_;  ///< per row, index of the first velocity of its island's columns
+  std::vector<std::int32_t> island_;        ///< per contact
+  std::size_t learned_columns_ = 0;
   std::vector<std::size_t> layer_first_;  ///< start of each layer in layered_; empty when groups are swept one by one
   std::vector<std::uint32_t> layered_;    ///< groups, layer by layer
   mutable std::vector<double> change_;    ///< of each group

@@ -89,7 +89,7 @@ ContactResponses ProjectedGaussSeidel::responses(std::size_t width) const {
     if (!place_[c].rigid)
       for (std::size_t k = 0; k < learned_columns_; ++k) {
         const Vec3 column = learned_[r * kLearned + k];
-        entries.push_back({first_learned_ + k, column, k % 2 == 0 ? Vec3(-column) : column});
+        entries.push_back({first_learned_[r] + k, column, k % 2 == 0 ? Vec3(-column) : column});
       }
     all.add(entries);
   }

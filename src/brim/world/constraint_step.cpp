@@ -186,12 +186,17 @@ void ConstraintStep::solve_rows(const ImplicitStep::Respond& solve, std::span<co
                                 std::vector<Vec3>& lambda, std::vector<double>& delta, double& residual,
                                 StepReport& report) {
   if (!exact_) return refine(solve, target, most, lambda, delta, residual, report);
-  ProjectedGaussSeidel::SweepOptions options{
-      .tolerance = settings_.tolerance, .max_sweeps = most_sweeps_, .scale = settings_.scale};
+  // Solids alone are swept on, and solved at once only where that does not help.
+  const bool pairs_only = sweep_.pairs_only();
+  ProjectedGaussSeidel::SweepOptions options{.tolerance = settings_.tolerance,
+                                             .max_sweeps = most_sweeps_,
+                                             .scale = settings_.scale,
+                                             .may_at_once = !pairs_only};
   auto r = sweep_.solve(offset_, target, options, lambda, delta);
   report.sweeps += r.sweeps;
   for (int more = 0; more < kMostMore && r.residual > warn_above(); ++more) {
     options.scale = r.scale;
+    if (pairs_only) options.max_sweeps = settings_.max_sweeps, options.may_at_once = more + 1 == kMostMore;
     r = sweep_.solve(offset_, target, options, lambda, delta);
     report.sweeps += r.sweeps;
   }

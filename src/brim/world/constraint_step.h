@@ -114,7 +114,7 @@ class ConstraintStep {
   bool knows(std::size_t body) const {
     return !(touched_[body] && !inverses_.exact(body)) && !(held_[body] && mixed_[body]);
   }
-  /// Marks the points that rows connect only with bodies that the sweeps know.
+  /// Marks the points that rows connect only with bodies that the sweeps know, and numbers the islands of the others.
   void find_known();
   /// Calls f(body, side a, side b) for the bodies that have rows at the pair's contacts.
   template <class F>
@@ -154,7 +154,14 @@ class ConstraintStep {
   bool follow_bends(std::vector<Vec3>& lambda, std::vector<double>& way) const;
   void refine(const ImplicitStep::Respond& solve, std::span<const double> target, int most, std::vector<Vec3>& lambda,
               std::vector<double>& delta, double& residual, StepReport& report);
-  double longest_way(std::span<const Vec3> from, std::span<const Vec3> way, double most) const;
+  /// Solves islands whose directions do not settle, all their points at once (ContactAdmm), with the responses that the
+  /// step's own solve gives to each of their rows.
+  /// @param direct  its solves are cheap  @param affordable  number of solves otherwise
+  /// @param done, missed  set for the islands that are solved
+  void solve_columns(const ImplicitStep::Respond& solve, std::span<const double> target, bool direct, int affordable,
+                     std::span<const double> scale, std::vector<std::uint8_t>& done, std::vector<double>& missed,
+                     std::vector<Vec3>& lambda, std::vector<double>& delta, StepReport& report);
+  double longest_way(std::int32_t island, std::span<const Vec3> from, std::span<const Vec3> way, double most) const;
 
   std::span<const std::unique_ptr<Body>> bodies_;
   std::span<const std::size_t> first_v_;
@@ -178,7 +185,10 @@ class ConstraintStep {
   bool mapped_ = false;  ///< some pair is not rigid: points have maps
   bool solids_ = true;   ///< all rows are between rigid frames, or solids of articulated bodies
   bool exact_ = true, converged_ = true;
-  std::vector<std::uint8_t> known_;  ///< per point, unless exact_: the sweeps solve it (find_known)
+  std::vector<std::uint8_t> known_;                    ///< per point, unless exact_: the sweeps solve it (find_known)
+  Islands coupled_{0};                                 ///< bodies that contacts, links or rows of any sort connect
+  std::vector<std::int32_t> island_of_body_, island_;  ///< numbers of these islands, per body and per point
+  std::size_t islands_ = 0;
   int most_sweeps_ = 0;
 
   std::vector<Mat3> frame_;  ///< rows n, t1, t2

@@ -20,9 +20,14 @@ void ConstraintStep::mark_bodies(const ContactSet& contacts, std::span<const Con
   }
   held_.assign(bodies_.size(), 0), touched_.assign(bodies_.size(), 0), mixed_.assign(bodies_.size(), 0);
   mapped_ = false, solids_ = true;
+  coupled_ = Islands(bodies_.size());
+  const auto couple = [&](std::int32_t a, std::int32_t b) {
+    if (!is_fixed(parts_[a]) && !is_fixed(parts_[b])) coupled_.join(parts_[a].body_index, parts_[b].body_index);
+  };
   for (std::size_t p = 0; p < contacts.pairs.size(); ++p) {
     const ContactPair& pair = contacts.pairs[p];
     if (pair.begin == pair.end) continue;
+    couple(pair.part_a, pair.part_b);
     const bool general = pairs[p].constrained && !rigid(pair);
     mapped_ = mapped_ || general, solids_ = solids_ && !general;
     for (const std::int32_t part : {pair.part_a, pair.part_b}) {
@@ -32,6 +37,7 @@ void ConstraintStep::mark_bodies(const ContactSet& contacts, std::span<const Con
     }
   }
   for (const PairRows& pair : gathered.pairs) {
+    couple(pair.part_a, pair.part_b);
     const bool general = !rigid(pair.part_a, pair.part_b);
     mapped_ = mapped_ || general;
     for (const std::int32_t part : {pair.part_a, pair.part_b}) {
@@ -110,10 +116,22 @@ void ConstraintStep::find_known() {
     if (!knows(b)) doubtful[islands.first_of(static_cast<std::int32_t>(b))] = 1;
   const ContactSet& points = rows_.points();
   known_.resize(points.size());
+  // Islands without doubtful points share number 0 with the first: they are no more in the way.
+  std::vector<std::uint8_t> refined(bodies_.size(), 0);
   for (const ContactPair& p : points.pairs) {
     const std::uint8_t known = doubtful[islands.first_of(moving_body(p))] == 0;
     for (std::size_t c = p.begin; c < p.end; ++c) known_[c] = known;
+    if (!known && p.begin < p.end) refined[coupled_.first_of(moving_body(p))] = 1;
   }
+  islands_ = 0;
+  std::vector<std::int32_t> number(bodies_.size(), 0);
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    if (refined[b]) number[b] = static_cast<std::int32_t>(islands_++);
+  island_of_body_.resize(bodies_.size()), island_.assign(points.size(), 0);
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    island_of_body_[b] = number[coupled_.first_of(static_cast<std::int32_t>(b))];
+  for (const ContactPair& p : points.pairs)
+    for (std::size_t c = p.begin; c < p.end; ++c) island_[c] = island_of_body_[moving_body(p)];
 }
 
 template <class F>
@@ -178,8 +196,8 @@ void ConstraintStep::assemble() {
       for (std::size_t c = pair.begin; c < pair.end; ++c) rigid(pair) ? add_rigid_row(p, c) : add_row(p, c);
   }
   if (exact_) return;
-  sweep_.begin_learning(width_);
-  width_ += ProjectedGaussSeidel::kLearned;
+  sweep_.begin_learning(width_, island_);
+  width_ += ProjectedGaussSeidel::kLearned * std::max<std::size_t>(1, islands_);
 }
 
 void ConstraintStep::add_rigid_row(std::size_t p, std::size_t c) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brim/solve/contact_admm.h"
 #include "brim/world/constraint_step.h"
 
 namespace brim {
@@ -19,6 +20,12 @@ constexpr double kLongestWay = 100.0;
 constexpr double kRigidSolves = 20.0;
 /// Tolerance of the refinement, relative to that of the sweeps.
 constexpr double kRefined = 30.0;
+/// Directions after which islands that are not done are solved by their columns; iterations of a solve that is a direct
+/// one, and contacts of an island up to which these are worth so many solves.
+constexpr int kStubborn = 20, kDirect = 2;
+constexpr std::size_t kMostColumns = 40;
+/// Iterations with the columns.
+constexpr int kMostAtOnceIterations = 1000;
 /// Tolerance of the sweeps that find a direction, relative to the remaining error; maximum number of sweeps.
 constexpr double kRough = 0.1;
 constexpr int kRoughSweeps = 200;
@@ -35,37 +42,56 @@ void ConstraintStep::refine(const ImplicitStep::Respond& solve, std::span<const 
   std::vector<Vec3> offset(n), next;
   std::vector<double> change, rhs(nv);
   const bool any_known = std::ranges::find(known_, 1) != known_.end();
-  double scale = settings_.scale, left = 0.0;  // left: residual of the known points
+  // Islands do not know of each other: each has its own scale, length of the way, and end.
+  std::vector<double> scale(islands_, settings_.scale), missed(islands_, 0.0), worst(islands_), curvature(islands_),
+      down(islands_), t(islands_);
+  std::vector<std::uint8_t> done(islands_, 0);
+  std::vector<std::uint8_t> skipped;  // known points after the first round, and those of islands that are done
+  residual = 0.0;
+  double left = 0.0, largest = settings_.scale;  // left: residual of the known points
   for (int i = 0; i < most; ++i) {
     for (std::size_t c = 0; c < n; ++c) offset[c] = offset_[c] + sweep_.velocity(c, delta);
     next = lambda;
     change.assign(width_, 0.0);
     const bool finishes = i == 0 && any_known;
     const ProjectedGaussSeidel::SweepOptions options{
-        .tolerance = finishes ? settings_.tolerance : kRough * std::max(settings_.tolerance, i == 0 ? 0.0 : residual),
+        .tolerance = finishes ? settings_.tolerance : kRough * std::max(kRefined * settings_.tolerance, residual),
         .max_sweeps = finishes ? most_sweeps_ : std::min(settings_.max_sweeps, kRoughSweeps),
-        .scale = scale,
-        .may_at_once = finishes};
+        .scale = largest,
+        .may_at_once = finishes,
+        .skipped = skipped};
     const auto r = sweep_.solve(offset, target, options, next, change);
     report.sweeps += r.sweeps;
     // With many points the sweeps converge over several steps.
     if (finishes && most_sweeps_ == settings_.max_sweeps) left = r.residual;
 
-    double worst = 0.0;
-    std::fill(rhs.begin(), rhs.end(), 0.0);
+    std::ranges::fill(worst, 0.0);
+    std::ranges::fill(rhs, 0.0);
     for (std::size_t c = 0; c < n; ++c) {
       if (known_[c]) {
         if (finishes) sweep_.add_response(c, next[c] - lambda[c], delta), lambda[c] = next[c];
         continue;
       }
       expected[c] = sweep_.velocity(c, change);
-      worst = std::max(worst, expected[c].norm());
-      way[c] = next[c] - lambda[c];
+      worst[island_[c]] = std::max(worst[island_[c]], expected[c].norm());
+    }
+    residual = 0.0;
+    for (std::size_t k = 0; k < islands_; ++k) {
+      if (i == 0) scale[k] = std::max(scale[k], worst[k]), largest = std::max(largest, scale[k]);
+      if (done[k]) continue;
+      missed[k] = worst[k] / scale[k];
+      done[k] = !(missed[k] > kRefined * settings_.tolerance);
+      if (!done[k]) residual = std::max(residual, missed[k]);
+    }
+    if (std::ranges::find(done, 0) == done.end()) break;
+    skipped.resize(n);
+    for (std::size_t c = 0; c < n; ++c) skipped[c] = known_[c] || done[island_[c]];
+    for (std::size_t c = 0; c < n; ++c) {
+      if (known_[c]) continue;
+      way[c] = done[island_[c]] ? Vec3(Vec3::Zero()) : Vec3(next[c] - lambda[c]);
+      if (done[island_[c]]) expected[c].setZero();
       sweep_.add_force(c, way[c], rhs);
     }
-    if (i == 0) scale = std::max(scale, worst);
-    residual = worst / scale;
-    if (!(residual > kRefined * settings_.tolerance)) break;
     std::fill(way_v.begin(), way_v.end(), 0.0);
     const SolveReport s = solve(rhs, std::span(way_v).first(nv), mapped_ ? 1.0 : kRigidSolves);
     report.cg_iterations += s.iterations;
@@ -74,19 +100,104 @@ void ConstraintStep::refine(const ImplicitStep::Respond& solve, std::span<const 
     for (std::size_t c = 0; c < n; ++c) actual[c] = sweep_.velocity(c, way_v);
 
     // What the sweeps expect is what is left to correct: it predicts the best length of the way.
-    double curvature = 0.0, down = 0.0;
-    for (std::size_t c = 0; c < n; ++c) curvature += way[c].dot(actual[c]), down += way[c].dot(expected[c]);
-    const double best = curvature > 0.0 ? std::clamp(down / curvature, kLeastWay, kLongestWay) : 1.0;
-    const double t = longest_way(lambda, way, best);
-    for (std::size_t c = 0; c < n; ++c) lambda[c] += t * way[c];
-    for (std::size_t j = 0; j < nv; ++j) delta[j] += t * way_v[j];
+    std::ranges::fill(curvature, 0.0), std::ranges::fill(down, 0.0);
+    for (std::size_t c = 0; c < n; ++c) {
+      if (known_[c]) continue;
+      curvature[island_[c]] += way[c].dot(actual[c]), down[island_[c]] += way[c].dot(expected[c]);
+    }
+    for (std::size_t k = 0; k < islands_; ++k) {
+      const double best = curvature[k] > 0.0 ? std::clamp(down[k] / curvature[k], kLeastWay, kLongestWay) : 1.0;
+      t[k] = done[k] ? 0.0 : longest_way(static_cast<std::int32_t>(k), lambda, way, best);
+    }
+    for (std::size_t c = 0; c < n; ++c)
+      if (!known_[c]) lambda[c] += t[island_[c]] * way[c];
+    for (std::size_t b = 0; b < bodies_.size(); ++b)
+      for (std::size_t j = first_v_[b]; j < first_v_[b + 1]; ++j) delta[j] += t[island_of_body_[b]] * way_v[j];
     sweep_.learn(way, expected, actual);
+    if (i + 1 == kStubborn)
+      solve_columns(solve, target, s.iterations <= kDirect, most - kStubborn, scale, done, missed, lambda, delta,
+                    report);
   }
-  residual = std::max(residual, left);
+  residual = left;
+  for (const double m : missed) residual = std::max(residual, m);
   report.row_residual = std::max(report.row_residual, residual);
 }
 
-double ConstraintStep::longest_way(std::span<const Vec3> from, std::span<const Vec3> way, double most) const {
+void ConstraintStep::solve_columns(const ImplicitStep::Respond& solve, std::span<const double> target, bool direct,
+                                   int affordable, std::span<const double> scale, std::vector<std::uint8_t>& done,
+                                   std::vector<double>& missed, std::vector<Vec3>& lambda, std::vector<double>& delta,
+                                   StepReport& report) {
+  std::vector<std::vector<std::size_t>> points(islands_);
+  for (std::size_t c = 0; c < lambda.size(); ++c)
+    if (!known_[c] && !done[island_[c]]) points[island_[c]].push_back(c);
+  std::size_t most = 0;
+  for (auto& own : points) {
+    const bool fits = own.size() <= kMostColumns && (direct || 3 * own.size() < static_cast<std::size_t>(affordable));
+    if (!fits) own.clear();
+    most = std::max(most, own.size());
+  }
+  if (most == 0) return;
+  const std::size_t nv = first_v_.back();
+  std::vector<double> rhs(nv), answer(width_, 0.0);
+  const auto respond = [&] {
+    const SolveReport s = solve(rhs, std::span(answer).first(nv), 1.0);
+    report.cg_iterations += s.iterations;
+    ++report.solves;
+    return s.finite;
+  };
+  // One solve gives a column of every island.
+  std::vector<Eigen::MatrixXd> W(islands_);
+  for (std::size_t k = 0; k < islands_; ++k)
+    W[k].resize(static_cast<Eigen::Index>(3 * points[k].size()), static_cast<Eigen::Index>(3 * points[k].size()));
+  for (std::size_t j = 0; j < 3 * most; ++j) {
+    std::ranges::fill(rhs, 0.0);
+    for (const auto& own : points)
+      if (j < 3 * own.size()) sweep_.add_force(own[j / 3], Vec3::Unit(static_cast<Eigen::Index>(j % 3)), rhs);
+    if (!respond()) return;
+    for (std::size_t k = 0; k < islands_; ++k)
+      for (std::size_t d = 0; d < points[k].size() && j < 3 * points[k].size(); ++d)
+        W[k].col(static_cast<Eigen::Index>(j)).segment<3>(static_cast<Eigen::Index>(3 * d)) =
+            sweep_.velocity(points[k][d], answer);
+  }
+  std::ranges::fill(rhs, 0.0);
+  for (std::size_t k = 0; k < islands_; ++k) {
+    const std::vector<std::size_t>& own = points[k];
+    if (own.empty()) continue;
+    const Eigen::MatrixXd both = 0.5 * (W[k] + W[k].transpose());
+    ContactResponses responses;
+    std::vector<ContactEntry> entries;
+    std::vector<Vec3> q(own.size()), impulse(own.size());
+    std::vector<double> friction(own.size());
+    for (std::size_t d = 0; d < own.size(); ++d) impulse[d] = lambda[own[d]];
+    for (std::size_t d = 0; d < own.size(); ++d) {
+      const auto at = static_cast<Eigen::Index>(3 * d);
+      entries.clear();
+      for (std::size_t i = 0; i < 3 * own.size(); ++i)
+        entries.push_back({i, i / 3 == d ? Vec3(Vec3::Unit(static_cast<Eigen::Index>(i % 3))) : Vec3(Vec3::Zero()),
+                           both.row(static_cast<Eigen::Index>(i)).segment<3>(at).transpose()});
+      responses.add(entries);
+      q[d] = offset_[own[d]] + sweep_.velocity(own[d], delta);
+      q[d].x() -= target[own[d]];
+      for (std::size_t e = 0; e < own.size(); ++e)
+        q[d] -= both.block<3, 3>(at, static_cast<Eigen::Index>(3 * e)) * impulse[e];
+      friction[d] = rows_.friction()[own[d]];
+    }
+    const auto r =
+        ContactAdmm::solve(responses, q, friction, settings_.tolerance * scale[k], kMostAtOnceIterations, impulse);
+    report.sweeps += r.iterations;
+    if (!r.converged) continue;
+    done[k] = 1, missed[k] = 0.0;
+    for (std::size_t d = 0; d < own.size(); ++d) {
+      sweep_.add_force(own[d], impulse[d] - lambda[own[d]], rhs);
+      lambda[own[d]] = impulse[d];
+    }
+  }
+  if (!respond()) return;
+  for (std::size_t j = 0; j < nv; ++j) delta[j] += answer[j];
+}
+
+double ConstraintStep::longest_way(std::int32_t island, std::span<const Vec3> from, std::span<const Vec3> way,
+                                   double most) const {
   const auto inside = [&](std::size_t c, double t) {
     const Vec3 l = from[c] + t * way[c];
     const double room = 1e-12 * (1.0 + from[c].norm());
@@ -95,12 +206,12 @@ double ConstraintStep::longest_way(std::span<const Vec3> from, std::span<const V
   // The cones are convex: points between two inside points are inside. The end of a swept direction is.
   const auto all_inside = [&](double t) {
     for (std::size_t c = 0; c < from.size(); ++c)
-      if (!inside(c, t)) return false;
+      if (island_[c] == island && !inside(c, t)) return false;
     return true;
   };
   if (most > 1.0 && !all_inside(most)) most = 1.0;
   for (std::size_t c = 0; c < from.size(); ++c)
-    while (most > kLeastWay && !inside(c, most)) most *= 0.8;
+    while (island_[c] == island && most > kLeastWay && !inside(c, most)) most *= 0.8;
   return most;
 }
 
