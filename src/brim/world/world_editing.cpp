@@ -205,12 +205,18 @@ void World::set_touch(const TouchRule& rule) {
   }
   if (!impl_->started && impl_->state.step == 0 && region < 0) {
     // As if the world had been constructed with it: not an edit that setting a state would undo.
-    impl_->given.touch_rules.push_back(rule);
-    impl_->options.touch_rules.push_back(rule);
+    for (auto* rules : {&impl_->given.touch_rules, &impl_->options.touch_rules}) {
+      // Those about parts are numbered by their order.
+      std::erase_if(*rules, [&](const TouchRule& r) { return !r.about_part() && r.overruled_by(rule); });
+      rules->push_back(rule);
+    }
     impl_->rules = std::move(more);
     return;
   }
-  impl_->edit([&](Edits& edits) { edits.rules.push_back({rule, region}); });
+  impl_->edit([&](Edits& edits) {
+    std::erase_if(edits.rules, [&](const Edits::Rule& r) { return r.rule.overruled_by(rule); });
+    edits.rules.push_back({rule, region});
+  });
   impl_->wake_all();
 }
 
