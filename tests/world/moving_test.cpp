@@ -208,7 +208,8 @@ TEST(Move, IsRefusedWhereSomethingElseSaysWhereTheBodyIs) {
             "set_velocity: 'box' is frozen; let it go first");
   w.remove(1);
   EXPECT_EQ(message([&] { w.remove(1); }), "remove: 'box' was removed");
-  EXPECT_EQ(message([&] { w.add(box("box", {})); }), "world: two bodies are named 'box'; names must be unique");
+  EXPECT_EQ(message([&] { w.add(box("box", {})); }),
+            "world: 'box' is the name of a removed body, for which it stays reserved; use another");
 }
 
 TEST(SetVelocity, GivesMomentumAndSpinAboutTheCentreOfMass) {

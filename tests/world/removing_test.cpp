@@ -70,6 +70,46 @@ TEST(Remove, InTheMiddleOfContactTheOthersGoOnAsFromTheirStatesAlone) {
   }
 }
 
+TEST(Remove, EditsInARowAreWhatTheyAreWithTheStateReadAfterEach) {
+  for (const bool sleep : {false, true}) {
+    WorldOptions o = told(Response::Constraint);
+    o.sleep = sleep;
+    World a(o), b(o);
+    for (World* w : {&a, &b}) {
+      w->add(ground(0.5));
+      for (int i = 0; i < 12; ++i) w->add(ball("ball" + std::to_string(i), {Vec3(0.7 * i, 0, 0.3)}, 0.5, 0.3));
+      for (int s = 0; s < 40; ++s) w->step();
+    }
+    Material ice;
+    ice.name = "ice", ice.friction = 0.01;
+    const std::vector<std::function<void(World&)>> edits = {
+        [](World& w) { w.remove(3); },
+        [](World& w) { w.freeze(5); },
+        [](World& w) { w.remove(1); },
+        [&](World& w) { w.set_material(7, ice); },
+        [](World& w) { w.set_velocity(8, Vec3(1, 0, 0), Vec3::Zero()); },
+        [](World& w) { w.remove(12); },
+        [](World& w) { w.add(ball("late", {Vec3(0, 3, 0.3)}, 0.5, 0.3)); },
+        [](World& w) { w.remove(13); },
+        [](World& w) {
+          w.set_touch({"ball6", "ground", false});
+        },
+        [](World& w) { w.set_gravity(Vec3(0, 0.5, -9)); },
+        [](World& w) { w.freeze(5, false); }};
+    for (const auto& edit : edits) {
+      edit(a), edit(b);
+      EXPECT_EQ(b.state().q.size(), b.state().v.size() / 6 * 7);
+    }
+    EXPECT_TRUE(a.removed(13) && a.removed(1) && !a.removed(2));
+    EXPECT_EQ(copy(a.v(3)), std::vector<double>(6, 0.0));
+    ASSERT_EQ(a.hash(), b.hash());
+    for (int s = 0; s < 20; ++s) {
+      a.step(), b.step();
+      ASSERT_EQ(a.hash(), b.hash()) << s;
+    }
+  }
+}
+
 TEST(Remove, AnEarlierStateBringsTheBodyBackBitForBit) {
   for (const Response response : {Response::Penalty, Response::Constraint}) {
     World a(told(response)), b(told(response));

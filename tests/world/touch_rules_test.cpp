@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <functional>
 #include <random>
 
@@ -91,10 +92,43 @@ TEST(TouchRules, OfRulesAboutPartsTheLastOneAboutAContactDecides) {
   }
 }
 
-TEST(TouchRules, MoreThanSixtyFourAreRefused) {
+TEST(TouchRules, MoreThanSixtyFourOfDifferentNamesAreRefused) {
   TouchRules rules;
-  for (std::size_t i = 0; i < TouchRules::kMost; ++i) rules.add({"a", "b"});
+  for (std::size_t i = 0; i < TouchRules::kMost; ++i) rules.add({"a", "b" + std::to_string(i)});
   EXPECT_THROW(rules.add({"a", "b"}), InputError);
+  EXPECT_NO_THROW(rules.add({"b7", "a", true}));
+  EXPECT_TRUE(rules.touch(rules.sides("a"), 0, rules.sides("b7"), 1));
+  EXPECT_FALSE(rules.touch(rules.sides("a"), 0, rules.sides("b8"), 1));
+}
+
+TEST(TouchRules, AllOfAPairReplacesWhatWasSaidOfItsPartsAndPartsDoNot) {
+  TouchRules rules;
+  const auto region = [](const Vec3& x) { return x.z() > 0.0; };
+  const auto about = [&] { return rules.about_parts(rules.sides("a"), rules.sides("b")); };
+  rules.add({"a", "b", true});
+  rules.add({"a", "b", false, region}, 0);
+  rules.add({"b", "a", false, {}, region}, 1);
+  EXPECT_EQ(std::popcount(about()), 2);
+  EXPECT_TRUE(rules.touch_there(rules.sides("a"), rules.sides("b"), [](int, bool) { return false; }));
+  rules.add({"b", "a", false});
+  EXPECT_EQ(about(), 0u);
+  EXPECT_FALSE(rules.touch(rules.sides("a"), 0, rules.sides("b"), 1));
+}
+
+TEST(TouchRules, APairIsToggledAsOftenAsOneLikes) {
+  for (const bool begun : {false, true}) {
+    World w(testing::options_at(0.1));
+    w.add(testing::ground(0.5));
+    w.add(testing::box("box", {Vec3(0, 0, 0.6)}));
+    if (begun) w.step();
+    for (int i = 0; i < 300; ++i) w.set_touch({"box", "ground", i % 2 == 1});
+    const std::size_t memory = w.state().warm_start.size();
+    for (int i = 0; i < 300; ++i) w.set_touch({"ground", "box", i % 2 == 1});
+    EXPECT_EQ(w.state().warm_start.size(), memory);
+    EXPECT_EQ(w.options().touch_rules.size(), 1u);
+    for (int s = 0; s < 60; ++s) w.step();
+    EXPECT_GT(testing::position(w, 1).z(), 0.4);
+  }
 }
 
 TEST(TouchRules, ABoxFallsThroughTheGroundThatItDoesNotTouchUntilItIsToldTo) {

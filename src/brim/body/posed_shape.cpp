@@ -3,15 +3,16 @@
 #include <cmath>
 
 #include "brim/body/posed_display.h"
+#include "brim/core/error.h"
 #include "brim/core/parallel.h"
 #include "brim/raster/averaged_distances.h"
 
 namespace brim {
 
 PosedShape::PosedShape(std::shared_ptr<const Shape> shape, Shared<TriMesh> surface)
-    : shape_(std::move(shape)),
-      known_(dynamic_cast<const KnownDistance*>(shape_.get())),
-      surface_(std::move(surface)) {}
+    : shape_(std::move(shape)), known_(dynamic_cast<const KnownDistance*>(shape_.get())), surface_(std::move(surface)) {
+  if (shape_ == nullptr) throw InputError("solid: there is no shape; give one, such as make_sphere(0.1)");
+}
 
 const KnownDistance* PosedShape::known_distance_averaged(double w, Averaged which) const {
   const auto* shape = dynamic_cast<const AveragedDistances*>(shape_.get());

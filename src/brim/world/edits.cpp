@@ -89,6 +89,15 @@ void for_records(std::span<const double> memory, const F& f) {
 }  // namespace
 
 void Edits::take(std::vector<double>& memory, int bodies) {
+  // In a run of steps nothing is new.
+  std::vector<double> known;
+  keep(known);
+  const auto own_end = memory.begin() + static_cast<std::ptrdiff_t>(size_in(memory));
+  if (!std::equal(memory.begin(), own_end, known.begin(), known.end())) read(memory, bodies);
+  memory.erase(memory.begin(), own_end);
+}
+
+void Edits::read(std::span<const double> memory, int bodies) {
   *this = {};
   for_records(memory, [&](Word word, RecordReader r) {
     if (word == kRemoved) {
@@ -132,7 +141,6 @@ void Edits::take(std::vector<double>& memory, int bodies) {
       if (good) rules.push_back({rule, r.good() && region >= 0.0 && region < 1e6 ? static_cast<int>(region) : -1});
     }
   });
-  memory.erase(memory.begin(), memory.begin() + static_cast<std::ptrdiff_t>(size_in(memory)));
 }
 
 void Edits::keep(std::vector<double>& memory) const {

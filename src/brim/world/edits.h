@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -35,6 +36,9 @@ struct Edits {
   void take(std::vector<double>& memory, int bodies);
   /// Writes it in front of the rest of memory.
   void keep(std::vector<double>& memory) const;
+
+ private:
+  void read(std::span<const double> memory, int bodies);
 };
 
 /// Bodies of a state that were removed, ascending; for readers of recorded states.

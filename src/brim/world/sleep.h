@@ -32,7 +32,7 @@ class Sleep {
   /// To be called when bodies have been replaced by other objects: removed, or brought back.
   void follow(std::span<const std::unique_ptr<Body>> bodies);
   bool on() const { return !island_.empty(); }
-  bool asleep(std::size_t body) const { return on() && island_[body] >= 0; }
+  bool asleep(std::size_t body) const { return body < island_.size() && island_[body] >= 0; }
   int count() const;
 
   /// Reads and removes its part of memory.

@@ -40,11 +40,18 @@ bool name_matches(std::string_view wanted, std::string_view name) {
 }
 
 void TouchRules::add(const TouchRule& rule, int region) {
-  if (rules_.size() == kMost)
+  const auto is_void = [&](const TouchRule& r) { return r.overruled_by(rule); };
+  if (rules_.size() - static_cast<std::size_t>(std::ranges::count_if(rules_, is_void)) >= kMost)
     throw InputError(fmt::format("rules of which bodies touch: at most {} are allowed", kMost));
-  if (rule.about_part()) about_parts_ |= std::uint64_t{1} << rules_.size();
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < rules_.size(); ++i)
+    if (!is_void(rules_[i])) rules_[kept] = rules_[i], regions_[kept++] = regions_[i];
+  rules_.resize(kept), regions_.resize(kept);
   rules_.push_back(rule);
   regions_.push_back(region);
+  about_parts_ = 0;
+  for (std::size_t i = 0; i < rules_.size(); ++i)
+    if (rules_[i].about_part() || regions_[i] >= 0) about_parts_ |= std::uint64_t{1} << i;
 }
 
 bool TouchRules::touch_somewhere(std::uint64_t about) const {

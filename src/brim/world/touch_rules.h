@@ -15,14 +15,19 @@
 namespace brim {
 
 /// Rule whether bodies of two names touch. In a name * stands for any characters and ? for one; the stem of numbered
-/// copies ("box" for box.0, box.1, ...) stands for all of them. With a region the rule applies only to contacts on that
-/// part of a body: on the material that was there when rule and body first both existed.
+/// copies ("box" for box.0, box.1, ...) stands for all of them. A name that no body has is about those added later.
+/// With a region the rule applies only to contacts on that part of a body: on the material that was there when rule and
+/// body first both existed.
 struct TouchRule {
   std::string a, b;
   bool touch = false;
   std::function<bool(const Vec3&)> region_a{}, region_b{};  ///< [m] of places; empty: the whole body
 
   bool about_part() const { return region_a || region_b; }
+  /// True when a later rule makes this one void: it is about all of the bodies of the same two names.
+  bool overruled_by(const TouchRule& later) const {
+    return !later.about_part() && ((a == later.a && b == later.b) || (a == later.b && b == later.a));
+  }
 };
 
 /// True when `wanted` is the name, a stem of it or a pattern of it (TouchRule).

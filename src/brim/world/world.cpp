@@ -2,47 +2,17 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cmath>
 
-#include "brim/body/rigid_frame.h"
+#include "brim/core/checked_index.h"
 #include "brim/core/error.h"
-#include "brim/core/interface_of.h"
+#include "brim/world/given_values.h"
 #include "brim/world/world_impl.h"
 
 namespace brim {
 
-namespace {
-
-void need_state(const Body& body, std::span<const double> numbers, const char* what) {
-  for (std::size_t i = 0; i < numbers.size(); ++i)
-    if (!std::isfinite(numbers[i]))
-      throw InputError(fmt::format("state: {} {} of '{}' is {}; all must be finite", what, i, body.name(), numbers[i]));
-}
-
-/// Checks that a rigid body's quaternion is valid.
-void need_turn(const Body& body, std::span<const double> q) {
-  if (interface_of<RigidFrame>(body) == nullptr || q.size() != 7) return;
-  const double length = Eigen::Map<const Eigen::Vector4d>(q.data() + 3).stableNorm();
-  if (!(length > 1e-3 && length < 1e3))
-    throw InputError(fmt::format("state: the quaternion of '{}' has length {}; must be near 1", body.name(), length));
-}
-
-}  // namespace
-
 World::World(WorldOptions options) : impl_(std::make_unique<Impl>()) {
   impl_->self = this;
-  const auto need = [](const char* what, double value, bool good) {
-    if (!good) throw InputError(fmt::format("world: {} = {} is out of range", what, value));
-  };
-  need("time_step [s]", options.time_step, options.time_step > 0.0 && std::isfinite(options.time_step));
-  need("voxel_size [m]", options.voxel_size, options.voxel_size >= 0.0 && std::isfinite(options.voxel_size));
-  need("ramp_voxels", options.ramp_voxels, options.ramp_voxels >= 2.0 && options.ramp_voxels <= 4.0);
-  need("stiffness [Pa]", options.stiffness, options.stiffness >= 0.0 && std::isfinite(options.stiffness));
-  need("damping_steps", options.damping_steps, options.damping_steps >= 0.0 && std::isfinite(options.damping_steps));
-  need("max_motion_voxels", options.max_motion_voxels,
-       options.max_motion_voxels > 0.0 && options.max_motion_voxels <= 2.0);
-  need("max_substeps", options.max_substeps, options.max_substeps >= 1);
-  need("cg_tolerance", options.cg_tolerance, options.cg_tolerance > 0.0 && options.cg_tolerance < 1.0);
+  need_options(options);
   static std::atomic<std::uint64_t> worlds{0};
   impl_->own_number = ++worlds;
   impl_->note_wiring();
@@ -53,16 +23,22 @@ World::World(WorldOptions options) : impl_(std::make_unique<Impl>()) {
 }
 
 World::~World() = default;
-World::World(World&& other) noexcept : impl_(std::move(other.impl_)) { impl_->self = this; }
+World::World(World&& other) noexcept { *this = std::move(other); }
+World& World::operator=(World&& other) noexcept {
+  impl_ = std::move(other.impl_);
+  if (impl_ != nullptr) impl_->self = this;
+  return *this;
+}
 
 int World::add(std::unique_ptr<Body> body) {
   if (body == nullptr) throw InputError("world: there is no body to add");
   Impl& w = *impl_;
-  if (w.names.contains(body->name()))
-    throw InputError(fmt::format("world: two bodies are named '{}'; names must be unique", body->name()));
+  if (w.names.contains(body->name())) w.refuse_name(body->name());
   // Everything that may throw comes first.
   std::vector<double> q0(body->q_size()), v0(body->v_size());
   body->initial_state(q0, v0);
+  need_coordinates("add", *body, q0, v0);
+  need_parts(*body);
   body->update(w.state.time, q0, v0);
   std::vector<PartInfo> infos;
   for (int p = 0; p < body->part_count(); ++p) infos.push_back(body->part(p));
@@ -72,8 +48,16 @@ int World::add(std::unique_ptr<Body> body) {
   if (space) w.hide_space();
   w.append(std::move(body), q0, v0);
   if (space) w.show_space();
-  w.show_whole();
+  w.whole_is_old = true;
   return static_cast<int>(w.count()) - 1;
+}
+
+void World::Impl::refuse_name(const std::string& name) const {
+  for (std::size_t b = 0; b < count(); ++b)
+    if (own(b).name() == name && is_removed(b))
+      throw InputError(
+          fmt::format("world: '{}' is the name of a removed body, for which it stays reserved; use another", name));
+  throw InputError(fmt::format("world: two bodies are named '{}'; names must be unique", name));
 }
 
 void World::Impl::append(std::unique_ptr<Body> body, std::span<const double> q0, std::span<const double> v0) {
@@ -102,7 +86,7 @@ void World::Impl::keep_memory() {
   edits.keep(state.warm_start);
   levels.keep(state.warm_start);
   for (std::size_t i = watchers.size(); i-- > 0;) watchers[i]->keep(*self, state.warm_start);
-  show_whole();
+  whole_is_old = true;
 }
 
 void World::Impl::note_wiring() {
@@ -112,7 +96,7 @@ void World::Impl::note_wiring() {
   for (std::size_t i = 0; i < links.kept(); ++i) wiring->link_names.push_back(links.attachment(i).name);
   for (std::size_t i = 0; i < actions.size(); ++i) wiring->force_names.push_back(actions.given(i).name);
   state.wiring = std::move(wiring);
-  show_whole();
+  whole_is_old = true;
 }
 
 std::shared_ptr<const Wiring> World::Impl::wiring_of(const State& other) const {
@@ -136,28 +120,51 @@ std::shared_ptr<const Wiring> World::Impl::wiring_of(const State& other) const {
   return out;
 }
 
-void World::watch(std::unique_ptr<Watcher> watcher) { impl_->watchers.push_back(std::move(watcher)); }
+void World::watch(std::unique_ptr<Watcher> watcher) {
+  if (watcher == nullptr) throw InputError("watch: there is no watcher; give one");
+  impl_->watchers.push_back(std::move(watcher));
+}
 std::span<const std::unique_ptr<Watcher>> World::watchers() const { return impl_->watchers; }
 
+std::size_t World::Impl::body_index(int b, const char* what) const { return checked_index(b, count(), what, "body"); }
+std::size_t World::Impl::part_index(int p, const char* what) const {
+  return checked_index(p, parts.size() - has_space, what, "part");
+}
+
 int World::body_count() const { return static_cast<int>(impl_->count()); }
-const Body& World::body(int b) const { return impl_->own(static_cast<std::size_t>(b)); }
+const Body& World::body(int b) const {
+  const std::size_t i = impl_->body_index(b, "body");
+  impl_->catch_up();
+  return impl_->own(i);
+}
 int World::part_count() const { return static_cast<int>(impl_->parts.size() - impl_->has_space); }
-PartRef World::part(int p) const { return {impl_->parts.at(p).body_index, impl_->parts.at(p).index}; }
+PartRef World::part(int p) const {
+  const WorldPart& part = impl_->parts[impl_->part_index(p, "part")];
+  return {part.body_index, part.index};
+}
 std::span<const double> World::q(int b) const {
-  const auto i = static_cast<std::size_t>(b);
-  return impl_->out(i) ? impl_->absences.at(i).q : impl_->q(i);
+  const std::size_t i = impl_->body_index(b, "q");
+  impl_->catch_up();
+  return impl_->kept_q(i);
 }
 std::span<const double> World::v(int b) const {
-  const auto i = static_cast<std::size_t>(b);
-  return impl_->out(i) ? impl_->absences.at(i).v : impl_->v(i);
+  const std::size_t i = impl_->body_index(b, "v");
+  impl_->catch_up();
+  return impl_->kept_v(i);
 }
-const WorldOptions& World::options() const { return impl_->options; }
-const State& World::state() const { return impl_->edits.removed.empty() ? impl_->state : impl_->whole; }
+const WorldOptions& World::options() const {
+  impl_->catch_up();
+  return impl_->options;
+}
+const State& World::state() const {
+  impl_->catch_up();
+  return impl_->whole_state();
+}
 std::span<const ContactSample> World::contacts() const { return impl_->samples; }
 std::span<const std::pair<TileKey, double>> World::active_tiles() const { return impl_->stage.active_tiles(); }
 
 double World::stiffness() const {
-  if (!impl_->started) impl_->start();
+  impl_->start();
   return impl_->stiffness();
 }
 
@@ -170,9 +177,7 @@ void World::set_state(State state) {
   std::span<const double> q = state.q, v = state.v;
   for (std::size_t b = 0; b < w.count(); ++b) {
     const Body& body = w.own(b);
-    need_state(body, q.first(body.q_size()), "coordinate");
-    need_turn(body, q.first(body.q_size()));
-    need_state(body, v.first(body.v_size()), "velocity");
+    need_coordinates("state", body, q.first(body.q_size()), v.first(body.v_size()));
     q = q.subspan(body.q_size()), v = v.subspan(body.v_size());
   }
   std::shared_ptr<const Wiring> wiring = w.wiring_of(state);
@@ -202,23 +207,19 @@ void World::set_state(State state) {
   for (const auto& watcher : w.watchers) watcher->restored(*this);
 }
 
-bool World::asleep(int b) const { return impl_->sleep.asleep(static_cast<std::size_t>(b)); }
+bool World::asleep(int b) const { return impl_->sleep.asleep(impl_->body_index(b, "asleep")); }
 
-void World::wake(int b) {
-  Impl& w = *impl_;
-  if (!w.sleep.on()) return;
-  w.take_memory();
-  w.sleep.wake(static_cast<std::size_t>(b));
-  w.keep_memory();
-}
+void World::wake(int b) { impl_->wake(impl_->body_index(b, "wake")); }
 
 double World::voxel_size(int part) const {
+  const std::size_t p = impl_->part_index(part, "voxel_size");
   impl_->start();
-  return impl_->parts.at(static_cast<std::size_t>(part)).h;
+  return impl_->parts[p].h;
 }
 
 void World::density(int part, double h, std::span<const TileKey> tiles, std::span<DensityBlock> out) const {
-  const WorldPart& p = impl_->parts.at(part);
+  const WorldPart& p = impl_->parts[impl_->part_index(part, "density")];
+  impl_->catch_up();
   if (impl_->out(static_cast<std::size_t>(p.body_index)))
     for (DensityBlock& block : out) std::ranges::fill(block.rho, 0.0), std::ranges::fill(block.source, 0);
   p.body->rasterize(p.index, h, impl_->options.ramp_voxels * h, tiles, out);

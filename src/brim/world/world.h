@@ -79,12 +79,14 @@ struct PartRef {
   int body = 0, index = 0;
 };
 
-/// Bodies, their state, and the step that moves them (design: one step).
+/// Bodies, their state, and the step that moves them (design: one step). Every number of a body, part, attachment or
+/// force that is not there throws InputError.
 class World {
  public:
   explicit World(WorldOptions options = {});
   ~World();
   World(World&&) noexcept;
+  World& operator=(World&&) noexcept;
 
   /// Adds a body; its name must be unique. @return its number
   /// @throws InputError, and exceptions of the body; the world is then unchanged
@@ -168,16 +170,19 @@ class World {
   /// Calls the edit at the start of the first step that begins at `at` [s] or later. Not part of the state: a state
   /// from after that time contains the edit. An exception of the edit becomes the warning "edit_refused".
   void schedule(double at, std::function<void(World&)> edit);
-  /// Sets whether bodies touch, from the next step on; overrides earlier rules. @throws InputError
+  /// Sets whether bodies touch, from the next step on; overrides earlier rules, and replaces those of the same two
+  /// names. Names that no body has yet are allowed: the rule is about those that are added later.
+  /// @throws InputError  when there are more than 64 rules of different names
   void set_touch(const TouchRule& rule);
   /// Sets gravity from the next step on. @throws InputError
   void set_gravity(const Vec3& gravity);
 
-  /// Registers a watcher of all steps from the next one on, and owns it.
+  /// Registers a watcher of all steps from the next one on, and owns it. @throws InputError  for none
   void watch(std::unique_ptr<Watcher> watcher);
   std::span<const std::unique_ptr<Watcher>> watchers() const;
 
   const WorldOptions& options() const;
+  /// The present state. Ask again after each step and edit.
   const State& state() const;
   /// Replaces the state (resume); sizes must match, and of a state of another world all attachments and forces must be
   /// here by name. @throws InputError

@@ -1,5 +1,6 @@
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "brim/body/movable_base.h"
 #include "brim/world/space.h"
@@ -10,18 +11,13 @@ namespace brim {
 
 // ---- absent bodies -------------------------------------------------------------------------------------------------
 
-bool World::Impl::out(std::size_t b) const {
-  const auto it = absences.find(b);
-  return it != absences.end() && it->second.out;
-}
-
-const Body& World::Impl::own(std::size_t b) const { return out(b) ? *absences.at(b).other : *bodies.at(b); }
+const Body& World::Impl::own(std::size_t b) const { return out(b) ? *absences[b].other : *bodies.at(b); }
 
 Body* World::Impl::aimed(int b) {
   const auto i = static_cast<std::size_t>(b);
   if (b < 0 || i >= count()) return nullptr;
   if (i < fresh.size()) fresh[i] = 0;  // the energy of its drives is another
-  return out(i) ? absences.at(i).other.get() : bodies[i].get();
+  return out(i) ? absences[i].other.get() : bodies[i].get();
 }
 
 void World::Impl::count_state() {
@@ -36,29 +32,50 @@ void World::Impl::count_state() {
   fresh.clear();
 }
 
-void World::Impl::show_whole() {
-  if (edits.removed.empty()) return;
-  whole = state;
-  whole.q.clear(), whole.v.clear();
+std::span<const double> World::Impl::kept_q(std::size_t b) const {
+  return out(b) ? std::span(absences[b].q) : std::span(state.q).subspan(first_q[b], first_q[b + 1] - first_q[b]);
+}
+
+std::span<const double> World::Impl::kept_v(std::size_t b) const {
+  return out(b) ? std::span(absences[b].v) : std::span(state.v).subspan(first_v[b], first_v[b + 1] - first_v[b]);
+}
+
+const State& World::Impl::whole_state() {
+  if (edits.removed.empty()) return state;
+  if (!std::exchange(whole_is_old, false)) return whole;
+  whole.time = state.time, whole.step = state.step;
+  whole.warm_start = state.warm_start, whole.wiring = state.wiring;
+  gather_whole(whole.q, whole.v);
+  return whole;
+}
+
+void World::Impl::gather_whole(std::vector<double>& all_q, std::vector<double>& all_v) const {
+  all_q.clear(), all_v.clear();
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    const std::span<const double> qb = out(b) ? absences.at(b).q : q(b), vb = out(b) ? absences.at(b).v : v(b);
-    whole.q.insert(whole.q.end(), qb.begin(), qb.end());
-    whole.v.insert(whole.v.end(), vb.begin(), vb.end());
+    const std::span<const double> qb = kept_q(b), vb = kept_v(b);
+    all_q.insert(all_q.end(), qb.begin(), qb.end());
+    all_v.insert(all_v.end(), vb.begin(), vb.end());
   }
 }
 
 void World::Impl::bring_back() {
-  for (auto& [b, absence] : absences) {
-    if (!absence.out) continue;
-    state.q.insert(state.q.begin() + static_cast<std::ptrdiff_t>(first_q[b]), absence.q.begin(), absence.q.end());
-    state.v.insert(state.v.begin() + static_cast<std::ptrdiff_t>(first_v[b]), absence.v.begin(), absence.v.end());
-    std::swap(bodies[b], absence.other);
-    absence.out = false;
-    count_state();
+  std::vector<double> all_q, all_v;
+  gather_whole(all_q, all_v);
+  bool any = false;
+  for (std::size_t b = 0; b < absences.size(); ++b) {
+    if (!out(b)) continue;
+    std::swap(bodies[b], absences[b].other);
+    absences[b].out = false;
+    any = true;
   }
+  if (!any) return;
+  std::swap(state.q, all_q), std::swap(state.v, all_v);
+  count_state();
 }
 
 void World::Impl::leave_out() {
+  bool any = false;
+  absences.resize(bodies.size());
   for (const int number : edits.removed) {
     const auto b = static_cast<std::size_t>(number);
     Absence& absence = absences[b];
@@ -66,17 +83,23 @@ void World::Impl::leave_out() {
     absence.q.assign(q(b).begin(), q(b).end());
     absence.v.assign(v(b).size(), 0.0);
     bodies[b]->update(state.time, absence.q, absence.v);
-    state.q.erase(state.q.begin() + static_cast<std::ptrdiff_t>(first_q[b]),
-                  state.q.begin() + static_cast<std::ptrdiff_t>(first_q[b + 1]));
-    state.v.erase(state.v.begin() + static_cast<std::ptrdiff_t>(first_v[b]),
-                  state.v.begin() + static_cast<std::ptrdiff_t>(first_v[b + 1]));
     // Kept for ever: data cached for one object must not be used for another at the same address.
     if (!absence.other) absence.other = std::make_unique<Space>(bodies[b]->part_count());
     std::swap(bodies[b], absence.other);
     absence.out = true;
+    any = true;
+  }
+  if (any) {
+    std::vector<double> left_q, left_v;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      if (out(b)) continue;
+      left_q.insert(left_q.end(), q(b).begin(), q(b).end());
+      left_v.insert(left_v.end(), v(b).begin(), v(b).end());
+    }
+    std::swap(state.q, left_q), std::swap(state.v, left_v);
     count_state();
   }
-  show_whole();
+  whole_is_old = true;
 }
 
 // ---- edited properties ---------------------------------------------------------------------------------------------
@@ -97,7 +120,7 @@ PartInfo World::Impl::info_of(const WorldPart& p) const {
 void World::Impl::set_bases() {
   coupling.forget();
   for (std::size_t i = 0; i < count(); ++i) {
-    auto* base = dynamic_cast<MovableBase*>(out(i) ? absences.at(i).other.get() : bodies[i].get());
+    auto* base = dynamic_cast<MovableBase*>(out(i) ? absences[i].other.get() : bodies[i].get());
     if (base == nullptr) continue;
     const auto moved = edits.bases.find(static_cast<int>(i));
     base->set_base(moved == edits.bases.end() ? Pose{} : moved->second);

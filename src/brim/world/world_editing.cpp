@@ -5,6 +5,7 @@
 #include "brim/core/error.h"
 #include "brim/world/attachment.h"
 #include "brim/world/body_motion.h"
+#include "brim/world/given_values.h"
 #include "brim/world/world_impl.h"
 
 namespace brim {
@@ -19,46 +20,48 @@ bool is_driven(const Body& body) {
   return movable != nullptr && movable->driven();
 }
 
-void need_number(const std::string& of, const char* what, double value, double least, double most) {
-  if (!(value >= least && value <= most) || !std::isfinite(value))
-    throw InputError(
-        std::isinf(most)
-            ? fmt::format("{}: {} {} is not allowed; must be a number from {}", of, what, value, least)
-            : fmt::format("{}: {} {} is not allowed; must be from {} to {}", of, what, value, least, most));
-}
-
 }  // namespace
 
 void World::Impl::need(int b, const char* what) const {
-  if (b < 0 || b >= static_cast<int>(count()))
-    throw InputError(fmt::format("{}: body {} is not there; there are {}", what, b, count()));
-  if (out(static_cast<std::size_t>(b)))
-    throw InputError(fmt::format("{}: '{}' was removed", what, own(static_cast<std::size_t>(b)).name()));
+  const std::size_t i = body_index(b, what);
+  if (is_removed(i)) throw InputError(fmt::format("{}: '{}' was removed", what, own(i).name()));
 }
 
 void World::Impl::edit(const std::function<void(Edits&)>& change) {
-  start();
-  bring_back();
+  if (!started) start();
   take_memory();
   change(edits);
-  leave_out();
-  follow_edits();
-  stage.rigid().restore(state.warm_start);
   keep_memory();
-  update_bodies();
+  edited = true;
 }
 
-void World::Impl::wake_around(World& world, int b) {
-  const bool fixed = own(static_cast<std::size_t>(b)).immobile() || is_frozen(static_cast<std::size_t>(b));
-  for (int i = 0; i < static_cast<int>(count()); ++i)
-    if (fixed || i == b) world.wake(i);
+void World::Impl::wake_around(int b) {
+  const auto i = static_cast<std::size_t>(b);
+  if (own(i).immobile() || is_frozen(i))
+    wake_all();
+  else
+    wake(i);
+}
+
+void World::Impl::wake_all() {
+  if (!sleep.on() || sleep.count() == 0) return;
+  take_memory();
+  for (std::size_t b = 0; b < count(); ++b) sleep.wake(b);
+  keep_memory();
+}
+
+void World::Impl::wake(std::size_t b) {
+  if (!sleep.asleep(b)) return;
+  take_memory();
+  sleep.wake(b);
+  keep_memory();
 }
 
 void World::remove(int b) {
   Impl& w = *impl_;
   w.need(b, "remove");
-  w.start();
-  w.wake_around(*this, b);
+  if (!w.started) w.start();
+  w.wake_around(b);
   if (grabbed() == b) release();
   w.edit([&](Edits& edits) {
     edits.removed.insert(b);
@@ -67,16 +70,16 @@ void World::remove(int b) {
   });
 }
 
-bool World::removed(int b) const { return impl_->out(static_cast<std::size_t>(b)); }
+bool World::removed(int b) const { return impl_->is_removed(impl_->body_index(b, "removed")); }
 
 void World::freeze(int b, bool frozen) {
   Impl& w = *impl_;
   w.need(b, "freeze");
   if (w.is_frozen(static_cast<std::size_t>(b)) == frozen) return;
-  if (frozen && is_driven(body(b)))
-    throw InputError(fmt::format("freeze: '{}' follows keyframes; it cannot be frozen", body(b).name()));
-  w.start();
-  w.wake_around(*this, b);
+  if (const Body& body = w.own(static_cast<std::size_t>(b)); frozen && is_driven(body))
+    throw InputError(fmt::format("freeze: '{}' follows keyframes; it cannot be frozen", body.name()));
+  if (!w.started) w.start();
+  w.wake_around(b);
   std::ranges::fill(w.v(static_cast<std::size_t>(b)), 0.0);
   w.edit([&](Edits& edits) {
     if (frozen)
@@ -86,7 +89,7 @@ void World::freeze(int b, bool frozen) {
   });
 }
 
-bool World::frozen(int b) const { return impl_->is_frozen(static_cast<std::size_t>(b)); }
+bool World::frozen(int b) const { return impl_->is_frozen(impl_->body_index(b, "frozen")); }
 
 void World::move(int b, const Pose& by) {
   Impl& w = *impl_;
@@ -102,7 +105,7 @@ void World::move(int b, const Pose& by) {
   for (std::size_t l = 0; l < w.links.size(); ++l)
     if (const auto [i, j] = w.links.bodies(l); !w.links.broken(l) && (i == b || j == b))
       refuse(fmt::format("is held by '{}'; detach it first", w.links.attachment(l).name));
-  w.wake_around(*this, b);
+  w.wake_around(b);
   if (moves_by_base(body)) {
     w.edit([&](Edits& edits) {
       Pose& base = edits.bases[b];
@@ -111,7 +114,7 @@ void World::move(int b, const Pose& by) {
     return;
   }
   dynamic_cast<const Movable&>(body).move(by, w.q(static_cast<std::size_t>(b)), w.v(static_cast<std::size_t>(b)));
-  w.show_whole();
+  w.whole_is_old = true;
   w.update_bodies();
 }
 
@@ -143,20 +146,18 @@ void World::set_velocity(int b, const Vec3& velocity, const Vec3& angular_veloci
         kMomentumMissed * mass * std::max(velocity.norm(), turning)))
     refuse("has no coordinates that move it so; set its v");
   body.filter(v);
-  w.wake_around(*this, b);
+  w.wake_around(b);
   std::ranges::copy(v, w.v(static_cast<std::size_t>(b)).begin());
-  w.show_whole();
+  w.whole_is_old = true;
   w.update_bodies();
 }
 
 void World::set_material(int b, const Material& material) {
   impl_->need(b, "set_material");
-  const std::string of = fmt::format("material '{}' of '{}'", material.name, body(b).name());
-  need_number(of, "friction", material.friction, 0.0, std::numeric_limits<double>::infinity());
-  need_number(of, "restitution", material.restitution, 0.0, 1.0);
-  need_number(of, "rolling_resistance", material.rolling_resistance, 0.0, std::numeric_limits<double>::infinity());
-  impl_->start();
-  impl_->wake_around(*this, b);
+  need_material(fmt::format("material '{}' of '{}'", material.name, impl_->own(static_cast<std::size_t>(b)).name()),
+                material);
+  if (!impl_->started) impl_->start();
+  impl_->wake_around(b);
   impl_->edit([&](Edits& edits) { edits.materials[b] = material; });
 }
 
@@ -164,36 +165,33 @@ Material World::material(int b, int part) const {
   for (const WorldPart& p : impl_->parts)
     if (p.body_index == b && p.index == part) {
       const auto it = impl_->edits.materials.find(b);
-      return it != impl_->edits.materials.end() ? it->second : body(b).part(part).material;
+      return it != impl_->edits.materials.end() ? it->second
+                                                : impl_->own(static_cast<std::size_t>(b)).part(part).material;
     }
   throw InputError(fmt::format("material: body {} has no part {}", b, part));
 }
 
 void World::set_pair_material(const std::string& a, const std::string& b, const PairMaterial& pair) {
-  const std::string of = fmt::format("materials '{}' and '{}'", a, b);
-  if (!(pair.friction < 0.0)) need_number(of, "friction", pair.friction, 0.0, std::numeric_limits<double>::infinity());
-  if (!(pair.restitution < 0.0)) need_number(of, "restitution", pair.restitution, 0.0, 1.0);
-  if (!(pair.rolling_resistance < 0.0))
-    need_number(of, "rolling_resistance", pair.rolling_resistance, 0.0, std::numeric_limits<double>::infinity());
-  need_number(of, "stiffness", pair.stiffness, 0.0, std::numeric_limits<double>::infinity());
+  need_pair_material(fmt::format("materials '{}' and '{}'", a, b), pair);
   impl_->edit([&](Edits& edits) { edits.pairs[std::minmax(a, b)] = pair; });
-  for (int i = 0; i < body_count(); ++i) wake(i);
+  impl_->wake_all();
 }
 
 void World::set_stiffness(double stiffness) {
   if (!(stiffness > 0.0) || !std::isfinite(stiffness))
     throw InputError(fmt::format("world: stiffness {} is not allowed; must be a number above 0 [Pa]", stiffness));
   impl_->edit([&](Edits& edits) { edits.stiffness = stiffness; });
-  for (int i = 0; i < body_count(); ++i) wake(i);
+  impl_->wake_all();
 }
 
 void World::set_gravity(const Vec3& gravity) {
   if (!gravity.allFinite()) throw InputError("world: gravity is not finite");
   impl_->edit([&](Edits& edits) { edits.gravity = gravity; });
-  for (int i = 0; i < body_count(); ++i) wake(i);
+  impl_->wake_all();
 }
 
 void World::set_touch(const TouchRule& rule) {
+  impl_->catch_up();
   TouchRules more = impl_->rules;
   more.add(rule);  // throws when there are too many
   int region = -1;
@@ -207,18 +205,25 @@ void World::set_touch(const TouchRule& rule) {
   }
   if (!impl_->started && impl_->state.step == 0 && region < 0) {
     // As if the world had been constructed with it: not an edit that setting a state would undo.
-    impl_->given.touch_rules.push_back(rule);
-    impl_->options.touch_rules.push_back(rule);
+    for (auto* rules : {&impl_->given.touch_rules, &impl_->options.touch_rules}) {
+      // Those about parts are numbered by their order.
+      std::erase_if(*rules, [&](const TouchRule& r) { return !r.about_part() && r.overruled_by(rule); });
+      rules->push_back(rule);
+    }
     impl_->rules = std::move(more);
     return;
   }
-  impl_->edit([&](Edits& edits) { edits.rules.push_back({rule, region}); });
-  for (int i = 0; i < body_count(); ++i) wake(i);
+  impl_->edit([&](Edits& edits) {
+    std::erase_if(edits.rules, [&](const Edits::Rule& r) { return r.rule.overruled_by(rule); });
+    edits.rules.push_back({rule, region});
+  });
+  impl_->wake_all();
 }
 
 // ---- scheduled edits -----------------------------------------------------------------------------------------------
 
 void World::schedule(double at, std::function<void(World&)> edit) {
+  if (edit == nullptr) throw InputError(fmt::format("an edit at time {} does nothing: its function is empty", at));
   if (!std::isfinite(at)) throw InputError(fmt::format("an edit cannot be at time {}", at));
   auto& all = impl_->scheduled;
   const auto after = std::ranges::upper_bound(all, at, {}, &Impl::Scheduled::at);

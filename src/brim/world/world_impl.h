@@ -48,6 +48,7 @@ struct World::Impl {
   std::vector<std::size_t> first_q{0}, first_v{0};
   State state;
   bool started = false;
+  bool edited = false;  ///< edits wait for the next start()
   ContactParameters laws;
   Sleep sleep;
   TouchRules rules;
@@ -65,8 +66,9 @@ struct World::Impl {
     std::vector<double> q, v;
     bool out = false;
   };
-  std::map<std::size_t, Absence> absences;
-  State whole;  ///< including removed bodies, if there are any
+  std::vector<Absence> absences;  ///< by body; empty as long as none was removed
+  State whole;                    ///< including removed bodies, if there are any; found when it is asked for
+  bool whole_is_old = true;
   struct Scheduled {
     double at = 0.0;
     std::function<void(World&)> edit;
@@ -103,7 +105,15 @@ struct World::Impl {
   std::span<double> q(std::size_t b) { return std::span(state.q).subspan(first_q[b], first_q[b + 1] - first_q[b]); }
   std::span<double> v(std::size_t b) { return std::span(state.v).subspan(first_v[b], first_v[b + 1] - first_v[b]); }
 
+  /// Makes the choices of the first step, and applies what was edited since the last call. Many edits in a row cost
+  /// little more than one.
   void start();
+  /// The grid steps of the parts, and the stiffness of contact that the loads want.
+  void choose_steps();
+  /// Applies what was edited since the last start.
+  void catch_up() {
+    if (edited) start();
+  }
   /// [Pa] given, or chosen from the loads.
   double stiffness() const { return options.stiffness > 0.0 ? options.stiffness : laws.stiffness(); }
   /// Appends a complete body: its exceptions have been thrown before.
@@ -116,15 +126,25 @@ struct World::Impl {
   /// take_memory reads the state of links, sleep and others from memory; keep_memory writes it back in front.
   void take_memory();
   void keep_memory();
+  /// Numbers that a user gave, as indices. @throws InputError
+  std::size_t body_index(int b, const char* what) const;
+  std::size_t part_index(int p, const char* what) const;
+  std::size_t link_index(int i, const char* what) const;
+  [[noreturn]] void refuse_name(const std::string& name) const;
   /// The body that was added, even if another object stands in its place now.
   const Body& own(std::size_t b) const;
   /// The same by a number that may be none, for DriveAims.
   Body* aimed(int b);
-  bool out(std::size_t b) const;
+  bool out(std::size_t b) const { return b < absences.size() && absences[b].out; }
+  /// Coordinates and velocities of a body, removed or not.
+  std::span<const double> kept_q(std::size_t b) const;
+  std::span<const double> kept_v(std::size_t b) const;
+  /// True from the call of remove on; out() from the start() that follows.
+  bool is_removed(std::size_t b) const { return !edits.removed.empty() && edits.removed.contains(static_cast<int>(b)); }
   bool is_frozen(std::size_t b) const { return !edits.frozen.empty() && edits.frozen.contains(static_cast<int>(b)); }
   /// @throws InputError  when the number is not that of a body, or the body was removed
   void need(int b, const char* what) const;
-  /// Changes the edits, and everything derived from them.
+  /// Changes the edits; start() changes everything derived from them.
   void edit(const std::function<void(Edits&)>& change);
   /// Brings all removed bodies back temporarily, so that the state contains all; leave_out takes them out again.
   void bring_back();
@@ -133,12 +153,15 @@ struct World::Impl {
   void set_bases();
   /// Applies the edits to options, rules and parts.
   void follow_edits();
-  /// Merges the state with that of removed bodies, for others to see.
-  void show_whole();
+  /// The state with that of removed bodies, for others to see.
+  const State& whole_state();
+  void gather_whole(std::vector<double>& all_q, std::vector<double>& all_v) const;
   void count_state();
   PartInfo info_of(const WorldPart& p) const;
   /// Wakes bodies affected by a change of a body: its island; all bodies, if it is fixed.
-  void wake_around(World& world, int b);
+  void wake_around(int b);
+  void wake(std::size_t b);
+  void wake_all();
   void run_scheduled(World& world, StepReport& report);
   /// World::set_drives of some drives of a body. @throws InputError  for what is not finite
   void aim(int b, std::size_t first, std::span<const double> position, std::span<const double> velocity);
@@ -187,6 +210,8 @@ struct World::Impl {
   double swing_pieces(double dt, StepReport& report);
   /// The forces of all contacts and links that the solve found.
   void find_contact_forces();
+  /// The first body whose numbers are not finite after a solve that failed, for a message.
+  std::string blame_for_nan() const;
   /// Back to the state before the sub-step.
   void take_back();
   /// Pairs, samples, links and momentum of a solved sub-step. @param last  of its step

@@ -11,9 +11,21 @@
 namespace brim {
 
 void World::Impl::start() {
-  if (started) return;
-  filter.meet(std::span(bodies).first(count()));  // may throw: then nothing has begun
-  started = true;
+  const bool first = !started, changed = edited;
+  if (!first && !changed) return;
+  if (first) filter.meet(std::span(bodies).first(count()));  // may throw: then nothing has begun
+  started = true, edited = false;
+  if (changed) leave_out();
+  if (first) choose_steps();
+  follow_edits();
+  if (first && options.sleep) sleep.start(bodies);
+  take_memory();  // what is behind it is of the rows
+  stage.rigid().restore(state.warm_start);
+  keep_memory();
+  if (changed) update_bodies();
+}
+
+void World::Impl::choose_steps() {
   double h0 = options.voxel_size;
   if (h0 == 0.0) {
     for (const WorldPart& p : parts)
@@ -29,9 +41,6 @@ void World::Impl::start() {
     p.h = part_h.back();
   }
   laws.start(parts, state.v, first_v, given, h0);
-  follow_edits();
-  if (options.sleep) sleep.start(bodies);
-  stage.rigid().restore(state.warm_start);
 }
 
 void World::Impl::stir() {
@@ -111,6 +120,7 @@ std::vector<Warning> World::material_warnings() {
 StepReport World::present() {
   StepReport report;
   report.time = impl_->state.time;
+  impl_->catch_up();
   impl_->update_bodies();
   impl_->measure_motion(report);
   return report;

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
+#include <string>
 #include <utility>
 
+#include "brim/core/error.h"
 #include "brim/core/stop.h"
 #include "brim/core/stopwatch.h"
 #include "brim/world/ball_points.h"
@@ -31,6 +34,10 @@ constexpr double kReleased = 0.2;
 constexpr double kBounces = 2.0;
 /// [m/s] least velocity by which changes of the rows are judged, where there is no gravity.
 constexpr double kLeastScale = 1e-6;
+
+bool all_finite(std::span<const double> x) {
+  return std::ranges::all_of(x, [](double value) { return std::isfinite(value); });
+}
 
 PenaltyOptions penalty_options(const WorldOptions& world, double dt) {
   const double g = world.environment.gravity.norm();
@@ -161,7 +168,8 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
   begin_penalties(dt, report);
   begin_rows(dt, report);
   tell_loads(dt);
-  return solve_system(dt, report);
+  // An infinite force on a body that touches nothing does not reach the scalars of the solve.
+  return solve_system(dt, report) && all_finite(delta);
 }
 
 double World::Impl::motion_pieces(std::span<const double> velocities, double time, double change) {
@@ -218,14 +226,41 @@ double World::Impl::solve_within_limits(double dt, StepReport& report) {
   return dt;
 }
 
+std::string World::Impl::blame_for_nan() const {
+  const auto bad = [](std::span<const double> x) { return !all_finite(x); };
+  std::vector<double> forces;
+  const auto of = [&](const std::vector<double>& all, std::size_t b) {
+    const std::span<const double> x = all;
+    return x.size() < first_v.back() ? std::span<const double>() : x.subspan(first_v[b], first_v[b + 1] - first_v[b]);
+  };
+  const auto first = [&](const char* what, const auto& is_bad) -> std::string {
+    for (std::size_t b = 0; b < count(); ++b)
+      if (!out(b) && is_bad(b)) return fmt::format("; the first are {} of '{}'", what, bodies[b]->name());
+    return "";
+  };
+  // What a body brings is bad for it alone; the solve spreads it to all.
+  std::string found = first("coordinates", [&](std::size_t b) { return bad(kept_q(b)); });
+  if (found.empty()) found = first("velocities", [&](std::size_t b) { return bad(kept_v(b)); });
+  if (found.empty())
+    found = first("forces", [&](std::size_t b) {
+      forces.assign(bodies[b]->v_size(), 0.0);
+      bodies[b]->add_forces(options.environment, forces);
+      return bad(forces);
+    });
+  if (found.empty()) found = first("changes of velocity", [&](std::size_t b) { return bad(of(delta, b)); });
+  return found;
+}
+
 double World::Impl::substep(double left, StepReport& report) {
   const double dt = solve_within_limits(choose_length(left, report), report);
   ++report.substeps;
   report.contacts = static_cast<std::int64_t>(stage.contacts().first_link()) + stage.rigid().contacts();
   if (!report.ok) {
+    const std::string blame = blame_for_nan();  // before the state is set back
     take_back();
     report.warnings.push_back(
-        {state.time, "not_finite", "the solve gave values that are not finite; the state before it is kept"});
+        {state.time, "not_finite",
+         fmt::format("the solve gave values that are not finite{}; the state before it is kept", blame)});
     return left;
   }
   if (const auto runaway = runaway_fluid(parts, state.v, first_v)) {

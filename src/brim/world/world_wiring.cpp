@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "brim/body/aimed_drives.h"
+#include "brim/core/checked_index.h"
 #include "brim/core/error.h"
 #include "brim/world/applied_force.h"
 #include "brim/world/attachment.h"
@@ -45,7 +46,7 @@ void World::Impl::hide_space() {
 int World::Impl::find(const std::string& name) const {
   for (std::size_t b = 0; b < count(); ++b)
     if (own(b).name() == name) {
-      if (out(b)) throw InputError(fmt::format("\"{}\" was removed", name));
+      if (is_removed(b)) throw InputError(fmt::format("\"{}\" was removed", name));
       return static_cast<int>(b);
     }
   // Copies of a repeated body have individual names.
@@ -87,37 +88,45 @@ int World::attach(const Attachment& attachment) {
 
 int World::attachment_count() const { return static_cast<int>(impl_->links.kept()); }
 
-const Attachment& World::attachment(int i) const {
-  Impl& w = *impl_;
-  w.update_bodies();
-  w.links.find_ends(static_cast<std::size_t>(i), w.parts, w.state.q, w.first_q, w.state.time);
-  return w.links.attachment(static_cast<std::size_t>(i));
+std::size_t World::Impl::link_index(int i, const char* what) const {
+  return checked_index(i, links.kept(), what, "attachment");
 }
 
-std::int64_t World::attachment_id(int i) const { return impl_->links.id(static_cast<std::size_t>(i)); }
+const Attachment& World::attachment(int i) const {
+  Impl& w = *impl_;
+  const std::size_t link = w.link_index(i, "attachment");
+  w.catch_up();
+  w.update_bodies();
+  w.links.find_ends(link, w.parts, w.state.q, w.first_q, w.state.time);
+  return w.links.attachment(link);
+}
 
-bool World::detached(int i) const { return impl_->links.broken(static_cast<std::size_t>(i)); }
+std::int64_t World::attachment_id(int i) const { return impl_->links.id(impl_->link_index(i, "attachment_id")); }
+
+bool World::detached(int i) const { return impl_->links.broken(impl_->link_index(i, "detached")); }
 
 void World::detach(int i) {
   Impl& w = *impl_;
+  const std::size_t link = w.link_index(i, "detach");
   w.take_memory();
-  w.links.set_broken(static_cast<std::size_t>(i), true);
+  w.links.set_broken(link, true);
   w.keep_memory();
-  const auto [a, b] = w.links.bodies(static_cast<std::size_t>(i));
+  const auto [a, b] = w.links.bodies(link);
   for (const int body : {a, b})
     if (body >= 0) wake(body);
 }
 
 void World::set_drive(int i, double position, double velocity) {
+  const std::size_t link = impl_->link_index(i, "set_drive");
   impl_->take_memory();
   try {
-    impl_->links.set_drive(static_cast<std::size_t>(i), position, velocity);
+    impl_->links.set_drive(link, position, velocity);
   } catch (...) {
     impl_->keep_memory();
     throw;
   }
   impl_->keep_memory();
-  wake(impl_->links.bodies(static_cast<std::size_t>(i)).first);
+  wake(impl_->links.bodies(link).first);
 }
 
 namespace {
@@ -168,8 +177,11 @@ void World::set_drives(int b, std::span<const double> position, std::span<const 
   impl_->aim(b, 0, position, velocity);
 }
 
-std::optional<DriveAim> World::aim(int i) const { return impl_->links.aim(static_cast<std::size_t>(i)); }
-std::optional<DriveAim> World::aim(int b, int drive) const { return impl_->aims.of(b, drive); }
+std::optional<DriveAim> World::aim(int i) const { return impl_->links.aim(impl_->link_index(i, "aim")); }
+std::optional<DriveAim> World::aim(int b, int drive) const {
+  checked_index(drive, drives_of(impl_->own(impl_->body_index(b, "aim"))).drive_names().size(), "aim", "drive");
+  return impl_->aims.of(b, drive);
+}
 
 void World::Impl::aim(int b, std::size_t first, std::span<const double> position, std::span<const double> velocity) {
   const Body& body = own(static_cast<std::size_t>(b));
@@ -243,11 +255,13 @@ int World::apply(const AppliedForce& force) {
   w.update_bodies();
   const int number = w.actions.add(force, w.bodies, w.parts, w.state.q, w.first_q, w.options.ramp_voxels);
   w.note_wiring();
-  for (std::size_t b = 0; b < w.count(); ++b) wake(static_cast<int>(b));
+  w.wake_all();
   return number;
 }
 
 int World::force_count() const { return static_cast<int>(impl_->actions.size()); }
-std::int64_t World::force_id(int i) const { return impl_->actions.id(static_cast<std::size_t>(i)); }
+std::int64_t World::force_id(int i) const {
+  return impl_->actions.id(checked_index(i, impl_->actions.size(), "force_id", "force"));
+}
 
 }  // namespace brim

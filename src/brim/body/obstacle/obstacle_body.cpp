@@ -1,5 +1,7 @@
 #include "brim/body/obstacle/obstacle_body.h"
 
+#include <cmath>
+
 #include "brim/core/error.h"
 #include "brim/map/rigid_map.h"
 #include "brim/math/rotation.h"
@@ -28,7 +30,15 @@ ObstacleBody::ObstacleBody(ObstacleModel model)
     if (!(model_.keys[i].time > model_.keys[i - 1].time))
       throw InputError(fmt::format("obstacle: key {} has time {}, but times must increase (previous {})", i,
                                    model_.keys[i].time, model_.keys[i - 1].time));
-  for (PoseKey& k : model_.keys) k.rotation.normalize();
+  for (PoseKey& k : model_.keys) {
+    const double length = k.rotation.coeffs().stableNorm();
+    if (!std::isfinite(k.time) || !k.position.allFinite() || !(length > 0.0) || !std::isfinite(length))
+      throw InputError(fmt::format(
+          "obstacle: the pose at time {} has the position ({}, {}, {}) and a quaternion of length {}; all must be "
+          "finite, and the length near 1",
+          k.time, k.position.x(), k.position.y(), k.position.z(), length));
+    k.rotation.normalize();
+  }
   reach_ = solid_.box_reach(Vec3::Zero());
   display_.vertices = solid_.surface().vertices.size();
   display_.triangles = solid_.triangles();

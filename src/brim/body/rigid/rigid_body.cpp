@@ -1,6 +1,8 @@
 #include "brim/body/rigid/rigid_body.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
 
 #include "brim/core/error.h"
 #include "brim/map/rigid_map.h"
@@ -9,12 +11,55 @@
 
 namespace brim {
 
+namespace {
+
+/// Rounding of an inertia that is that of a thin plate, relative.
+constexpr double kTriangle = 1e-6;
+
+void need_finite(const char* what, const Vec3& x) {
+  if (!x.allFinite())
+    throw InputError(fmt::format("rigid body: {} is ({}, {}, {}); must be finite", what, x.x(), x.y(), x.z()));
+}
+
+void need_damping(const char* what, double value) {
+  if (!(value >= 0.0) || !std::isfinite(value))
+    throw InputError(fmt::format("rigid body: {} is {}; must be a number from 0 [1/s]", what, value));
+}
+
+/// Of any masses, no principal moment is larger than the sum of the other two.
+void need_inertia(const Mat3& inertia) {
+  if (!inertia.allFinite()) throw InputError("rigid body: the inertia tensor is not finite");
+  if (!inertia.isApprox(inertia.transpose(), 1e-9)) throw InputError("rigid body: the inertia tensor is not symmetric");
+  Vec3 moments = symmetric_axes(inertia).values;
+  std::ranges::sort(moments.reshaped());
+  const std::string found = fmt::format("{:.6g}, {:.6g} and {:.6g} kg m²", moments[0], moments[1], moments[2]);
+  if (!(moments[0] > 0.0))
+    throw InputError(
+        fmt::format("rigid body: the inertia tensor is not positive definite, with principal moments {}; is the solid "
+                    "closed and not empty?",
+                    found));
+  if (moments[2] > (1.0 + kTriangle) * (moments[0] + moments[1]))
+    throw InputError(
+        fmt::format("rigid body: no solid has the principal moments {}; the largest may be at most the "
+                    "sum of the others",
+                    found));
+}
+
+}  // namespace
+
 RigidBody::RigidBody(RigidModel model)
     : model_(std::move(model)), solid_(std::move(model_.shape), std::move(model_.surface)) {
   if (!(model_.mass > 0.0) || !std::isfinite(model_.mass))
     throw InputError(fmt::format("rigid body: mass is {}, but must be positive and finite [kg]", model_.mass));
-  if (!(symmetric_axes(model_.inertia).values.minCoeff() > 0.0))
-    throw InputError("rigid body: the inertia tensor is not positive definite; is the solid closed and not empty?");
+  need_inertia(model_.inertia);
+  need_finite("the centre of mass", model_.center_of_mass);
+  need_finite("the position", model_.position);
+  need_finite("the velocity", model_.velocity);
+  need_finite("the angular velocity", model_.angular_velocity);
+  need_damping("linear_damping", model_.linear_damping);
+  need_damping("angular_damping", model_.angular_damping);
+  if (const double length = model_.rotation.coeffs().stableNorm(); !(length > 0.0) || !std::isfinite(length))
+    throw InputError(fmt::format("rigid body: the quaternion of the rotation has length {}; must be near 1", length));
   model_inverse_ = model_.inertia.llt().solve(Mat3::Identity());
   reach_ = solid_.reach(model_.center_of_mass);
   display_.vertices = solid_.surface().vertices.size();

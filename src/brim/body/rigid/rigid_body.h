@@ -41,7 +41,8 @@ class RigidBody final : public Body,
                         public Movable,
                         public KnownVolume {
  public:
-  /// @throws InputError when mass or inertia is not positive
+  /// @throws InputError without a shape, when mass or inertia is not that of a solid, and for numbers that are not
+  /// finite
   explicit RigidBody(RigidModel model);
 
   std::string_view kind() const override { return model_.kind; }
