@@ -122,7 +122,8 @@ TEST(GivenValues, OptionsAndObstaclesAreCheckedToo) {
   EXPECT_NE(with([](WorldOptions& o) { o.constraint_tolerance = kNan; }), "");
   EXPECT_NE(with([](WorldOptions& o) { o.pair_materials[{"a", "b"}].restitution = 2; }), "");
   EXPECT_EQ(with([](WorldOptions&) {}), "");
-  EXPECT_NE(message([] { ObstacleBody body(ObstacleModel{}); }), "");
+  const ObstacleModel without_shape;
+  EXPECT_NE(message([&] { ObstacleBody body(without_shape); }), "");
   ObstacleModel placed;
   placed.shape = make_sphere(1.0);
   placed.keys[0].position.x() = kNan;

@@ -230,7 +230,9 @@ TEST(Sleep, ABodyThatBeginsToBeatWakesWithWhatLiesOnIt) {
   while (w.state().time < 4.5) {
     EXPECT_TRUE(w.step().ok);
     highest = std::max(highest, w.q(on_top)[2]), lowest = std::min(lowest, w.q(on_top)[2]);
-    if (w.state().time > 3.05) EXPECT_FALSE(w.asleep(heart)) << w.state().time;
+    if (w.state().time > 3.05) {
+      EXPECT_FALSE(w.asleep(heart)) << w.state().time;
+    }
   }
   EXPECT_GT(highest - lowest, 0.1) << "0.2 radii up and down";
 }

@@ -53,6 +53,7 @@ struct Bond {
   Vec3 n = Vec3::UnitZ();     ///< unit
   double across = 0.0, along = 0.0;
   bool one_way = false;  ///< acts along n on a only; released for the step when it would pull the other way
+  bool stops = false;    ///< one-way link that is a joint's limit
   bool waits = false;    ///< one-way link that joins only once a solve's motion calls for it, not in the first solve
 };
 
@@ -125,12 +126,12 @@ class Penalty {
   std::span<const std::uint8_t> acting() const { return active_; }
   /// True when no contact can have a force in this step.
   bool idle() const { return idle_; }
-  /// After rows have changed what a solve found: releases one-way links that pull now, and joins those that are met.
-  /// @return true when one has changed: the solve is to be made again  @param delta  [m/s] of all contacts
-  bool update_one_way(std::span<const Vec3> delta);
-  /// True when a link acts one way.
-  bool acts_one_way() const {
-    return std::ranges::any_of(bonds_, [](const Bond& b) { return b.one_way; });
+  /// After rows have changed what a solve found: releases limits of joints that pull now.
+  /// @return true when one has been released: the solve is to be made again  @param delta  [m/s] of all contacts
+  bool release_stops(std::span<const Vec3> delta);
+  /// True when a link is a joint's limit.
+  bool has_stops() const {
+    return std::ranges::any_of(bonds_, [](const Bond& b) { return b.stops; });
   }
   /// True when no contact can be released or have friction: the result of the next solve is final.
   bool settled() const { return settled_; }

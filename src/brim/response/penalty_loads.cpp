@@ -68,12 +68,16 @@ void Penalty::update_bonds(std::span<const Vec3> delta, double& changed, double&
   }
 }
 
-bool Penalty::update_one_way(std::span<const Vec3> delta) {
-  double changed = 0.0, total = 0.0;
-  update_bonds(delta, changed, total);
-  if (!(changed > 0.0)) return false;
-  settle_actions();
-  return true;
+bool Penalty::release_stops(std::span<const Vec3> delta) {
+  bool changed = false;
+  for (std::size_t i = 0; i < bonds_.size(); ++i) {
+    const std::size_t c = first_bond() + i;
+    if (!bonds_[i].stops || !active_[c] || !(bond_force(i, delta[c]).dot(bonds_[i].n) < 0.0)) continue;
+    active_[c] = 0, bonds_[i].waits = false;
+    changed = true;
+  }
+  if (changed) settle_actions();
+  return changed;
 }
 
 void Penalty::start_friction(const ContactSet& contacts) {

@@ -60,7 +60,7 @@ bool ImplicitStep::solve(const StepContext& context, const Settings& settings, s
   if (added_.empty()) return true;
   // What rows stop may be met by what came along with it; what they set going may leave a limit that held it.
   taken_ = added_;
-  const bool freed = contacts_ > 0 && context.response.update_one_way(contact_delta_);
+  const bool freed = contacts_ > 0 && context.response.release_stops(contact_delta_);
   return (!foresee(delta) && !freed) || (make_passes(delta) && correct_by(correct, delta));
 }
 
@@ -236,7 +236,7 @@ bool ImplicitStep::correct_by(const Correct& correct, std::span<double> delta) {
   const double before = contact_seconds();
   auto rows_timer = std::make_optional<ScopedSeconds>(within);
   const std::size_t n = c.v.size();
-  added_.assign((whole_ && !c.response.acts_one_way()) || alone_ ? 0 : n, 0.0);
+  added_.assign((whole_ && !c.response.has_stops()) || alone_ ? 0 : n, 0.0);
   const auto respond = [&](std::span<const double> b, std::span<double> x, double slack) {
     return cg_.solve(system_, b, slack * settings_->tolerance, settings_->max_iterations, x);
   };

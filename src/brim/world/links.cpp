@@ -204,7 +204,7 @@ void Links::drive(const Link& link, const Tie& tie, const Vec3& velocity, Bond& 
     const double beyond = sign * (value - (hold == Hold::Upper ? j.upper : j.lower));
     K = j.limit_stiffness > 0.0 ? j.limit_stiffness : rigid(link) * lever * lever;
     force = -sign * (K * beyond + dt_ * K * sign * u);
-    bond.one_way = true;
+    bond.one_way = bond.stops = true;
     bond.waits = !(beyond + dt_ * sign * u > 0.0);
     bond.n = -sign * tie.n;
   }

@@ -70,9 +70,9 @@ class VdbWriter : public Writer {
     grid->setName(item.file_name);
     grid->setGridClass(openvdb::GRID_FOG_VOLUME);
     grid->setTransform(openvdb::math::Transform::createLinearTransform(h));
-    for (int p = 0; p < world.part_count() && !world.removed(item.body); ++p) {
+    for (int p = 0; p < world.part_count(); ++p) {
       const PartRef part = world.part(p);
-      if (part.body != item.body) continue;
+      if (part.body != item.body || world.removed(part.body)) continue;
       const Body& b = world.body(part.body);
       tiles_.clear();
       b.presence(part.index, h, ramp, b.bounds(part.index).inflated(ramp).intersection(box.inflated(kTileSize * h)),
