@@ -264,6 +264,58 @@ TEST(LinkJoints, LightSolidsCarryHeavyOnesWithoutSwinging) {
   }
 }
 
+/// A chain of n links of 0.2 kg with a weight of 50 kg, which moves at 2 m/s.
+World light_chain(int n) {
+  WorldOptions o = options_at(0.0075);
+  o.response = Response::Constraint;
+  World w(o);
+  const double length = 0.16;
+  for (int i = 0; i <= n; ++i) {
+    const bool weight = i == n;
+    RigidModel m;
+    m.shape = weight ? make_sphere(0.2) : make_capsule(0.03, 0.1);
+    m.mass = weight ? 50.0 : 0.2;
+    m.inertia = weight ? Vec3(0.8, 0.8, 0.8).asDiagonal() : Vec3(4.7e-4, 4.7e-4, 9e-5).asDiagonal();
+    m.position = Vec3(0, 0, -length * i - (weight ? 0.2 : 0.5 * length));
+    auto link = std::make_unique<RigidBody>(m);
+    link->set_name("link" + std::to_string(i));
+    w.add(std::move(link));
+    Attachment a = joint(JointKind::Ball, "link" + std::to_string(i), i > 0 ? "link" + std::to_string(i - 1) : "",
+                         Vec3(0, 0, -length * i));
+    a.name += std::to_string(i);
+    w.attach(a);
+  }
+  w.set_velocity(n, Vec3(2, 0, 0), Vec3::Zero());
+  return w;
+}
+
+/// The pull of a swinging chain rises and falls within a step. Sub-steps that became longer and shorter with it fed the
+/// swing of its light links: 20 of them gained 74 J, at forces of 11 kN.
+TEST(LinkJoints, ALightChainWithAHeavyEndGainsNoEnergy) {
+  for (const int n : {10, 20}) {
+    World w = light_chain(n);
+    const StepReport start = w.present();
+    double most = -std::numeric_limits<double>::infinity(), least = 0.0;
+    for (int s = 0; s < 300; ++s) {
+      const StepReport r = w.step();
+      const double gained = r.kinetic_energy + r.potential_energy - start.kinetic_energy - start.potential_energy;
+      most = std::max(most, gained), least = std::min(least, gained);
+    }
+    EXPECT_LT(most, 0.0) << n << " links; the weight has 100 J";
+    EXPECT_GT(least, -5.0) << n << " links";
+  }
+}
+
+TEST(LinkJoints, SubstepsOfASwingingChainAreTheSameFromItsState) {
+  World w = light_chain(10);
+  run(w, 1.0);
+  const State state = w.state();
+  World other = light_chain(10);
+  other.set_state(state);
+  for (int s = 0; s < 30; ++s) ASSERT_EQ(w.step().substeps, other.step().substeps) << "step " << s;
+  EXPECT_EQ(w.state().q, other.state().q);
+}
+
 /// A bridge of planks between two fixed hinges, straight at first: nothing holds it across until it has sagged, and
 /// then its pull is large. What the fall stretched comes back as speed where shorter sub-steps close it.
 TEST(LinkJoints, AStraightBridgeSagsAndGainsNoEnergy) {

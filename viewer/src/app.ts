@@ -191,18 +191,18 @@ export class App {
     if (other) return location.reload(); // another run is served now
     this.run = run;
     this.follower.tryAgain(); // what could not be read while it was written may be whole now
-    if (run.frames > known) {
-      const following = (known > 1 || this.acting) && this.player.frame === known - 1 && !this.player.playing;
-      this.setSeries(appendSeries(this.series, await fetchSeries(known)));
-      if (known === 0) {
-        this.picture.frameScene(await this.samples());
-        this.panel.slice.setRun(run.bodies, run.slices === true);
-        this.picture.stage.setPose(defaultPose);
-      }
-      if (following) this.player.seek(this.player.frames - 1);
-    }
+    const grown = run.frames > known;
+    const following =
+      grown && (known > 1 || this.acting) && this.player.frame === known - 1 && !this.player.playing;
+    if (grown) this.setSeries(appendSeries(this.series, await fetchSeries(known)));
     this.panel.setRun(run, this.picture.colours);
-    this.describe();
+    this.describe(); // at once: the first frames may be shown while the samples below are fetched
+    if (grown && known === 0) {
+      this.picture.frameScene(await this.samples());
+      this.panel.slice.setRun(run.bodies, run.slices === true);
+      this.picture.stage.setPose(defaultPose);
+    }
+    if (following) this.player.seek(this.player.frames - 1);
   }
 
   private setSeries(series: Series) {

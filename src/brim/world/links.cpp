@@ -13,12 +13,6 @@ namespace brim {
 
 namespace {
 
-/// First number of links in memory; differs from those of Levels, Edits, Sleep and ReferencePoses.
-constexpr double kLinksMark = -0.125;
-constexpr double kOlderMark =
-    -0.25;  ///< of runs before Levels used it; the records of Levels are longer (Levels::read)
-/// In the memory of links: between the numbers of broken ones and targets of drives.
-constexpr double kAimsFollow = -1.0;
 /// [s] A gap between two sides closes as exp(−t / kClosing).
 constexpr double kClosing = 0.1;
 
@@ -249,90 +243,6 @@ void Links::begin(const ContactSet& set, std::span<const Vec3> velocity_a, std::
     }
   }
   response.set_bonds(std::move(bonds));
-}
-
-void Links::finish(const ContactSet& set, std::span<const Vec3> force, double time, StepReport& report) {
-  report.links.clear();
-  for (std::size_t l = 0; l < links_.size(); ++l) {
-    report.links.push_back({});
-    report.links.back().broken = links_[l]->broken;
-  }
-  const std::size_t first = set.first_link();
-  for (std::size_t i = 0; i < ties_.size(); ++i) {
-    const Tie& tie = ties_[i];
-    LinkReport& r = report.links[tie.link];
-    const Hold hold = links_[tie.link]->held[tie.held].hold;
-    // A force along a rotational coordinate is half of a couple: the held points provide the other half.
-    r.force += force[first + i];
-    if (along_coordinate(hold)) {
-      r.effort += tie.lever * tie.n.dot(force[first + i]);
-      continue;
-    }
-    r.error = std::max(r.error, tie.error.norm());
-  }
-  for (std::size_t l = 0; l < links_.size(); ++l) {
-    Link& link = *links_[l];
-    const double error = report.links[l].error;
-    if (link.given.stiffness > 0.0 || link.told || link.broken || !(error > link.apart)) continue;
-    link.told = true;
-    if (report.warnings.size() < kMostWarnings)
-      report.warnings.push_back(
-          {time, "link_apart",
-           fmt::format("'{}' is rigid and {:.2g} m apart: its bodies turn too fast, or are pulled "
-                       "too hard, for the sub-step; take shorter ones (time_step, min_substeps)",
-                       link.given.name, error)});
-  }
-  std::size_t untold = 0;
-  for (std::size_t l = 0; l < links_.size(); ++l) {
-    const double load = report.links[l].force.norm();
-    if (links_[l]->broken || !(load > links_[l]->given.break_force)) continue;
-    links_[l]->broken = report.links[l].broken = true;
-    if (report.warnings.size() < kMostWarnings)
-      report.warnings.push_back({time, "link_broken",
-                                 fmt::format("'{}' broke: it carried {:.4g} N, above {:.4g} N", links_[l]->given.name,
-                                             load, links_[l]->given.break_force)});
-    else
-      ++untold;
-  }
-  if (untold > 0)
-    report.warnings.push_back(
-        {time, "link_broken", fmt::format("and {} more broke at the same time; the run's links say which", untold)});
-  report.links.resize(kept());
-}
-
-void Links::take(std::vector<double>& memory) {
-  for (const auto& l : links_) l->broken = false, l->aim.reset();
-  if (memory.size() < 2 || (memory[0] != kLinksMark && memory[0] != kOlderMark)) return;
-  const auto n = static_cast<std::size_t>(std::clamp(memory[1], 0.0, static_cast<double>(memory.size() - 2)));
-  const std::span<const double> numbers = std::span<const double>(memory).subspan(2, n);
-  const auto link_at = [&](std::size_t i) {
-    const double l = numbers[i];
-    return l >= 0.0 && l < static_cast<double>(kept()) ? links_[static_cast<std::size_t>(l)].get() : nullptr;
-  };
-  std::size_t i = 0;
-  for (; i < n && numbers[i] != kAimsFollow; ++i)
-    if (Link* const l = link_at(i)) l->broken = true;
-  for (++i; i + 3 <= n; i += 3)
-    if (Link* const l = link_at(i); l && std::isfinite(numbers[i + 1]) && std::isfinite(numbers[i + 2]))
-      l->aim = DriveAim{numbers[i + 1], numbers[i + 2]};
-  memory.erase(memory.begin(), memory.begin() + static_cast<std::ptrdiff_t>(2 + n));
-}
-
-void Links::keep(std::vector<double>& memory) const {
-  std::vector<double> head = {kLinksMark, 0.0};
-  for (std::size_t l = 0; l < kept(); ++l)
-    if (links_[l]->broken) head.push_back(static_cast<double>(l));
-  bool aimed = false;
-  for (std::size_t l = 0; l < kept(); ++l) {
-    const auto& aim = links_[l]->aim;
-    if (!aim) continue;
-    if (!aimed) head.push_back(kAimsFollow);
-    aimed = true;
-    head.insert(head.end(), {static_cast<double>(l), aim->position, aim->velocity});
-  }
-  if (head.size() == 2) return;
-  head[1] = static_cast<double>(head.size() - 2);
-  memory.insert(memory.begin(), head.begin(), head.end());
 }
 
 }  // namespace brim

@@ -100,13 +100,19 @@ class Links {
   /// of a solid and its moment of inertia I, dt √(κ/I) may be kSwing.
   /// @param force  [N] on side a, all contacts  Bodies must be up to date.
   double swing_pieces(std::span<const WorldPart> parts, const ContactSet& set, std::span<const Vec3> force,
-                      double dt) const;
+                      double dt) const {
+    return dt * swing_rate(parts, set, force) / kSwing;
+  }
+  /// The same by the fastest swing of the last tenths of a second. Loads of a chain rise and fall within a step, and
+  /// sub-steps that become longer and shorter with them feed its swing.
+  double swing_pieces(double dt) const { return dt * swing_ / kSwing; }
   /// Takes the forces and breaks links whose force is too large. @param force  [N] on side a, all contacts
-  void finish(const ContactSet& set, std::span<const Vec3> force, double time, StepReport& report);
+  void finish(std::span<const WorldPart> parts, const ContactSet& set, std::span<const Vec3> force, double time,
+              StepReport& report);
 
-  /// Reads and removes its part of memory; keep writes it in front. Only broken links and targets that were set are
-  /// stored:
-  ///   memory: [−0.125, n, numbers of broken links ..., −1, and for every target: link, position, velocity]
+  /// Reads and removes its part of memory; keep writes it in front. Only broken links, targets that were set and the
+  /// swing of pulled solids are stored:
+  ///   memory: [−0.125, n, numbers of broken links ..., −1, for every target: link, position, velocity ..., −2, swing]
   void take(std::vector<double>& memory);
   void keep(std::vector<double>& memory) const;
 
@@ -178,6 +184,9 @@ class Links {
   static std::pair<double, double> target_of(const Link& link, double time);
   /// [J] of what is elastic of a link, with its points as they were followed last.
   static double spring_energy(const Link& link, const Coordinate& c, double time);
+  /// [1/s] fastest swing of solids under the pull of their links, √(κ/I). @param force  [N] on side a, all contacts
+  double swing_rate(std::span<const WorldPart> parts, const ContactSet& set, std::span<const Vec3> force) const;
+  void break_overloaded(double time, StepReport& report);
   double rigid(const Link& link) const { return kRigid * link.mass / (dt_ * dt_); }
   /// Stiffness and damping along the coordinate, per length, and the force at the start.
   void drive(const Link& link, const Tie& tie, const Vec3& u, Bond& bond) const;
@@ -188,6 +197,7 @@ class Links {
   std::vector<Tie> ties_;
   std::vector<Coordinate> coordinate_;  ///< per link
   double time_ = 0.0, dt_ = 0.0;
+  double swing_ = 0.0;    ///< [1/s] fastest swing_rate; it fades
   double closing_ = 1.0;  ///< share of a rigid link's error that this sub-step closes
 };
 

@@ -1,3 +1,6 @@
+/// What reports say of links: force, error, coordinate, energy; and which of them break.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -6,6 +9,13 @@
 #include "brim/world/links.h"
 
 namespace brim {
+
+namespace {
+
+/// [s] The fastest swing is remembered as exp(−t / kFading).
+constexpr double kFading = 0.3;
+
+}  // namespace
 
 double Links::spring_energy(const Link& link, const Coordinate& c, double time) {
   double energy = 0.0;
@@ -39,6 +49,61 @@ void Links::measure(std::span<const WorldPart> parts, std::span<const double> q,
     if (l < report.links.size()) report.links[l].coordinate = c.value;
     report.potential_energy += spring_energy(link, c, time);
   }
+}
+
+void Links::finish(std::span<const WorldPart> parts, const ContactSet& set, std::span<const Vec3> force, double time,
+                   StepReport& report) {
+  swing_ = std::max(swing_ * std::exp(-dt_ / kFading), swing_rate(parts, set, force));
+  report.links.clear();
+  for (std::size_t l = 0; l < links_.size(); ++l) {
+    report.links.push_back({});
+    report.links.back().broken = links_[l]->broken;
+  }
+  const std::size_t first = set.first_link();
+  for (std::size_t i = 0; i < ties_.size(); ++i) {
+    const Tie& tie = ties_[i];
+    LinkReport& r = report.links[tie.link];
+    const Hold hold = links_[tie.link]->held[tie.held].hold;
+    // A force along a rotational coordinate is half of a couple: the held points provide the other half.
+    r.force += force[first + i];
+    if (along_coordinate(hold)) {
+      r.effort += tie.lever * tie.n.dot(force[first + i]);
+      continue;
+    }
+    r.error = std::max(r.error, tie.error.norm());
+  }
+  for (std::size_t l = 0; l < links_.size(); ++l) {
+    Link& link = *links_[l];
+    const double error = report.links[l].error;
+    if (link.given.stiffness > 0.0 || link.told || link.broken || !(error > link.apart)) continue;
+    link.told = true;
+    if (report.warnings.size() < kMostWarnings)
+      report.warnings.push_back(
+          {time, "link_apart",
+           fmt::format("'{}' is rigid and {:.2g} m apart: its bodies turn too fast, or are pulled "
+                       "too hard, for the sub-step; take shorter ones (time_step, min_substeps)",
+                       link.given.name, error)});
+  }
+  break_overloaded(time, report);
+  report.links.resize(kept());
+}
+
+void Links::break_overloaded(double time, StepReport& report) {
+  std::size_t untold = 0;
+  for (std::size_t l = 0; l < links_.size(); ++l) {
+    const double load = report.links[l].force.norm();
+    if (links_[l]->broken || !(load > links_[l]->given.break_force)) continue;
+    links_[l]->broken = report.links[l].broken = true;
+    if (report.warnings.size() < kMostWarnings)
+      report.warnings.push_back({time, "link_broken",
+                                 fmt::format("'{}' broke: it carried {:.4g} N, above {:.4g} N", links_[l]->given.name,
+                                             load, links_[l]->given.break_force)});
+    else
+      ++untold;
+  }
+  if (untold > 0)
+    report.warnings.push_back(
+        {time, "link_broken", fmt::format("and {} more broke at the same time; the run's links say which", untold)});
 }
 
 }  // namespace brim

@@ -31,8 +31,7 @@ Mat3 inertia_of(const Body& body, const Vec3& c) {
 
 }  // namespace
 
-double Links::swing_pieces(std::span<const WorldPart> parts, const ContactSet& set, std::span<const Vec3> force,
-                           double dt) const {
+double Links::swing_rate(std::span<const WorldPart> parts, const ContactSet& set, std::span<const Vec3> force) const {
   // −∂τ/∂θ = (r·f) 1 − (r fᵀ + f rᵀ)/2 of all links of a solid.
   struct Solid {
     const Body* body = nullptr;
@@ -61,7 +60,7 @@ double Links::swing_pieces(std::span<const WorldPart> parts, const ContactSet& s
     const Eigen::GeneralizedSelfAdjointEigenSolver<Mat3> eigen(solid.stiffness, inertia, Eigen::EigenvaluesOnly);
     if (eigen.info() == Eigen::Success) fastest = std::max(fastest, eigen.eigenvalues().maxCoeff());
   }
-  return dt * std::sqrt(fastest) / kSwing;
+  return std::sqrt(fastest);
 }
 
 }  // namespace brim

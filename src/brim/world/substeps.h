@@ -52,7 +52,7 @@ double stable_pieces(std::span<const WorldPart> parts, double time);
 struct NeededPieces {
   double motion = 1.0;  ///< motion_pieces
   double fall = 1.0;    ///< fall_pieces
-  double inner = 1.0;   ///< stable_pieces
+  double inner = 1.0;   ///< stable_pieces, Links::swing_pieces
 };
 
 /// Length of the next sub-step, [s]: `left` cut into equal pieces. Warns where these are more than max_substeps allows.

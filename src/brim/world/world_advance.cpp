@@ -36,7 +36,7 @@ void World::Impl::report_substep(double dt, bool last, StepReport& report) {
   }
   tell_walled(dt, mapped);
   if (!links.empty()) {
-    links.finish(contacts, contact_force, state.time, report);
+    links.finish(parts, contacts, contact_force, state.time, report);
     keep_apart();
   }
   constraints.finish(report, samples, last, state.warm_start);

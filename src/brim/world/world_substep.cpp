@@ -184,7 +184,7 @@ double World::Impl::choose_length(double left, StepReport& report) {
                    ? HeldPairs()
                    : HeldPairs(RowMemory::pairs(ReferencePoses::rows_of(state.warm_start)));
   const NeededPieces needed = {motion_pieces(state.v, left, g * left), fall_pieces(parts, g, left),
-                               stable_pieces(parts, left)};
+                               std::max(stable_pieces(parts, left), links.swing_pieces(left))};
   return choose_substep(needed, parts, state.v, first_v, options, left, report);
 }
 
