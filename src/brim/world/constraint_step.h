@@ -152,15 +152,28 @@ class ConstraintStep {
   /// themselves in its displacement, friction included, so that no angular momentum is lost.
   /// @return false, and nothing changed, where a body that is hit has other rows too: their impulses depend on it
   bool follow_bends(std::vector<Vec3>& lambda, std::vector<double>& way) const;
+  /// Number of rows of each body.
+  std::vector<std::size_t> rows_of_bodies() const;
+  /// Calls f(body) for the bodies of a pair that can move.
+  template <class F>
+  void for_movable(const ContactPair& pair, const F& f) const {
+    for (const std::int32_t part : {pair.part_a, pair.part_b})
+      if (!is_fixed(parts_[part])) f(static_cast<std::size_t>(parts_[part].body_index));
+  }
+  /// How far the refinement of an island has come.
+  struct Refined {
+    double scale = 0.0;   ///< [m/s] velocity by which its misses are judged
+    double missed = 0.0;  ///< change that the last direction still asked for, relative to scale
+    bool done = false;
+  };
   void refine(const ImplicitStep::Respond& solve, std::span<const double> target, int most, std::vector<Vec3>& lambda,
               std::vector<double>& delta, double& residual, StepReport& report);
   /// Solves islands whose directions do not settle, all their points at once (ContactAdmm), with the responses that the
   /// step's own solve gives to each of their rows.
-  /// @param direct  its solves are cheap  @param affordable  number of solves otherwise
-  /// @param done, missed  set for the islands that are solved
-  void solve_columns(const ImplicitStep::Respond& solve, std::span<const double> target, bool direct, int affordable,
-                     std::span<const double> scale, std::vector<std::uint8_t>& done, std::vector<double>& missed,
-                     std::vector<Vec3>& lambda, std::vector<double>& delta, StepReport& report);
+  /// @param islands  those that are not done; what is solved is marked  @param most  points of one
+  void solve_columns(const ImplicitStep::Respond& solve, std::span<const double> target, std::size_t most,
+                     std::span<Refined> islands, std::vector<Vec3>& lambda, std::vector<double>& delta,
+                     StepReport& report);
   double longest_way(std::int32_t island, std::span<const Vec3> from, std::span<const Vec3> way, double most) const;
 
   std::span<const std::unique_ptr<Body>> bodies_;

@@ -86,13 +86,7 @@ void ConstraintStep::follow_curves(std::span<const double> v) {
 std::vector<std::uint8_t> ConstraintStep::go_along_curves(std::vector<Vec3>& lambda, std::vector<double>& way) const {
   const ContactSet& points = rows_.points();
   std::vector<std::uint8_t> along(bodies_.size(), 0);
-  std::vector<std::size_t> rows(bodies_.size(), 0);
-  const auto for_movable = [&](const ContactPair& pair, const auto& f) {
-    for (const std::int32_t part : {pair.part_a, pair.part_b})
-      if (!is_fixed(parts_[part])) f(static_cast<std::size_t>(parts_[part].body_index));
-  };
-  for (const ContactPair& pair : points.pairs)
-    for_movable(pair, [&](std::size_t body) { rows[body] += pair.end - pair.begin; });
+  const std::vector<std::size_t> rows = rows_of_bodies();
   for (std::size_t p = 0; p < points.pairs.size(); ++p) {
     if (follows_[p] == kNot) continue;
     const ContactPair& pair = points.pairs[p];

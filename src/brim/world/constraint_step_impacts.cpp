@@ -29,16 +29,17 @@ Vec3 ConstraintStep::velocity_of(std::int32_t part, const Vec3& x, std::span<con
   return u;
 }
 
+std::vector<std::size_t> ConstraintStep::rows_of_bodies() const {
+  std::vector<std::size_t> rows(bodies_.size(), 0);
+  for (const ContactPair& pair : rows_.points().pairs)
+    for_movable(pair, [&](std::size_t body) { rows[body] += pair.end - pair.begin; });
+  return rows;
+}
+
 bool ConstraintStep::follow_bends(std::vector<Vec3>& lambda, std::vector<double>& way) const {
   const ContactSet& points = rows_.points();
   const std::span<const double> touch = rows_.touch_times();
-  std::vector<std::size_t> rows(bodies_.size(), 0);
-  const auto for_movable = [&](const ContactPair& pair, const auto& f) {
-    for (const std::int32_t part : {pair.part_a, pair.part_b})
-      if (!is_fixed(parts_[part])) f(static_cast<std::size_t>(parts_[part].body_index));
-  };
-  for (const ContactPair& pair : points.pairs)
-    for_movable(pair, [&](std::size_t body) { rows[body] += pair.end - pair.begin; });
+  const std::vector<std::size_t> rows = rows_of_bodies();
   bool alone = true;
   for (const ContactPair& pair : points.pairs)
     for (std::size_t c = pair.begin; c < pair.end; ++c)

@@ -43,9 +43,8 @@ void ConstraintStep::refine(const ImplicitStep::Respond& solve, std::span<const 
   std::vector<double> change, rhs(nv);
   const bool any_known = std::ranges::find(known_, 1) != known_.end();
   // Islands do not know of each other: each has its own scale, length of the way, and end.
-  std::vector<double> scale(islands_, settings_.scale), missed(islands_, 0.0), worst(islands_), curvature(islands_),
-      down(islands_), t(islands_);
-  std::vector<std::uint8_t> done(islands_, 0);
+  std::vector<Refined> islands(islands_, {.scale = settings_.scale});
+  std::vector<double> worst(islands_), curvature(islands_), down(islands_), t(islands_);
   std::vector<std::uint8_t> skipped;  // known points after the first round, and those of islands that are done
   residual = 0.0;
   double left = 0.0, largest = settings_.scale;  // left: residual of the known points
@@ -77,19 +76,21 @@ void ConstraintStep::refine(const ImplicitStep::Respond& solve, std::span<const 
     }
     residual = 0.0;
     for (std::size_t k = 0; k < islands_; ++k) {
-      if (i == 0) scale[k] = std::max(scale[k], worst[k]), largest = std::max(largest, scale[k]);
-      if (done[k]) continue;
-      missed[k] = worst[k] / scale[k];
-      done[k] = !(missed[k] > kRefined * settings_.tolerance);
-      if (!done[k]) residual = std::max(residual, missed[k]);
+      Refined& island = islands[k];
+      if (i == 0) island.scale = std::max(island.scale, worst[k]), largest = std::max(largest, island.scale);
+      if (island.done) continue;
+      island.missed = worst[k] / island.scale;
+      island.done = !(island.missed > kRefined * settings_.tolerance);
+      if (!island.done) residual = std::max(residual, island.missed);
     }
-    if (std::ranges::find(done, 0) == done.end()) break;
+    if (std::ranges::all_of(islands, &Refined::done)) break;
     skipped.resize(n);
-    for (std::size_t c = 0; c < n; ++c) skipped[c] = known_[c] || done[island_[c]];
+    for (std::size_t c = 0; c < n; ++c) skipped[c] = known_[c] || islands[island_[c]].done;
     for (std::size_t c = 0; c < n; ++c) {
       if (known_[c]) continue;
-      way[c] = done[island_[c]] ? Vec3(Vec3::Zero()) : Vec3(next[c] - lambda[c]);
-      if (done[island_[c]]) expected[c].setZero();
+      const bool done = islands[island_[c]].done;
+      way[c] = done ? Vec3(Vec3::Zero()) : Vec3(next[c] - lambda[c]);
+      if (done) expected[c].setZero();
       sweep_.add_force(c, way[c], rhs);
     }
     std::fill(way_v.begin(), way_v.end(), 0.0);
@@ -107,36 +108,36 @@ void ConstraintStep::refine(const ImplicitStep::Respond& solve, std::span<const 
     }
     for (std::size_t k = 0; k < islands_; ++k) {
       const double best = curvature[k] > 0.0 ? std::clamp(down[k] / curvature[k], kLeastWay, kLongestWay) : 1.0;
-      t[k] = done[k] ? 0.0 : longest_way(static_cast<std::int32_t>(k), lambda, way, best);
+      t[k] = islands[k].done ? 0.0 : longest_way(static_cast<std::int32_t>(k), lambda, way, best);
     }
     for (std::size_t c = 0; c < n; ++c)
       if (!known_[c]) lambda[c] += t[island_[c]] * way[c];
     for (std::size_t b = 0; b < bodies_.size(); ++b)
       for (std::size_t j = first_v_[b]; j < first_v_[b + 1]; ++j) delta[j] += t[island_of_body_[b]] * way_v[j];
     sweep_.learn(way, expected, actual);
-    if (i + 1 == kStubborn)
-      solve_columns(solve, target, s.iterations <= kDirect, most - kStubborn, scale, done, missed, lambda, delta,
-                    report);
+    if (i + 1 == kStubborn) {
+      const auto affordable = static_cast<std::size_t>(std::max(0, most - kStubborn)) / 3;
+      solve_columns(solve, target, s.iterations <= kDirect ? kMostColumns : std::min(kMostColumns, affordable), islands,
+                    lambda, delta, report);
+    }
   }
   residual = left;
-  for (const double m : missed) residual = std::max(residual, m);
+  for (const Refined& island : islands) residual = std::max(residual, island.missed);
   report.row_residual = std::max(report.row_residual, residual);
 }
 
-void ConstraintStep::solve_columns(const ImplicitStep::Respond& solve, std::span<const double> target, bool direct,
-                                   int affordable, std::span<const double> scale, std::vector<std::uint8_t>& done,
-                                   std::vector<double>& missed, std::vector<Vec3>& lambda, std::vector<double>& delta,
+void ConstraintStep::solve_columns(const ImplicitStep::Respond& solve, std::span<const double> target, std::size_t most,
+                                   std::span<Refined> islands, std::vector<Vec3>& lambda, std::vector<double>& delta,
                                    StepReport& report) {
   std::vector<std::vector<std::size_t>> points(islands_);
   for (std::size_t c = 0; c < lambda.size(); ++c)
-    if (!known_[c] && !done[island_[c]]) points[island_[c]].push_back(c);
-  std::size_t most = 0;
+    if (!known_[c] && !islands[island_[c]].done) points[island_[c]].push_back(c);
+  std::size_t largest = 0;
   for (auto& own : points) {
-    const bool fits = own.size() <= kMostColumns && (direct || 3 * own.size() < static_cast<std::size_t>(affordable));
-    if (!fits) own.clear();
-    most = std::max(most, own.size());
+    if (own.size() > most) own.clear();
+    largest = std::max(largest, own.size());
   }
-  if (most == 0) return;
+  if (largest == 0) return;
   const std::size_t nv = first_v_.back();
   std::vector<double> rhs(nv), answer(width_, 0.0);
   const auto respond = [&] {
@@ -149,7 +150,7 @@ void ConstraintStep::solve_columns(const ImplicitStep::Respond& solve, std::span
   std::vector<Eigen::MatrixXd> W(islands_);
   for (std::size_t k = 0; k < islands_; ++k)
     W[k].resize(static_cast<Eigen::Index>(3 * points[k].size()), static_cast<Eigen::Index>(3 * points[k].size()));
-  for (std::size_t j = 0; j < 3 * most; ++j) {
+  for (std::size_t j = 0; j < 3 * largest; ++j) {
     std::ranges::fill(rhs, 0.0);
     for (const auto& own : points)
       if (j < 3 * own.size()) sweep_.add_force(own[j / 3], Vec3::Unit(static_cast<Eigen::Index>(j % 3)), rhs);
@@ -182,11 +183,11 @@ void ConstraintStep::solve_columns(const ImplicitStep::Respond& solve, std::span
         q[d] -= both.block<3, 3>(at, static_cast<Eigen::Index>(3 * e)) * impulse[e];
       friction[d] = rows_.friction()[own[d]];
     }
-    const auto r =
-        ContactAdmm::solve(responses, q, friction, settings_.tolerance * scale[k], kMostAtOnceIterations, impulse);
+    const auto r = ContactAdmm::solve(responses, q, friction, settings_.tolerance * islands[k].scale,
+                                      kMostAtOnceIterations, impulse);
     report.sweeps += r.iterations;
     if (!r.converged) continue;
-    done[k] = 1, missed[k] = 0.0;
+    islands[k].done = true, islands[k].missed = 0.0;
     for (std::size_t d = 0; d < own.size(); ++d) {
       sweep_.add_force(own[d], impulse[d] - lambda[own[d]], rhs);
       lambda[own[d]] = impulse[d];
