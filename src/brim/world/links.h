@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -97,18 +98,18 @@ class Links {
                double time, StepReport& report);
   /// Number of pieces of a sub-step in which the swing of solids under the pull of their links is stable: the torque of
   /// a link's force changes as its lever turns, which the sub-step's system leaves out. With κ = Σ r·f about the middle
-  /// of a solid and its moment of inertia I, dt √(κ/I) may be kSwing.
-  /// @param force  [N] on side a, all contacts  Bodies must be up to date.
-  double swing_pieces(std::span<const WorldPart> parts, const ContactSet& set, std::span<const Vec3> force,
-                      double dt) const {
-    return dt * swing_rate(parts, set, force) / kSwing;
-  }
-  /// The same by the fastest swing of the last tenths of a second. Loads of a chain rise and fall within a step, and
-  /// sub-steps that become longer and shorter with them feed its swing.
-  double swing_pieces(double dt) const { return dt * swing_ / kSwing; }
+  /// of a solid and its moment of inertia I, dt √(κ/I) may be kSwing. The fastest swing of the last tenths of a second
+  /// counts: loads of a chain rise and fall within a step, and sub-steps that become longer and shorter with them feed
+  /// its swing.
+  double swing_pieces(double dt) const { return dt * std::max(swing_, swing_now_) / kSwing; }
+  /// Finds the swing under the forces of a solve. @param force  [N] on side a, all contacts  Bodies must be up to date.
+  void find_swing(std::span<const WorldPart> parts, const ContactSet& set, std::span<const Vec3> force);
+  /// Forgets what a solve has found that is taken back.
+  void drop_swing() { swing_now_ = 0.0; }
+  /// Remembers the swing that was found last, at the end of a sub-step.
+  void remember_swing(double dt);
   /// Takes the forces and breaks links whose force is too large. @param force  [N] on side a, all contacts
-  void finish(std::span<const WorldPart> parts, const ContactSet& set, std::span<const Vec3> force, double time,
-              StepReport& report);
+  void finish(const ContactSet& set, std::span<const Vec3> force, double time, StepReport& report);
 
   /// Reads and removes its part of memory; keep writes it in front. Only broken links, targets that were set and the
   /// swing of pulled solids are stored:
@@ -184,8 +185,6 @@ class Links {
   static std::pair<double, double> target_of(const Link& link, double time);
   /// [J] of what is elastic of a link, with its points as they were followed last.
   static double spring_energy(const Link& link, const Coordinate& c, double time);
-  /// [1/s] fastest swing of solids under the pull of their links, √(κ/I). @param force  [N] on side a, all contacts
-  double swing_rate(std::span<const WorldPart> parts, const ContactSet& set, std::span<const Vec3> force) const;
   void break_overloaded(double time, StepReport& report);
   double rigid(const Link& link) const { return kRigid * link.mass / (dt_ * dt_); }
   /// Stiffness and damping along the coordinate, per length, and the force at the start.
@@ -197,7 +196,8 @@ class Links {
   std::vector<Tie> ties_;
   std::vector<Coordinate> coordinate_;  ///< per link
   double time_ = 0.0, dt_ = 0.0;
-  double swing_ = 0.0;    ///< [1/s] fastest swing_rate; it fades
+  /// [1/s] Fastest swing of solids, √(κ/I): that is remembered, and of the present sub-step.
+  double swing_ = 0.0, swing_now_ = 0.0;
   double closing_ = 1.0;  ///< share of a rigid link's error that this sub-step closes
 };
 

@@ -10,13 +10,6 @@
 
 namespace brim {
 
-namespace {
-
-/// [s] The fastest swing is remembered as exp(−t / kFading).
-constexpr double kFading = 0.3;
-
-}  // namespace
-
 double Links::spring_energy(const Link& link, const Coordinate& c, double time) {
   double energy = 0.0;
   for (const Held& held : link.held) {
@@ -51,9 +44,7 @@ void Links::measure(std::span<const WorldPart> parts, std::span<const double> q,
   }
 }
 
-void Links::finish(std::span<const WorldPart> parts, const ContactSet& set, std::span<const Vec3> force, double time,
-                   StepReport& report) {
-  swing_ = std::max(swing_ * std::exp(-dt_ / kFading), swing_rate(parts, set, force));
+void Links::finish(const ContactSet& set, std::span<const Vec3> force, double time, StepReport& report) {
   report.links.clear();
   for (std::size_t l = 0; l < links_.size(); ++l) {
     report.links.push_back({});

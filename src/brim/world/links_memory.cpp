@@ -19,7 +19,7 @@ constexpr double kAimsFollow = -1.0, kSwingFollows = -2.0;
 
 void Links::take(std::vector<double>& memory) {
   for (const auto& l : links_) l->broken = false, l->aim.reset();
-  swing_ = 0.0;
+  swing_ = swing_now_ = 0.0;
   if (memory.size() < 2 || (memory[0] != kLinksMark && memory[0] != kOlderMark)) return;
   const auto n = static_cast<std::size_t>(std::clamp(memory[1], 0.0, static_cast<double>(memory.size() - 2)));
   const std::span<const double> numbers = std::span<const double>(memory).subspan(2, n);

@@ -11,6 +11,9 @@ namespace brim {
 
 namespace {
 
+/// [s] The fastest swing is remembered as exp(−t / kFading).
+constexpr double kFading = 0.3;
+
 /// The body of a part, if its matter turns with its coordinates alone: a single solid that can move.
 const Body* turning_solid(const WorldPart& part) {
   const Body* body = part.body;
@@ -31,7 +34,7 @@ Mat3 inertia_of(const Body& body, const Vec3& c) {
 
 }  // namespace
 
-double Links::swing_rate(std::span<const WorldPart> parts, const ContactSet& set, std::span<const Vec3> force) const {
+void Links::find_swing(std::span<const WorldPart> parts, const ContactSet& set, std::span<const Vec3> force) {
   // −∂τ/∂θ = (r·f) 1 − (r fᵀ + f rᵀ)/2 of all links of a solid.
   struct Solid {
     const Body* body = nullptr;
@@ -60,7 +63,13 @@ double Links::swing_rate(std::span<const WorldPart> parts, const ContactSet& set
     const Eigen::GeneralizedSelfAdjointEigenSolver<Mat3> eigen(solid.stiffness, inertia, Eigen::EigenvaluesOnly);
     if (eigen.info() == Eigen::Success) fastest = std::max(fastest, eigen.eigenvalues().maxCoeff());
   }
-  return std::sqrt(fastest);
+  swing_now_ = std::sqrt(fastest);
+}
+
+void Links::remember_swing(double dt) {
+  const bool none = links_.empty() || ties_.empty();
+  swing_ = none ? 0.0 : std::max(swing_ * std::exp(-dt / kFading), swing_now_);
+  swing_now_ = 0.0;
 }
 
 }  // namespace brim

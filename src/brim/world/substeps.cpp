@@ -45,12 +45,17 @@ FastestPart fastest_of(std::span<const WorldPart> parts, std::span<const double>
 std::string text_of_cap(const NeededPieces& needed, const FastestPart& fastest, const WorldOptions& options,
                         double length) {
   const std::string cure = "a smaller \"time_step\" or a larger \"max_substeps\"";
-  if (needed.motion >= std::max(needed.fall, needed.inner) && fastest.part != nullptr)
+  if (needed.motion >= std::max({needed.fall, needed.inner, needed.swing}) && fastest.part != nullptr)
     return fmt::format(
         "bodies move too fast for the {} sub-steps that max_substeps allows: the fastest, '{}' at {:.3g} m/s, moves "
         "by {:.3g} voxels in each and may pass through others; a smaller \"time_step\", a larger \"max_substeps\" or "
         "a coarser \"voxel_size\" prevents that",
         options.max_substeps, fastest.part->body->name(), fastest.speed, fastest.speed * length / fastest.part->h);
+  if (needed.swing >= std::max(needed.fall, needed.inner))
+    return fmt::format(
+        "light bodies between joints or attachments that pull hard need shorter sub-steps than the {} that "
+        "max_substeps allows, {:.2g} s each: they may swing ever faster; {}, or heavier ones, prevent that",
+        options.max_substeps, length, cure);
   if (needed.inner >= needed.fall)
     return fmt::format(
         "inner forces of bodies need shorter sub-steps than the {} that max_substeps allows, {:.2g} s "
@@ -111,8 +116,8 @@ double choose_substep(const NeededPieces& needed, std::span<const WorldPart> par
                       std::span<const std::size_t> first_v, const WorldOptions& options, double left,
                       StepReport& report) {
   const double remaining = std::max(1, options.max_substeps - report.substeps);
-  const double asked =
-      std::max({needed.motion, needed.fall, needed.inner, options.min_substeps * left / options.time_step});
+  const double asked = std::max(
+      {needed.motion, needed.fall, needed.inner, needed.swing, options.min_substeps * left / options.time_step});
   double n = std::ceil(asked - 1e-9);
   if (n > remaining) {
     n = remaining;

@@ -48,11 +48,12 @@ double fall_pieces(std::span<const WorldPart> parts, double gravity, double time
 /// Pieces, at least 1, that `time` [s] must be cut into for the inner forces of all bodies (LongestStep).
 double stable_pieces(std::span<const WorldPart> parts, double time);
 
-/// Pieces that the rest of a step must be cut into, each at least 1.
+/// Pieces that the rest of a step must be cut into.
 struct NeededPieces {
   double motion = 1.0;  ///< motion_pieces
   double fall = 1.0;    ///< fall_pieces
-  double inner = 1.0;   ///< stable_pieces, Links::swing_pieces
+  double inner = 1.0;   ///< stable_pieces
+  double swing = 1.0;   ///< Links::swing_pieces
 };
 
 /// Length of the next sub-step, [s]: `left` cut into equal pieces. Warns where these are more than max_substeps allows.

@@ -35,8 +35,9 @@ void World::Impl::report_substep(double dt, bool last, StepReport& report) {
     check_momentum(bodies, first_v, parts, contacts, mapped, contact_force, report);
   }
   tell_walled(dt, mapped);
+  links.remember_swing(dt);
   if (!links.empty()) {
-    links.finish(parts, contacts, contact_force, state.time, report);
+    links.finish(contacts, contact_force, state.time, report);
     keep_apart();
   }
   constraints.finish(report, samples, last, state.warm_start);

@@ -206,8 +206,8 @@ struct World::Impl {
   bool solve_system(double dt, StepReport& report);
   /// motion_pieces of the velocities that the solve found, with what it throws.
   double pieces_after_solve(double dt, StepReport& report);
-  /// Pieces of the sub-step in which links pull stably, by the forces that the solve found.
-  double swing_pieces(double dt, StepReport& report);
+  /// Tells links the forces that the solve found.
+  void find_swing(StepReport& report);
   /// The forces of all contacts and links that the solve found.
   void find_contact_forces();
   /// The first body whose numbers are not finite after a solve that failed, for a message.

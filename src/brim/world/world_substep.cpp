@@ -169,7 +169,9 @@ bool World::Impl::solve_substep(double dt, StepReport& report) {
   begin_rows(dt, report);
   tell_loads(dt);
   // An infinite force on a body that touches nothing does not reach the scalars of the solve.
-  return solve_system(dt, report) && all_finite(delta);
+  if (!solve_system(dt, report) || !all_finite(delta)) return false;
+  find_swing(report);
+  return true;
 }
 
 double World::Impl::motion_pieces(std::span<const double> velocities, double time, double change) {
@@ -184,7 +186,7 @@ double World::Impl::choose_length(double left, StepReport& report) {
                    ? HeldPairs()
                    : HeldPairs(RowMemory::pairs(ReferencePoses::rows_of(state.warm_start)));
   const NeededPieces needed = {motion_pieces(state.v, left, g * left), fall_pieces(parts, g, left),
-                               std::max(stable_pieces(parts, left), links.swing_pieces(left))};
+                               stable_pieces(parts, left), links.swing_pieces(left)};
   return choose_substep(needed, parts, state.v, first_v, options, left, report);
 }
 
@@ -196,17 +198,17 @@ double World::Impl::pieces_after_solve(double dt, StepReport& report) {
                   thrown_pieces(parts, delta, first_v, options, dt, held_pairs, motion_sweep));
 }
 
-double World::Impl::swing_pieces(double dt, StepReport& report) {
-  const ContactSet& contacts = stage.contacts();
-  if (contacts.link_pairs == 0) return 0.0;
+void World::Impl::find_swing(StepReport& report) {
+  if (stage.contacts().link_pairs == 0) return;
   const ScopedSeconds timer(report.seconds_of(Phase::Respond));
   find_contact_forces();
-  return links.swing_pieces(parts, contacts, contact_force, dt);
+  links.find_swing(parts, stage.contacts(), contact_force);
 }
 
 void World::Impl::take_back() {
   state.q = before_q;
   state.v = before_v;
+  links.drop_swing();
   fresh.clear();
 }
 
@@ -217,7 +219,7 @@ double World::Impl::solve_within_limits(double dt, StepReport& report) {
   report.ok = solve_substep(dt, report);
   // Contact may throw a body faster than predicted from the speeds before: cut again, once.
   if (!report.ok || report.substeps + 1 >= options.max_substeps) return dt;
-  const double needed = std::max(pieces_after_solve(dt, report), swing_pieces(dt, report));
+  const double needed = std::max(pieces_after_solve(dt, report), links.swing_pieces(dt));
   if (!(needed > kOutrun)) return dt;
   take_back();
   report.warnings.erase(report.warnings.begin() + static_cast<std::ptrdiff_t>(warnings), report.warnings.end());
