@@ -111,7 +111,8 @@ void BodyInverses::begin(std::span<const std::unique_ptr<Body>> bodies, std::spa
   }
   diagonal_.reset(sizes_);
   dense_.assign(bodies.size(), 0);
-  factor_.resize(bodies.size()), mode_.resize(bodies.size()), mode_factor_.resize(bodies.size());
+  const Eigen::LLT<Eigen::MatrixXd> none(Eigen::MatrixXd(0, 0));  // one never computed must not be moved
+  factor_.resize(bodies.size(), none), mode_.resize(bodies.size()), mode_factor_.resize(bodies.size(), none);
   parallel_for(bodies.size(), [&](std::size_t b) {
     mode_[b].resize(0, 0);
     if (!wanted[b] || factored(b)) return;
