@@ -38,6 +38,7 @@ struct PairState {
   std::array<std::int32_t, 2> body = {0, 1};  ///< numbers of the two bodies
   bool fixed = false;                         ///< one of the bodies does not move
   bool firm = false;    ///< one of the bodies does not move, or does not yield to pressure while the other does
+  bool guide = false;   ///< one of the parts is a solid, or does not move, and the other deforms
   bool sheet = false;   ///< one of the parts is a sheet, or a fluid
   bool balls = false;   ///< one of the parts consists of balls that turn
   double growth = 1.0;  ///< [-] stiffness at full overlap over k (hardening.h)
@@ -105,6 +106,8 @@ class Penalty {
   double expected_load(std::size_t c) const { return active_[c] ? std::max(0.0, load_[c]) : 0.0; }
   /// After begin: sets the actions of the links, the last contacts. @param bonds  shape (links)
   void set_bonds(std::vector<Bond> bonds);
+  /// Replaces the forces of the actions of the links, and nothing else of them.
+  void set_bond_forces(std::span<const Bond> bonds);
 
   /// After a solve: releases nodes that would pull, and sets friction to the predicted loads.
   /// @param delta  relative velocity changes found by the solve
@@ -120,8 +123,8 @@ class Penalty {
   /// Forces on part a over the step, [N], given the final relative velocity changes.
   void forces(std::span<const Vec3> delta, std::span<Vec3> normal, std::span<Vec3> friction) const;
 
-  /// True for a pair of a fixed and a deformable part, in which the fixed one gives the normals.
-  bool guides(std::size_t pair) const { return pairs_[pair].fixed && !pairs_[pair].rigid; }
+  /// True for a pair of which one part guides the other, which deforms, along its surface.
+  bool guides(std::size_t pair) const { return pairs_[pair].guide; }
   /// Nonzero for contacts that are active in the coming solve, shape (contacts).
   std::span<const std::uint8_t> acting() const { return active_; }
   /// True when no contact can have a force in this step.

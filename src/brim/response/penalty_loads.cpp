@@ -49,6 +49,10 @@ void Penalty::set_bonds(std::vector<Bond> bonds) {
   settle_actions();
 }
 
+void Penalty::set_bond_forces(std::span<const Bond> bonds) {
+  for (std::size_t i = 0; i < bonds_.size(); ++i) bonds_[i].force = bonds[i].force;
+}
+
 Vec3 Penalty::bond_force(std::size_t i, const Vec3& delta) const {
   const Bond& b = bonds_[i];
   return b.force - (b.across * b.n.dot(delta) * b.n + b.along * delta) / options_.dt;

@@ -312,6 +312,7 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
         .fixed = fixed,
         .firm =
             fixed || rigid || (is_rigid(a) != is_rigid(b) && std::isinf(a.info.modulus) != std::isinf(b.info.modulus)),
+        .guide = !solid && (fixed || is_rigid(a) != is_rigid(b)),
         .sheet = sheet,
         .balls = grains,
         .growth = growth,

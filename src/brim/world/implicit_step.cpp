@@ -69,7 +69,7 @@ bool ImplicitStep::make_passes(std::span<double> delta) {
   contact_force_.resize(contacts_);
   std::fill(delta.begin(), delta.end(), 0.0);
   const int passes = contacts_ > 0 ? (whole_ ? kExactPasses * settings_->passes : settings_->passes) : 1;
-  settled_ = contacts_ > 0 && c.response.settled();
+  settled_ = contacts_ > 0 && c.response.settled() && !c.follow_arcs;
   bool near = false;
   scale_.clear(), iterations_made_ = 0;
   for (int pass = 0; pass < passes; ++pass) {
@@ -93,6 +93,10 @@ bool ImplicitStep::make_passes(std::span<double> delta) {
       settled_ = change < settings_->load_tolerance;
       near = change < kNear * settings_->load_tolerance;
       if (foresee(delta)) settled_ = near = false;
+      if (c.follow_arcs) {
+        const double arcs = c.follow_arcs(delta, contact_delta_);
+        settled_ = settled_ && arcs <= 1.0, near = near && arcs <= kNear;
+      }
     }
     if (kept || (settled_ && s.residual <= settings_->tolerance)) {
       c.report.cg_residual = std::max(c.report.cg_residual, s.residual);

@@ -108,8 +108,8 @@ std::pair<Vec3, Vec3> Links::stretch(const Link& link, const Held& held, const C
   return {a, b};
 }
 
-void Links::append(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q,
-                   int space, double time, double dt, double longest, ContactSet& set) {
+void Links::append(std::span<const WorldPart> parts, const Motion& motion, int space, double time, double dt,
+                   double longest, ContactSet& set) {
   time_ = time, dt_ = dt, closing_ = std::min(1.0, dt / longest);
   ties_.clear();
   coordinate_.assign(links_.size(), {});
@@ -118,7 +118,7 @@ void Links::append(std::span<const WorldPart> parts, std::span<const double> q, 
   for (std::size_t l = 0; l < links_.size(); ++l) {
     Link& link = *links_[l];
     if (link.broken) continue;
-    link.follow(parts, q, first_q);
+    link.follow(parts, motion.q, motion.first_q);
     const Coordinate c = coordinate_[l] = coordinate(link);
     const double h = parts[link.part_a].h;
     set.pairs.push_back({link.part_a, link.part_b < 0 ? space : link.part_b, h, h, 0.0, first + ties_.size(),
@@ -133,12 +133,6 @@ void Links::append(std::span<const WorldPart> parts, std::span<const double> q, 
       Vec3 xa = at_a, xb = at_b;
       if (along) {
         tie.n = c.n, tie.lever = c.lever;
-        // A rigid hinge closes the error at its axis within the sub-step: that motion is no turning.
-        if (link.given.joint->kind == JointKind::Revolute && !(link.given.stiffness > 0.0))
-          for (std::size_t i = 0; i < 2; ++i) {
-            const Tie& end = ties_[ties_.size() - k + i];
-            tie.axis += 0.5 * (end.target - end.error / dt);
-          }
       } else {
         if (link.given.motion)
           tie.target = (link.given.motion(time + dt, link.b.positions()[held.point], link.middle) - xb) / dt;
@@ -176,7 +170,7 @@ void Links::append(std::span<const WorldPart> parts, std::span<const double> q, 
 void Links::drive(const Link& link, const Tie& tie, const Vec3& velocity, Bond& bond) const {
   const LinkJoint& j = *link.given.joint;
   const Hold hold = link.held[tie.held].hold;
-  const double value = coordinate_[tie.link].value, lever = tie.lever, u = tie.n.dot(velocity - tie.axis) / lever;
+  const double value = coordinate_[tie.link].value, lever = tie.lever, u = tie.n.dot(velocity) / lever;
   double force = 0.0, K = 0.0, D = 0.0;  // along the coordinate
   if (hold == Hold::Drive) {
     const JointDrive& d = j.drive;
@@ -206,18 +200,16 @@ void Links::drive(const Link& link, const Tie& tie, const Vec3& velocity, Bond& 
   bond.across = dt_ * (dt_ * K + D) / (lever * lever);
 }
 
-void Links::begin(const ContactSet& set, std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b,
-                  Penalty& response) const {
+std::vector<Bond> Links::bonds() const {
   std::vector<Bond> bonds(ties_.size());
-  const std::size_t first = set.first_link();
   for (std::size_t i = 0; i < ties_.size(); ++i) {
     const Tie& tie = ties_[i];
     const Link& link = *links_[tie.link];
     const Held& held = link.held[tie.held];
     const double k = held.share * (link.given.stiffness > 0.0 ? link.given.stiffness : rigid(link));
     const double d = held.share * link.given.damping, s = dt_ * k + d;
-    const Vec3 u = velocity_a[first + i] - velocity_b[first + i] - tie.target;
-    const Vec3 error = (link.given.stiffness > 0.0 ? 1.0 : closing_) * tie.error;
+    const Vec3 u = tie.velocity - tie.target;
+    const Vec3 error = (link.given.stiffness > 0.0 ? 1.0 : closing_) * tie.error + tie.arc;
     Bond& bond = bonds[i];
     bond.n = tie.n;
     switch (held.hold) {
@@ -239,10 +231,27 @@ void Links::begin(const ContactSet& set, std::span<const Vec3> velocity_a, std::
         bond.waits = !(tie.n.dot(tie.error + dt_ * u) > 0.0);  // slack now, and at the end of the step too
         break;
       default:
-        drive(link, tie, u, bond);
+        drive(link, tie, u - axis_velocity(i), bond);
     }
   }
-  response.set_bonds(std::move(bonds));
+  return bonds;
+}
+
+Vec3 Links::axis_velocity(std::size_t i) const {
+  const Link& link = *links_[ties_[i].link];
+  Vec3 velocity = Vec3::Zero();
+  if (link.given.joint->kind != JointKind::Revolute || link.given.stiffness > 0.0) return velocity;
+  for (std::size_t end = i - ties_[i].held; end < i - ties_[i].held + 2; ++end)
+    velocity += 0.5 * (ties_[end].target - (closing_ * ties_[end].error + ties_[end].arc) / dt_);
+  return velocity;
+}
+
+void Links::begin(std::span<const WorldPart> parts, const Motion& motion, const ContactSet& set,
+                  std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b, Penalty& response) {
+  const std::size_t first = set.first_link();
+  for (std::size_t i = 0; i < ties_.size(); ++i) ties_[i].velocity = velocity_a[first + i] - velocity_b[first + i];
+  start_arcs(parts, motion, set);
+  response.set_bonds(bonds());
 }
 
 }  // namespace brim

@@ -11,6 +11,7 @@
 #include "brim/body/aimed_drives.h"
 #include "brim/contact/contact_set.h"
 #include "brim/response/penalty.h"
+#include "brim/world/arc.h"
 #include "brim/world/attachment.h"
 #include "brim/world/matter_points.h"
 #include "brim/world/step_report.h"
@@ -24,9 +25,10 @@ namespace brim {
 ///   f_a = −k e − (dt k + d) u,   A gains Jᵀ dt (dt k + d) P J,   P = 1, n nᵀ (along the line of the two ends)
 /// Joints (LinkJoint) hold a few points around their frame: fully, or only across the axis when they may slide along
 /// it; forces along the coordinate act at a point off the axis. In each direction both sides take the force at one
-/// point, or each at its own on the line of the force, so no torque remains. Rigid links have k = kRigid m / dt², m:
-/// the mass they hold. After one step an error has decayed to 1/kRigid of itself, and gravity leaves an error of g dt²
-/// / kRigid. Same bits for any number of threads.  Tests: tests/world/links_test.cpp
+/// point, or each at its own on the line of the force, so no torque remains. Where the ends move on arcs, as those of
+/// rigid bodies do, what the arcs add to e within the sub-step counts at once (follow_arcs). Rigid links have k =
+/// kRigid m / dt², m: the mass they hold. After one step an error has decayed to 1/kRigid of itself, and gravity leaves
+/// an error of g dt² / kRigid. Same bits for any number of threads.  Tests: tests/world/links_test.cpp
 class Links {
   struct Link;
 
@@ -39,6 +41,8 @@ class Links {
   static constexpr double kUnequal = 100.0;
   /// Swing of a solid in one sub-step, see swing_pieces; chains of them are stable up to 2.
   static constexpr double kSwing = 1.5;
+  /// [rad] Turn of a solid with links in one sub-step.
+  static constexpr double kSpin = 1.0;
   /// Maximum number of points for a region of a solid: a rigid part needs no more.
   static constexpr std::size_t kMostOfSolid = 16;
 
@@ -46,6 +50,15 @@ class Links {
   struct Side {
     std::vector<int> parts;  ///< global part numbers; empty: space
     std::span<const double> q;
+  };
+
+  /// State of all bodies.
+  struct Motion {
+    std::span<const double> q, v;
+    std::span<const std::size_t> first_q, first_v;
+
+    std::span<const double> q_of(int body) const { return q.subspan(first_q[body], first_q[body + 1] - first_q[body]); }
+    std::span<const double> v_of(int body) const { return v.subspan(first_v[body], first_v[body + 1] - first_v[body]); }
   };
 
   /// Adds a link. @param time  [s] now  @throws InputError naming the link
@@ -83,14 +96,23 @@ class Links {
   /// The two body numbers of a link, −1: space.
   std::pair<int, int> bodies(std::size_t i) const { return {links_[i]->body_a, links_[i]->body_b}; }
 
-  /// Appends the active links to the set. @param space  number of the part that stands for space
+  /// Appends the active links to the set. Bodies must be up to date. @param space  number of the part that stands for
+  /// space
   /// @param longest  [s] of any sub-step. A rigid link closes an error within that time: one made in a long sub-step
   ///   and closed in a shorter one would become speed, most of all across chains that are almost straight.
-  void append(std::span<const WorldPart> parts, std::span<const double> q, std::span<const std::size_t> first_q,
-              int space, double time, double dt, double longest, ContactSet& set);
-  /// Passes the links to the response, after its begin. @param velocity_a, velocity_b  [m/s] at all contacts
-  void begin(const ContactSet& set, std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b,
-             Penalty& response) const;
+  void append(std::span<const WorldPart> parts, const Motion& motion, int space, double time, double dt, double longest,
+              ContactSet& set);
+  /// Passes the links to the response, after its begin.
+  /// @param velocity_a, velocity_b  [m/s] at all contacts
+  void begin(std::span<const WorldPart> parts, const Motion& motion, const ContactSet& set,
+             std::span<const Vec3> velocity_a, std::span<const Vec3> velocity_b, Penalty& response);
+  /// After a solve: lets the ends of links move on the arcs of the velocities that it found.
+  /// @param motion  with the velocities after the solve  @param delta  [m/s] relative changes at all contacts
+  /// @return largest change of a link's error by that, over what is followed: 1 or less needs no other solve
+  double follow_arcs(std::span<const WorldPart> parts, const Motion& motion, const ContactSet& set,
+                     std::span<const Vec3> delta, Penalty& response);
+  /// True when ends of links move on arcs: another solve may be needed.
+  bool bends() const { return bends_; }
   /// Sets the coordinates of the report to those at the end of a step, and adds the energy of springs (of links, drives
   /// and limits that are not rigid) to its potential energy. Bodies must be up to date.
   /// @param time  [s] now
@@ -102,18 +124,25 @@ class Links {
   /// counts: loads of a chain rise and fall within a step, and sub-steps that become longer and shorter with them feed
   /// its swing.
   double swing_pieces(double dt) const { return dt * std::max(swing_, swing_now_) / kSwing; }
+  /// Number of pieces of a sub-step in which no solid with links turns by more than kSpin: then the passes of a solve
+  /// find the arcs on which its links move.
+  double spin_pieces(std::span<const WorldPart> parts, std::span<const double> v, std::span<const std::size_t> first_v,
+                     double dt) const;
   /// Finds the swing under the forces of a solve. @param force  [N] on side a, all contacts  Bodies must be up to date.
   void find_swing(std::span<const WorldPart> parts, const ContactSet& set, std::span<const Vec3> force);
   /// Forgets what a solve has found that is taken back.
   void drop_swing() { swing_now_ = 0.0; }
-  /// Remembers the swing that was found last, at the end of a sub-step.
-  void remember_swing(double dt);
+  /// Remembers the length of a sub-step that ends, and the swing that was found last.
+  void remember(double dt);
+  /// [s] Length of the last sub-step; 0: there was none with links.
+  double last_substep() const { return last_substep_; }
   /// Takes the forces and breaks links whose force is too large. @param force  [N] on side a, all contacts
   void finish(const ContactSet& set, std::span<const Vec3> force, double time, StepReport& report);
 
-  /// Reads and removes its part of memory; keep writes it in front. Only broken links, targets that were set and the
-  /// swing of pulled solids are stored:
-  ///   memory: [−0.125, n, numbers of broken links ..., −1, for every target: link, position, velocity ..., −2, swing]
+  /// Reads and removes its part of memory; keep writes it in front. Only broken links, targets that were set, the
+  /// swing of pulled solids and the length of the last sub-step are stored:
+  ///   memory: [−0.125, n, numbers of broken links ..., −1, for every target: link, position, velocity ..., −2, swing,
+  ///            length]
   void take(std::vector<double>& memory);
   void keep(std::vector<double>& memory) const;
 
@@ -161,7 +190,9 @@ class Links {
     Vec3 target = Vec3::Zero();  ///< [m/s] velocity of a moving target
     Vec3 n = Vec3::UnitZ();
     double lever = 1.0;
-    Vec3 axis = Vec3::Zero();  ///< [m/s] velocity of a hinge's axis on a against b at the end of the sub-step
+    Vec3 velocity = Vec3::Zero();   ///< [m/s] of a against b, at the start
+    Vec3 arc = Vec3::Zero();        ///< [m] error that arises within the sub-step, as the ends move on arcs
+    Vec3 first_arc = Vec3::Zero();  ///< [m] the same with the velocities of the start
   };
   static Link make(const Attachment& attachment, std::span<const WorldPart> parts, const Side& a, const Side& b,
                    double ramp_voxels, double time);
@@ -186,18 +217,35 @@ class Links {
   /// [J] of what is elastic of a link, with its points as they were followed last.
   static double spring_energy(const Link& link, const Coordinate& c, double time);
   void break_overloaded(double time, StepReport& report);
+  std::vector<Bond> bonds() const;
+  /// [m/s] Velocity of a hinge's axis on a against b at the end of the sub-step, for the tie of a drive or limit. A
+  /// rigid hinge closes the error at its axis within the sub-step: that motion is no turning.
+  Vec3 axis_velocity(std::size_t i) const;
+  /// [m] Error that arises in a tie within the sub-step because its ends move on arcs. Lines have none: the arc of a
+  /// line between light nodes would add energy, as the nodes' velocities are not smooth.
+  /// @param straight  [m] dt u  @param bend  [m] by which the way of a leaves that of b beside it  @param b  of side b
+  Vec3 arc_of(const Tie& tie, const Vec3& straight, const Vec3& bend, const Arc& b) const;
+  /// Calls take(tie, arc) for all ties. @param delta  [m/s] changes of the velocities at all contacts, or none
+  template <class Take>
+  void for_arcs(std::span<const WorldPart> parts, const Motion& motion, const ContactSet& set,
+                std::span<const Vec3> delta, const Take& take);
+  /// Finds the arcs at the velocities of the start.
+  void start_arcs(std::span<const WorldPart> parts, const Motion& motion, const ContactSet& set);
   double rigid(const Link& link) const { return kRigid * link.mass / (dt_ * dt_); }
-  /// Stiffness and damping along the coordinate, per length, and the force at the start.
+  /// Stiffness and damping along the coordinate, per length, and the force at the start. @param u  [m/s] of turning
   void drive(const Link& link, const Tie& tie, const Vec3& u, Bond& bond) const;
 
   List links_;  ///< shared with the states in which they exist
   std::int64_t next_id_ = 0;
   bool grabs_ = false;  ///< the last link is the grabbing one
   std::vector<Tie> ties_;
+  bool bends_ = false;
+  std::vector<double> arc_changes_;     ///< per link, in the last solve; −1: its arcs are not followed any more
   std::vector<Coordinate> coordinate_;  ///< per link
   double time_ = 0.0, dt_ = 0.0;
   /// [1/s] Fastest swing of solids, √(κ/I): that is remembered, and of the present sub-step.
   double swing_ = 0.0, swing_now_ = 0.0;
+  double last_substep_ = 0.0;
   double closing_ = 1.0;  ///< share of a rigid link's error that this sub-step closes
 };
 

@@ -19,7 +19,7 @@ constexpr double kAimsFollow = -1.0, kSwingFollows = -2.0;
 
 void Links::take(std::vector<double>& memory) {
   for (const auto& l : links_) l->broken = false, l->aim.reset();
-  swing_ = swing_now_ = 0.0;
+  swing_ = swing_now_ = last_substep_ = 0.0;
   if (memory.size() < 2 || (memory[0] != kLinksMark && memory[0] != kOlderMark)) return;
   const auto n = static_cast<std::size_t>(std::clamp(memory[1], 0.0, static_cast<double>(memory.size() - 2)));
   const std::span<const double> numbers = std::span<const double>(memory).subspan(2, n);
@@ -34,7 +34,8 @@ void Links::take(std::vector<double>& memory) {
   for (; i + 3 <= n && numbers[i] != kSwingFollows; i += 3)
     if (Link* const l = link_at(i); l && std::isfinite(numbers[i + 1]) && std::isfinite(numbers[i + 2]))
       l->aim = DriveAim{numbers[i + 1], numbers[i + 2]};
-  if (i + 2 == n && numbers[i] == kSwingFollows && std::isfinite(numbers[i + 1])) swing_ = numbers[i + 1];
+  if (i + 2 <= n && numbers[i] == kSwingFollows && std::isfinite(numbers[i + 1])) swing_ = numbers[i + 1];
+  if (i + 3 == n && numbers[i + 2] > 0.0 && std::isfinite(numbers[i + 2])) last_substep_ = numbers[i + 2];
   memory.erase(memory.begin(), memory.begin() + static_cast<std::ptrdiff_t>(2 + n));
 }
 
@@ -50,7 +51,7 @@ void Links::keep(std::vector<double>& memory) const {
     aimed = true;
     head.insert(head.end(), {static_cast<double>(l), aim->position, aim->velocity});
   }
-  if (swing_ > 0.0) head.insert(head.end(), {kSwingFollows, swing_});
+  if (kept() > 0 && last_substep_ > 0.0) head.insert(head.end(), {kSwingFollows, swing_, last_substep_});
   if (head.size() == 2) return;
   head[1] = static_cast<double>(head.size() - 2);
   memory.insert(memory.begin(), head.begin(), head.end());

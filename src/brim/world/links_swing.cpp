@@ -3,7 +3,9 @@
 #include <cmath>
 #include <map>
 
+#include "brim/body/rigid_frame.h"
 #include "brim/body/solid_of.h"
+#include "brim/core/interface_of.h"
 #include "brim/world/body_motion.h"
 #include "brim/world/links.h"
 
@@ -66,10 +68,23 @@ void Links::find_swing(std::span<const WorldPart> parts, const ContactSet& set, 
   swing_now_ = std::sqrt(fastest);
 }
 
-void Links::remember_swing(double dt) {
+double Links::spin_pieces(std::span<const WorldPart> parts, std::span<const double> v,
+                          std::span<const std::size_t> first_v, double dt) const {
+  double fastest = 0.0;
+  for (const auto& link : links_)
+    for (const std::int32_t part : {link->part_a, link->part_b}) {
+      if (link->broken || part < 0 || interface_of<RigidFrame>(*parts[part].body) == nullptr) continue;
+      const double* own = v.data() + first_v[parts[part].body_index];
+      fastest = std::max(fastest, Vec3(own[3], own[4], own[5]).norm());
+    }
+  return dt * fastest / kSpin;
+}
+
+void Links::remember(double dt) {
   const bool none = links_.empty() || ties_.empty();
   swing_ = none ? 0.0 : std::max(swing_ * std::exp(-dt / kFading), swing_now_);
   swing_now_ = 0.0;
+  last_substep_ = none ? 0.0 : dt;
 }
 
 }  // namespace brim

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -32,6 +33,10 @@ struct StepContext {
   std::span<const double> impulse{};  ///< [N s] additional impulse, shape (nv) or empty
   /// [kg/s] resistance of air to changes of the velocities of nodes; shape (bodies) or empty, of each (nodes) or empty
   std::span<const std::vector<Mat3>> resistance{};
+
+  /// Follows the arcs of links after a solve: Links::follow_arcs, with the changes of all velocities and of those at
+  /// contacts. Empty where none bend.
+  std::function<double(std::span<const double>, std::span<const Vec3>)> follow_arcs{};
 
   /// The velocities of body b in x, shape (nv).
   template <class Vector>

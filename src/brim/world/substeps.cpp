@@ -10,6 +10,7 @@
 #include "brim/body/spinning_balls.h"
 #include "brim/core/interface_of.h"
 #include "brim/world/contact_parameters.h"
+#include "brim/world/links.h"
 #include "brim/world/motion_search.h"
 
 namespace brim {
@@ -45,12 +46,18 @@ FastestPart fastest_of(std::span<const WorldPart> parts, std::span<const double>
 std::string text_of_cap(const NeededPieces& needed, const FastestPart& fastest, const WorldOptions& options,
                         double length) {
   const std::string cure = "a smaller \"time_step\" or a larger \"max_substeps\"";
-  if (needed.motion >= std::max({needed.fall, needed.inner, needed.swing}) && fastest.part != nullptr)
+  const double links = std::max(needed.swing, needed.spin);
+  if (needed.motion >= std::max({needed.fall, needed.inner, links}) && fastest.part != nullptr)
     return fmt::format(
         "bodies move too fast for the {} sub-steps that max_substeps allows: the fastest, '{}' at {:.3g} m/s, moves "
         "by {:.3g} voxels in each and may pass through others; a smaller \"time_step\", a larger \"max_substeps\" or "
         "a coarser \"voxel_size\" prevents that",
         options.max_substeps, fastest.part->body->name(), fastest.speed, fastest.speed * length / fastest.part->h);
+  if (needed.spin >= std::max({needed.fall, needed.inner, needed.swing}))
+    return fmt::format(
+        "bodies between joints or attachments spin by more than {:.2g} rad in each of the {} sub-steps that "
+        "max_substeps allows: joints beside their middles may gain energy; {} prevents that",
+        Links::kSpin, options.max_substeps, cure);
   if (needed.swing >= std::max(needed.fall, needed.inner))
     return fmt::format(
         "light bodies between joints or attachments that pull hard need shorter sub-steps than the {} that "
@@ -116,8 +123,8 @@ double choose_substep(const NeededPieces& needed, std::span<const WorldPart> par
                       std::span<const std::size_t> first_v, const WorldOptions& options, double left,
                       StepReport& report) {
   const double remaining = std::max(1, options.max_substeps - report.substeps);
-  const double asked = std::max(
-      {needed.motion, needed.fall, needed.inner, needed.swing, options.min_substeps * left / options.time_step});
+  const double asked = std::max({needed.motion, needed.fall, needed.inner, needed.swing, needed.spin,
+                                 options.min_substeps * left / options.time_step});
   double n = std::ceil(asked - 1e-9);
   if (n > remaining) {
     n = remaining;

@@ -54,6 +54,7 @@ struct NeededPieces {
   double fall = 1.0;    ///< fall_pieces
   double inner = 1.0;   ///< stable_pieces
   double swing = 1.0;   ///< Links::swing_pieces
+  double spin = 1.0;    ///< Links::spin_pieces
 };
 
 /// Length of the next sub-step, [s]: `left` cut into equal pieces. Warns where these are more than max_substeps allows.

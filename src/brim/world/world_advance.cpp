@@ -35,7 +35,7 @@ void World::Impl::report_substep(double dt, bool last, StepReport& report) {
     check_momentum(bodies, first_v, parts, contacts, mapped, contact_force, report);
   }
   tell_walled(dt, mapped);
-  links.remember_swing(dt);
+  links.remember(dt);
   if (!links.empty()) {
     links.finish(contacts, contact_force, state.time, report);
     keep_apart();

@@ -94,8 +94,9 @@ struct World::Impl {
   std::vector<Vec3> velocity_a, velocity_b;
   std::vector<Vec3> normal_force, friction_force, contact_force;  ///< [N] at the contacts; contact_force: their sum
   std::vector<double> delta, before_q, before_v;
-  std::vector<double> predicted_v;  ///< velocities that a solve found
-  std::vector<double> way_v;        ///< way of the sub-step over dt: with the correction of overlaps
+  std::vector<double> gravity_factor;  ///< per body, where links hold any
+  std::vector<double> predicted_v;     ///< velocities that a solve found
+  std::vector<double> way_v;           ///< way of the sub-step over dt: with the correction of overlaps
   // State of the last update of the bodies, from which they have not been advanced since.
   std::vector<double> updated_q, updated_v;
   double updated_time = 0.0;

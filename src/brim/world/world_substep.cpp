@@ -12,6 +12,7 @@
 #include "brim/core/stopwatch.h"
 #include "brim/world/ball_points.h"
 #include "brim/world/fluid_warnings.h"
+#include "brim/world/leapfrog.h"
 #include "brim/world/reference_poses.h"
 #include "brim/world/row_memory.h"
 #include "brim/world/substeps.h"
@@ -106,7 +107,7 @@ void World::Impl::begin_substep(double dt, StepReport& report) {
   tell_touched();
   check_stop();
   if (!links.empty())
-    links.append(parts, state.q, first_q, static_cast<int>(parts.size()) - 1, state.time, dt,
+    links.append(parts, {state.q, state.v, first_q, first_v}, static_cast<int>(parts.size()) - 1, state.time, dt,
                  options.time_step / options.min_substeps, stage.contacts());
 }
 
@@ -125,7 +126,8 @@ void World::Impl::begin_penalties(double dt, StepReport& report) {
   if (turning.any()) turning.add_slips(contacts, response.normals(), velocity_a, velocity_b);
   response.begin(contacts, laws.penalties(), penalty_options(options, dt), velocity_a, velocity_b);
   fill.begin(bodies, first_v, state.v, velocity_a, velocity_b, dt, response);
-  if (contacts.link_pairs > 0) links.begin(contacts, velocity_a, velocity_b, response);
+  if (contacts.link_pairs > 0)
+    links.begin(parts, {state.q, state.v, first_q, first_v}, contacts, velocity_a, velocity_b, response);
 }
 
 void World::Impl::begin_rows(double dt, StepReport& report) {
@@ -152,14 +154,24 @@ bool World::Impl::solve_system(double dt, StepReport& report) {
     resistance = actions.resistance();
     settings.gravity_scale = actions.gravity_scale();
   }
+  if (stage.contacts().link_pairs > 0) {
+    leapfrog_gravity(parts, stage, bodies.size(), links.last_substep(), dt, settings.gravity_scale, gravity_factor);
+    settings.gravity_scale = gravity_factor;
+  }
   ImplicitStep::Correct rows;
   if (!constraints.empty())
     rows = [&](const ImplicitStep::Respond& solve, std::span<double> change, std::span<double> added) {
       return constraints.correct(solve, change, added, report);
     };
-  const StepContext context{
-      bodies,   first_v, parts,   options.environment, state.v, stage.contacts(), maps, response, fill,
-      coupling, report,  impulse, resistance};
+  StepContext context{bodies,   first_v, parts,   options.environment, state.v, stage.contacts(), maps, response, fill,
+                      coupling, report,  impulse, resistance};
+  if (links.bends() && stage.contacts().link_pairs > 0)
+    context.follow_arcs = [&](std::span<const double> change, std::span<const Vec3> at_contacts) {
+      predicted_v = state.v;
+      for (std::size_t i = 0; i < predicted_v.size(); ++i) predicted_v[i] += change[i];
+      return links.follow_arcs(parts, {state.q, predicted_v, first_q, first_v}, stage.contacts(), at_contacts,
+                               response);
+    };
   return implicit.solve(context, settings, delta, rows);
 }
 
@@ -186,7 +198,8 @@ double World::Impl::choose_length(double left, StepReport& report) {
                    ? HeldPairs()
                    : HeldPairs(RowMemory::pairs(ReferencePoses::rows_of(state.warm_start)));
   const NeededPieces needed = {motion_pieces(state.v, left, g * left), fall_pieces(parts, g, left),
-                               stable_pieces(parts, left), links.swing_pieces(left)};
+                               stable_pieces(parts, left), links.swing_pieces(left),
+                               links.spin_pieces(parts, state.v, first_v, left)};
   return choose_substep(needed, parts, state.v, first_v, options, left, report);
 }
 

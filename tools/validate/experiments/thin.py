@@ -97,6 +97,37 @@ def capstan(case):
     return rope_over(case, (case.light, case.heavy))
 
 
+LIGHT, HEAVY, WHEEL = 1.0, 1.2, 0.1  # [kg, kg, m]
+
+
+def pulley_acceleration(case):
+    """The wheel, a cylinder, turns with the axis of the rope, at the radius WHEEL + THICK / 2."""
+    axis = WHEEL + 0.5 * THICK
+    moved = LIGHT + HEAVY + 0.02 * (1.6 + math.pi * axis) + 0.5 * case.wheel * (WHEEL / axis)**2
+    return (HEAVY - LIGHT) * G / moved
+
+
+@experiment(law="a = (m₂ − m₁) g / (m₁ + m₂ + m_rope + I/r²)", source="Atwood, with a wheel that the rope turns", unit="m/s²", tolerance=0.05, study="dt", fast=True,
+            cases=cases(response=BOTH, wheel=(1.0,), dt=(1 / 60, 1 / 240)), theory=pulley_acceleration,
+            measure=lambda c, r: fits.acceleration(r.time, r.velocity("light")[:, 2], start=0.15),
+            curve=lambda c, r: (r.time, r.velocity("light")[:, 2]), ideal=lambda c, t: pulley_acceleration(c) * t, axes=("t [s]", "speed [m/s]"))
+def pulley(case):
+    """Weights of 1 and 1.2 kg on a rope over a wheel that turns on a joint: their acceleration."""
+    axis, end = WHEEL + 0.5 * THICK, 0.8
+    arc = [[-axis * math.cos(t), 0, axis * math.sin(t)] for t in np.linspace(0, math.pi, 17)]
+    weights = [{"kind": "rigid", "name": name, "mass": mass, "shape": box(0.1, 0.1, 0.1), "transform": {"position": [x, 0, -end - 0.05]}}
+               for name, mass, x in (("light", LIGHT, -axis), ("heavy", HEAVY, axis))]
+    whole = scene([{"kind": "rigid", "name": "wheel", "mass": case.wheel, "shape": {"kind": "cylinder", "radius": WHEEL, "length": 0.1},
+                    "transform": {"rotation": about((1, 0, 0), 90)}},
+                   {"kind": "rod", "name": "rope", "points": [[-axis, 0, -end]] + arc + [[axis, 0, -end]], "segments": 100, "radius": 0.5 * THICK,
+                    "linear_density": 0.02, "stretch_stiffness": 2e4, "bend_stiffness": 1e-4, "rests_straight": True}] + weights,
+                  0.6, dt=case.dt, friction=1.0, response=case.response)
+    whole["joints"] = [{"name": "axle", "body": "wheel", "kind": "revolute", "position": [0, 0, 0], "axis": [0, 1, 0]}]
+    whole["attachments"] = [{"name": f"knot_{name}", "body": "rope", "to": name, "point": [x, 0, -end], "touch": False}
+                            for name, x in (("light", -axis), ("heavy", axis))]
+    return whole
+
+
 @experiment(law="F = m g", source="statics", unit="N", tolerance=0.01, cases=cases(response=("penalty",)), theory=lambda c: 0.25 * G * 1.0,
             measure=lambda c, r: np.mean(r.force("plane")[-20:, 2]) * -1)
 def cloth_weight(case):
