@@ -15,6 +15,7 @@ from .articulated import Articulated
 from .body import Array, Body, Force
 from .link import Attachment
 from .own_body import OwnBody
+from .query import Queries
 from .running import Running, StepError
 from .sensor import ContactEvent, Sensor
 from .scene_file import scene_text, take_arrays, write_arrays
@@ -45,7 +46,7 @@ def _air(function: Callable[[float, Array], Any]) -> Callable[[float, Array], Ar
     return air
 
 
-class World:
+class World(Queries):
     """Bodies, their state, and the step that moves them.
 
     Keywords are those of "world" in a scene file (time_step [s], voxel_size [m], gravity, stiffness [Pa], response, ...), and

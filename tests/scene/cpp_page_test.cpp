@@ -131,6 +131,13 @@ void load(brim::World& world, const std::string& path) {
   world.set_state(std::move(state));
 }
 
+bool on_ground(const brim::World& world, int robot) {
+  const auto others = [robot](int body) { return body != robot; };
+  const brim::Vec3 foot(world.q(robot)[0], world.q(robot)[1], world.q(robot)[2]);
+  const auto below = world.raycast(foot, -brim::Vec3::UnitZ(), 0.12, others);
+  return below && below->normal.z() > 0.7;  // no steeper than 45 degrees
+}
+
 std::vector<std::string> words_of(std::istream& text) {
   std::vector<std::string> all;
   for (std::string word; text >> word;) all.push_back(word);
@@ -163,7 +170,7 @@ TEST(CppPage, ItsCodeIsThatOfThisFile) {
     // clang-format may break it otherwise; spaces do not count.
     EXPECT_NE(here.find(dense(block)), std::string::npos) << block;
   }
-  EXPECT_EQ(blocks, 6);
+  EXPECT_EQ(blocks, 7);
   EXPECT_THROW(step_a_scene(), InputError) << "there is no drop.json here";
 }
 
@@ -197,6 +204,14 @@ TEST(CppPage, ALoopSpawnsRemovesSavesAndLoads) {
   std::filesystem::resize_file(path, 100);
   EXPECT_THROW(load(other, path), InputError);
   std::filesystem::remove(path);
+}
+
+TEST(CppPage, ARayTellsWhatStandsOnTheGround) {
+  World world = made_by_hand();
+  EXPECT_TRUE(on_ground(world, 1));
+  EXPECT_FALSE(on_ground(world, 2)) << "a gap of 0.05 m above the crate below it";
+  world.remove(1);
+  EXPECT_FALSE(on_ground(world, 3));
 }
 
 /// A platform of 0.2 m with a crate on it.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -20,6 +21,7 @@ namespace brim {
 struct AppliedForce;  // brim/world/applied_force.h
 struct Attachment;    // brim/world/attachment.h
 struct Pose;          // brim/raster/shape.h
+struct QueryHit;      // brim/world/queries.h
 class Watcher;        // brim/world/watcher.h
 struct Wiring;        // brim/world/wiring.h
 
@@ -78,6 +80,9 @@ struct State {
 struct PartRef {
   int body = 0, index = 0;
 };
+
+/// Which bodies a query sees, by their numbers; none: all.
+using BodyFilter = std::function<bool(int body)>;
 
 /// Bodies, their state, and the step that moves them (design: one step). Every number of a body, part, attachment or
 /// force that is not there throws InputError.
@@ -208,6 +213,24 @@ class World {
   double voxel_size(int part) const;
   /// Density of one part on arbitrary tiles of step h, for viewers and tests.
   void density(int part, double h, std::span<const TileKey> tiles, std::span<DensityBlock> out) const;
+
+  // ---- queries of the present state (docs/cpp.md#queries): nothing is kept between them
+  // ------------------------------
+  /// First surface that a ray meets, within max_distance [m]; bodies in which it begins are met at distance 0. Of equal
+  /// distances that of the first body. @param direction  of any length but 0  @throws InputError
+  std::optional<QueryHit> raycast(const Vec3& origin, const Vec3& direction,
+                                  double max_distance = std::numeric_limits<double>::infinity(),
+                                  const BodyFilter& filter = {}) const;
+  /// Nearest point of any surface within max_distance [m]; within bodies, of the one in which the point lies deepest.
+  /// @throws InputError
+  std::optional<QueryHit> closest_point(const Vec3& point,
+                                        double max_distance = std::numeric_limits<double>::infinity(),
+                                        const BodyFilter& filter = {}) const;
+  /// Numbers of the bodies with matter in a ball, ascending. @param radius  [m] 0: at a point  @throws InputError
+  std::vector<int> overlap_ball(const Vec3& center, double radius, const BodyFilter& filter = {}) const;
+  /// The same in a box. @param box  pose of its centre  @param extents  [m] full  @throws InputError
+  std::vector<int> overlap_box(const Pose& box, const Vec3& extents, const BodyFilter& filter = {}) const;
+
   /// Hash of the whole state: equal runs have equal hashes at every step.
   std::uint64_t hash() const;
 

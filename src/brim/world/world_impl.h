@@ -34,6 +34,8 @@
 
 namespace brim {
 
+struct SeenMatter;
+
 /// Data of a world. Its functions are sorted by topic: world.cpp bodies and state, world_wiring.cpp how they are
 /// connected, world_editing.cpp changes between steps, world_absences.cpp bodies that are out and what edits change,
 /// world_step.cpp a step, world_substep.cpp and world_advance.cpp a sub-step, world_touched.cpp what contact tells
@@ -219,6 +221,8 @@ struct World::Impl {
   void advance(double dt, StepReport& report);
   /// Brings the coupling of grid fluids to the state after the sub-step.
   void follow_solids(StepReport& report);
+  /// The matter that a query sees, in the order of bodies, after edits and at the present state.
+  std::vector<SeenMatter> seen(const BodyFilter& sees);
   void measure(StepReport& report);
   /// Energies of bodies and springs, and the largest speed. Bodies must be up to date.
   void measure_motion(StepReport& report);
