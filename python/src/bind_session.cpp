@@ -195,6 +195,7 @@ void bind_session(py::module_& m) {
       .def("move", &Session::move)
       .def("middle", [](Session& s, int b) { return array_of(middle_of(s.world().body(b))); })
       .def("set_velocity", &Session::set_velocity)
+      .def("set_target", &Session::set_target)
       .def("material", &Session::material)
       .def("named_material", &Session::named_material)
       .def("set_material", &Session::set_material)

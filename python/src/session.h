@@ -65,6 +65,9 @@ class Session {
   /// x → R x + t. @param rotation  R row by row
   void move(int body, const std::array<double, 9>& rotation, const std::array<double, 3>& translation);
   void set_velocity(int body, const std::array<double, 3>& velocity, const std::array<double, 3>& angular_velocity);
+  /// @param position, rotation  none: as they are  @param rotation  row by row
+  void set_target(int body, const std::optional<std::array<double, 3>>& position,
+                  const std::optional<std::array<double, 9>>& rotation, double duration);
   /// @param material  "name", "friction", "restitution", "rolling_resistance", "response", as material() gives them
   void set_material(int body, const py::dict& material);
   py::dict material(int body);

@@ -101,6 +101,31 @@ class Editing(unittest.TestCase):
         with self.assertRaisesRegex(brim.InputError, "finite numbers"):
             world["box_1"].move((np.nan, 0, 0))
 
+    def test_a_driven_obstacle_pushes_and_carries(self):
+        world = brim.World(voxel_size=0.1)
+        plate = world.add("obstacle", name="plate", shape=brim.box((6, 2, 0.4)), transform={"position": (0, 0, -0.2)})
+        box = world.add("rigid", shape=brim.box((0.5, 0.5, 0.5)), transform={"position": (0, 0, 0.25)})
+        plate.set_velocity((0.5, 0, 0))
+        world.run(frames=60).all()
+        saved = world.save()
+        self.assertAlmostEqual(plate.q[0], 0.5, delta=1e-9)
+        self.assertAlmostEqual(box.v[0], 0.5, delta=0.02)
+        turn = (np.cos(0.1), 0, 0, np.sin(0.1))
+        plate.set_target((0.6, 0, -0.2))
+        world.step()
+        np.testing.assert_allclose(plate.q[:3], (0.6, 0, -0.2), atol=1e-12)
+        plate.set_target(rotation=turn, duration=0.5)
+        world.run(frames=40).all()
+        np.testing.assert_allclose(plate.q, (0.6, 0, -0.2, *turn), atol=1e-12)
+        np.testing.assert_array_equal(plate.v, 0)
+        world.restore(saved)
+        world.step()
+        self.assertAlmostEqual(plate.v[0], 0.5, delta=1e-12)
+        with self.assertRaisesRegex(brim.InputError, r"\(rigid\) moves by forces; obstacles are driven"):
+            box.set_target((0, 0, 1))
+        with self.assertRaisesRegex(brim.InputError, "finite numbers"):
+            plate.set_target((np.nan, 0, 0))
+
     def test_materials(self):
         world = stack()
         world.set_gravity((3, 0, -9.81))

@@ -162,8 +162,13 @@ class World {
   /// Moves all of a body from x to R x + t, and rotates its velocities by R.
   /// @throws InputError  for kinds that cannot be moved, attached bodies, and bodies moved by keyframes
   void move(int b, const Pose& by);
-  /// Gives a body a rigid velocity: of its centre of mass [m/s], and about it [rad/s]. @throws InputError
+  /// Gives a body a rigid velocity: of its centre of mass [m/s], and about it [rad/s]. An obstacle keeps it until it is
+  /// given another, in place of its keyframes; its velocity is that of the origin of its frame. @throws InputError
   void set_velocity(int b, const Vec3& velocity, const Vec3& angular_velocity);
+  /// Moves an obstacle to a pose of its frame at constant velocities, by the shorter turn, and holds it there. Contact
+  /// sees these velocities, so that it pushes and carries. Replaces its keyframes. Part of the state.
+  /// @param duration  [s] 0: one step  @throws InputError  for bodies other than obstacles
+  void set_target(int b, const Pose& pose, double duration = 0.0);
   /// Sets the surface material of all parts of a body from now on. @throws InputError
   void set_material(int b, const Material& material);
   /// Present material of one part.
