@@ -85,6 +85,13 @@ void Session::set_velocity(int body, const std::array<double, 3>& v, const std::
   edit([&] { world_->set_velocity(body, vector_of(v), vector_of(w)); });
 }
 
+std::array<double, 3> Session::apply_impulse(int body, const std::array<double, 3>& impulse,
+                                             const std::array<double, 3>& point) {
+  Vec3 at = Vec3::Zero();
+  edit([&] { at = world_->apply_impulse(body, vector_of(impulse), vector_of(point)); });
+  return {at.x(), at.y(), at.z()};
+}
+
 void Session::set_target(int body, const std::optional<std::array<double, 3>>& position,
                          const std::optional<std::array<double, 9>>& rotation, double duration) {
   edit([&] {

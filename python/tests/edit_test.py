@@ -57,6 +57,25 @@ class Editing(unittest.TestCase):
         world.run(frames=60).all()
         self.assertAlmostEqual(box.q[2], 0.75, delta=0.03)
 
+    def test_an_impulse_changes_the_velocities_at_once(self):
+        world = stack()
+        box = world["box_2"]
+        center = box.center
+        at = world.apply_impulse("box_2", (1, 0, 0), center + (0, 0, 0.25))
+        np.testing.assert_allclose(at, center + (0, 0, 0.25))
+        np.testing.assert_allclose(box.v[:3], (1 / box.mass, 0, 0), atol=1e-12)
+        np.testing.assert_allclose(box.v[3:], (0, 0.25 / (box.mass * 0.5 ** 2 / 6), 0), atol=1e-9)
+        box.v[:] = 0
+        np.testing.assert_array_equal(box.v, 0)
+        for call, words in (
+            (lambda: world.apply_impulse("floor", (1, 0, 0), center), "'floor' .obstacle. does not move by forces"),
+            (lambda: world.apply_impulse(box, (np.nan, 0, 0), center), "finite numbers"),
+            (lambda: world.apply_impulse(box, (1, 0), center), r"impulse: shape \(2,\)"),
+        ):
+            with self.assertRaisesRegex(brim.InputError, words):
+                call()
+        np.testing.assert_array_equal(box.v, 0)
+
     def test_a_hand_pulls_a_body_and_is_in_no_state(self):
         world = stack()
         box = world["box_2"]

@@ -135,9 +135,17 @@ class World {
   /// Adds an external action on bodies, at their present positions. Setting a state from before takes it away.
   /// @throws InputError  @return its number, its place among those that exist
   int apply(const AppliedForce& force);
+  /// Ends an external action. Those behind it move up by one place. Setting a state from before brings it back.
+  /// @throws InputError
+  void remove_force(int i);
   int force_count() const;
   /// Number that no other external action of this world ever has.
   std::int64_t force_id(int i) const;
+  /// Changes a body's velocities at once by an impulse [N s] at its matter that is at a point [m] now, as attachments
+  /// find it: solids take any point. The momentum changes by the impulse, and the angular momentum by its moment, where
+  /// nothing of the body is fixed; attachments and contacts answer in the next step. Wakes the body.
+  /// @throws InputError  @return where it acted [m]
+  Vec3 apply_impulse(int b, const Vec3& impulse, const Vec3& point);
 
   /// Grabs a body by a spring to a point in space, at the material that is there now (a deformable body: all material
   /// within two voxels). Releases the previous grab. Not part of the state, reports or records: the hand is not in the
