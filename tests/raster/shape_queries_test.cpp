@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "brim/math/rotation.h"
@@ -115,6 +116,23 @@ TEST(ShapeQueries, ARayOnATorusIsTheRootOfItsQuartic) {
     EXPECT_NEAR(entry->distance, root, 1e-7) << i;  // a root of a quartic: a graze loses half the digits
   }
   EXPECT_GT(met, 150);
+}
+
+TEST(ShapeQueries, EndForRaysFromFarAwayAndForNoNumbers) {
+  for (const Sample& s : samples()) {
+    SCOPED_TRACE(s.name);
+    const double x = s.shape->distance(Vec3(0.5, 0.03, 0)) < 0.0 ? 0.5 : 0.05;
+    for (const double away : {1e6, 1e12, 1e15}) {
+      const auto entry = enter({Vec3(x, 0.03, -away), Vec3::UnitZ()}, *s.shape, Pose{});
+      // Beyond 1e13 a step of rounding is wider than the solid.
+      ASSERT_TRUE(entry || away > 1e13);
+      if (entry) {
+        EXPECT_NEAR(entry->distance, away, 1.0);
+      }
+    }
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_FALSE(enter({Vec3(x, 0.03, -3), Vec3::UnitZ(), 10.0}, *s.shape, {Mat3::Identity(), Vec3::Constant(nan)}));
+  }
 }
 
 TEST(ShapeQueries, ExactOnBallBoxAndPlane) {

@@ -94,9 +94,11 @@ std::optional<RayEntry> enter_any(const Ray& ray, const Asked& a, double begin, 
   while (true) {
     const double d = a.distance(ray.at(t));
     if (d <= 0.0) break;
-    if (t >= end) return {};
+    if (!(t < end)) return {};
     outside = t;
-    t = std::min(t + std::max(a.formula ? d : d / kTooFar, least), end);
+    // Far from the origin a short step may be less than rounding.
+    const double next = t + std::max(a.formula ? d : d / kTooFar, least);
+    t = std::min(std::max(next, std::nextafter(t, end)), end);
   }
   for (int i = 0; i < 100 && t > outside; ++i) {
     const double middle = 0.5 * (outside + t);

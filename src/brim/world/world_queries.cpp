@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brim/body/posed_shape.h"
 #include "brim/body/solid_of.h"
 #include "brim/core/error.h"
 #include "brim/raster/shape_queries.h"
