@@ -21,6 +21,7 @@ from .env import Env, Envs
 from .link import Attachment
 from .own_body import OwnBody
 from .plugin import load_plugin
+from .query import Hit
 from .recorded import Run, RunBody
 from .running import Frame, Running, StepError
 from .sensor import ContactEvent, RunSensor, Sensor
@@ -31,7 +32,7 @@ from .view import View, view
 from .world import World, load
 
 __all__ = [
-    "Articulated", "Attachment", "Body", "ContactEvent", "Defect", "Env", "Envs", "Frame", "InputError", "Joint", "Link", "OwnBody", "Run", "RunBody",
+    "Articulated", "Attachment", "Body", "ContactEvent", "Defect", "Env", "Envs", "Frame", "Hit", "InputError", "Joint", "Link", "OwnBody", "Run", "RunBody",
     "RunSensor", "Running", "Sensor", "State", "StepError", "StepReport", "StepWarning", "Stress", "View", "World", "__version__", "blob", "bowl", "box", "capsule", "check", "cup",
     "cylinder", "gear", "l_profile", "load", "load_plugin", "mesh", "plane", "set_threads", "sphere", "star", "thread_count",
     "torus", "u_profile", "view",

@@ -182,9 +182,18 @@ class Body:
         self._core.move(self._number, turn.ravel().tolist(), translation.tolist())
 
     def set_velocity(self, velocity: Any = (0.0, 0.0, 0.0), angular_velocity: Any = (0.0, 0.0, 0.0)) -> None:
-        """Gives the body the motion of a rigid one: of its centre of mass [m/s], and about it [rad/s], both of shape (3,).
+        """Gives the body the motion of a rigid one: of its centre of mass [m/s], and about it [rad/s], both of shape (3,). An obstacle keeps
+        it until it is given another, in place of its keyframes; its velocity is that of the origin of its frame.
         @raises InputError for bodies that are fixed, frozen, or cannot move as a whole"""
         self._core.set_velocity(self._number, velocity, angular_velocity)
+
+    def set_target(self, position: Any = None, rotation: Any = None, duration: float = 0.0) -> None:
+        """Moves an obstacle to a place [m] and rotation of its frame within a time [s], 0: in the next step, and holds it there.
+        It pushes and carries what it touches on the way. What is not given stays. rotation: a quaternion (w, x, y, z) or a
+        matrix (3, 3); the shorter turn is taken. Replaces its keyframes. @raises InputError for bodies other than obstacles"""
+        place = None if position is None else np.asarray(position, dtype=np.float64).tolist()
+        turn = None if rotation is None else _matrix(rotation).ravel().tolist()
+        self._core.set_target(self._number, place, turn, float(duration))
 
     @property
     def material(self) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from .articulated import Articulated
 from .body import Array, Body, Force
 from .link import Attachment
 from .own_body import OwnBody
+from .query import Queries, _vector
 from .running import Running, StepError
 from .sensor import ContactEvent, Sensor
 from .scene_file import scene_text, take_arrays, write_arrays
@@ -45,7 +46,7 @@ def _air(function: Callable[[float, Array], Any]) -> Callable[[float, Array], Ar
     return air
 
 
-class World:
+class World(Queries):
     """Bodies, their state, and the step that moves them.
 
     Keywords are those of "world" in a scene file (time_step [s], voxel_size [m], gravity, stiffness [Pa], response, ...), and
@@ -223,7 +224,7 @@ class World:
         return [ContactEvent(names[sensor], began, time, self._core.name(a), self._core.name(b), duration, impulse, peak)
                 for sensor, began, time, a, b, duration, impulse, peak in self._core.sensor_events()]
 
-    def apply_force(self, *bodies: Body | str, **keys: Any) -> None:
+    def apply_force(self, *bodies: Body | str, **keys: Any) -> str:
         """Lets something act on bodies from outside, from now on; on all that can move where none is named. Restoring a state from
         before takes it away.
 
@@ -234,14 +235,28 @@ class World:
         x [m], shape (n, 3), or what broadcasts to it. It is called once a sub-step and body, with the middles of all triangles,
         and is not in saved scenes.
 
+        @return its name, for remove_force
         @raises InputError for what a scene file could not say either; nothing is added then
         """
-        name = keys.pop("name", None) or f"force_{len(self._core.head().get('forces', [])) + 1}"
+        name = keys.pop("name", None) or self._free_force_name()
         field = None
         if callable(keys.get("wind", {}).get("field")):
             keys["wind"] = dict(keys["wind"])
             field = _air(keys["wind"].pop("field"))
         self._core.wire("forces", {"name": name, "bodies": [_name(body) for body in bodies], **keys}, field)
+        return str(name)
+
+    def remove_force(self, name: str) -> None:
+        """Ends what apply_force began. Restoring a state from before brings it back. @raises InputError when there is none of
+        that name"""
+        self._core.remove_force(name)
+
+    def _free_force_name(self) -> str:
+        names = {entry["name"] for entry in self._core.head().get("forces", [])}
+        number = len(names) + 1
+        while f"force_{number}" in names:
+            number += 1
+        return f"force_{number}"
 
     def set_touch(self, a: Body | str, b: Body | str, touch: bool = False, **keys: Any) -> None:
         """Says whether bodies touch, over all that was said before: as an entry of "filters" in a scene file.
@@ -267,6 +282,16 @@ class World:
         Restoring an earlier state brings it back. @raises InputError when it was removed already
         """
         self._core.remove(self._number_of(body))
+
+    def apply_impulse(self, body: Body | str, impulse: Any, point: Any) -> Array:
+        """Changes a body's velocities at once by an impulse [N s] at its matter that is at a point [m] now, both of shape (3,):
+        rigid bodies and links take any point, others where they have matter near it. Momentum and angular momentum change
+        by the impulse and its moment, where nothing of the body is fixed.
+
+        @return where it acted [m], shape (3,)  @raises InputError for bodies that are fixed, frozen, or have no points (grid fluids)
+        """
+        at = self._core.apply_impulse(self._number_of(body), _vector(impulse, "impulse"), _vector(point, "point"))
+        return np.array(at)
 
     def set_material(self, name: str, **keys: Any) -> None:
         """Changes a material for all bodies that have it: friction, restitution, rolling_resistance [m], response ("penalty", "constraint",

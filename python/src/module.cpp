@@ -38,6 +38,7 @@ PYBIND11_MODULE(_core, m) {
   brim::python::bind_reports(m);
   brim::python::bind_session(m);
   brim::python::bind_articulated(m);
+  brim::python::bind_queries(m);
   brim::python::bind_runs(m);
   brim::python::bind_sensors(m);
 }

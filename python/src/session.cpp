@@ -347,6 +347,24 @@ void Session::detach(int attachment) {
   world_->detach(attachment);
 }
 
+void Session::remove_force(const std::string& name) {
+  const Busy busy(*this);
+  const std::vector<std::int64_t>& ids = wired_["forces"];
+  std::string there;
+  for (int i = 0; i < world_->force_count(); ++i) {
+    const auto entry = std::ranges::find(ids, world_->force_id(i));
+    if (entry == ids.end()) continue;
+    const auto of = head_.at("forces").at(static_cast<std::size_t>(entry - ids.begin())).at("name").get<std::string>();
+    if (of == name) {
+      world_->remove_force(i);
+      return;
+    }
+    there += (there.empty() ? "\"" : ", \"") + of + "\"";
+  }
+  throw InputError(fmt::format("remove_force: \"{}\" is not one of the world's forces; those are {}", name,
+                               there.empty() ? "none" : there));
+}
+
 void Session::set_drive(int attachment, double position, double velocity) {
   const Busy busy(*this);
   check_attachment(attachment);

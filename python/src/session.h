@@ -51,6 +51,8 @@ class Session {
   /// @param field  of a force's wind: (t, x) -> velocities, both of shape (n, 3), or None
   int wire(const std::string& list, const py::dict& entry, const py::object& field);
   void detach(int attachment);
+  /// Ends the force of a name. @throws InputError  when there is none
+  void remove_force(const std::string& name);
   void set_drive(int attachment, double position, double velocity);
   /// Targets of the drives of an articulated body: [first, first + n) of them, shape (n,). @param velocity  may be
   /// empty
@@ -65,6 +67,12 @@ class Session {
   /// x → R x + t. @param rotation  R row by row
   void move(int body, const std::array<double, 9>& rotation, const std::array<double, 3>& translation);
   void set_velocity(int body, const std::array<double, 3>& velocity, const std::array<double, 3>& angular_velocity);
+  /// @return where it acted [m]
+  std::array<double, 3> apply_impulse(int body, const std::array<double, 3>& impulse,
+                                      const std::array<double, 3>& point);
+  /// @param position, rotation  none: as they are  @param rotation  row by row
+  void set_target(int body, const std::optional<std::array<double, 3>>& position,
+                  const std::optional<std::array<double, 9>>& rotation, double duration);
   /// @param material  "name", "friction", "restitution", "rolling_resistance", "response", as material() gives them
   void set_material(int body, const py::dict& material);
   py::dict material(int body);

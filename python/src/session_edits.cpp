@@ -85,6 +85,25 @@ void Session::set_velocity(int body, const std::array<double, 3>& v, const std::
   edit([&] { world_->set_velocity(body, vector_of(v), vector_of(w)); });
 }
 
+std::array<double, 3> Session::apply_impulse(int body, const std::array<double, 3>& impulse,
+                                             const std::array<double, 3>& point) {
+  Vec3 at = Vec3::Zero();
+  edit([&] { at = world_->apply_impulse(body, vector_of(impulse), vector_of(point)); });
+  return {at.x(), at.y(), at.z()};
+}
+
+void Session::set_target(int body, const std::optional<std::array<double, 3>>& position,
+                         const std::optional<std::array<double, 9>>& rotation, double duration) {
+  edit([&] {
+    Pose target;
+    if (const auto q = world_->q(body); q.size() == 7)
+      target = {Quat(q[3], q[4], q[5], q[6]).normalized().toRotationMatrix(), Vec3(q[0], q[1], q[2])};
+    if (position) target.translation = vector_of(*position);
+    if (rotation) target.rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation->data());
+    world_->set_target(body, target, duration);
+  });
+}
+
 void Session::set_material(int body, const py::dict& given) {
   const std::string of = fmt::format("material of \"{}\"", world().body(body).name());
   need_known(given, {"name", "friction", "restitution", "rolling_resistance", "response"}, of);

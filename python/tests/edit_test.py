@@ -57,6 +57,25 @@ class Editing(unittest.TestCase):
         world.run(frames=60).all()
         self.assertAlmostEqual(box.q[2], 0.75, delta=0.03)
 
+    def test_an_impulse_changes_the_velocities_at_once(self):
+        world = stack()
+        box = world["box_2"]
+        center = box.center
+        at = world.apply_impulse("box_2", (1, 0, 0), center + (0, 0, 0.25))
+        np.testing.assert_allclose(at, center + (0, 0, 0.25))
+        np.testing.assert_allclose(box.v[:3], (1 / box.mass, 0, 0), atol=1e-12)
+        np.testing.assert_allclose(box.v[3:], (0, 0.25 / (box.mass * 0.5 ** 2 / 6), 0), atol=1e-9)
+        box.v[:] = 0
+        np.testing.assert_array_equal(box.v, 0)
+        for call, words in (
+            (lambda: world.apply_impulse("floor", (1, 0, 0), center), "'floor' .obstacle. does not move by forces"),
+            (lambda: world.apply_impulse(box, (np.nan, 0, 0), center), "finite numbers"),
+            (lambda: world.apply_impulse(box, (1, 0), center), r"impulse: shape \(2,\)"),
+        ):
+            with self.assertRaisesRegex(brim.InputError, words):
+                call()
+        np.testing.assert_array_equal(box.v, 0)
+
     def test_a_hand_pulls_a_body_and_is_in_no_state(self):
         world = stack()
         box = world["box_2"]
@@ -100,6 +119,31 @@ class Editing(unittest.TestCase):
             world["box_1"].move(rotation=(1, 2, 3))
         with self.assertRaisesRegex(brim.InputError, "finite numbers"):
             world["box_1"].move((np.nan, 0, 0))
+
+    def test_a_driven_obstacle_pushes_and_carries(self):
+        world = brim.World(voxel_size=0.1)
+        plate = world.add("obstacle", name="plate", shape=brim.box((6, 2, 0.4)), transform={"position": (0, 0, -0.2)})
+        box = world.add("rigid", shape=brim.box((0.5, 0.5, 0.5)), transform={"position": (0, 0, 0.25)})
+        plate.set_velocity((0.5, 0, 0))
+        world.run(frames=60).all()
+        saved = world.save()
+        self.assertAlmostEqual(plate.q[0], 0.5, delta=1e-9)
+        self.assertAlmostEqual(box.v[0], 0.5, delta=0.02)
+        turn = (np.cos(0.1), 0, 0, np.sin(0.1))
+        plate.set_target((0.6, 0, -0.2))
+        world.step()
+        np.testing.assert_allclose(plate.q[:3], (0.6, 0, -0.2), atol=1e-12)
+        plate.set_target(rotation=turn, duration=0.5)
+        world.run(frames=40).all()
+        np.testing.assert_allclose(plate.q, (0.6, 0, -0.2, *turn), atol=1e-12)
+        np.testing.assert_array_equal(plate.v, 0)
+        world.restore(saved)
+        world.step()
+        self.assertAlmostEqual(plate.v[0], 0.5, delta=1e-12)
+        with self.assertRaisesRegex(brim.InputError, r"\(rigid\) moves by forces; obstacles are driven"):
+            box.set_target((0, 0, 1))
+        with self.assertRaisesRegex(brim.InputError, "finite numbers"):
+            plate.set_target((np.nan, 0, 0))
 
     def test_materials(self):
         world = stack()

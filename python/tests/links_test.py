@@ -83,6 +83,30 @@ class Links(unittest.TestCase):
         world.step()
         self.assertAlmostEqual(ball.linear_momentum[0], 6 / 60, delta=0.03)
 
+    def test_a_force_ends_by_its_name_and_a_state_from_before_brings_it_back(self):
+        world, ball = ball_world(height=5.0, gravity=(0, 0, 0))
+        first = world.apply_force(ball, force=(6, 0, 0))
+        self.assertEqual(first, "force_1")
+        self.assertEqual(world.apply_force(ball, name="push", force=(0, 12, 0)), "push")
+        before = world.save()
+        world.remove_force(first)
+        world.step()
+        np.testing.assert_allclose(ball.linear_momentum, (0, 12 / 60, 0), atol=1e-12)
+        self.assertEqual(world.apply_force(ball, force=(6, 0, 0)), "force_2")
+        self.assertEqual(world.apply_force(ball, force=(6, 0, 0)), "force_3")
+        world.remove_force("force_2")
+        self.assertEqual(world.apply_force(ball, force=(6, 0, 0)), "force_4", "force_3 is taken")
+        with self.assertRaisesRegex(brim.InputError, '^remove_force: "force_1" is not one of the world\'s forces; '
+                                                     'those are "push", "force_3", "force_4"$'):
+            world.remove_force(first)
+        with tempfile.TemporaryDirectory() as folder:
+            world.save_scene(Path(folder) / "scene.json", frames=10)
+            saved = json.loads((Path(folder) / "scene.json").read_text())["forces"]
+        self.assertEqual([force["name"] for force in saved], ["push", "force_3", "force_4"])
+        world.restore(before)
+        world.step()
+        np.testing.assert_allclose(ball.linear_momentum, (6 / 60, 12 / 60, 0), atol=1e-12)
+
     def test_a_filter_that_names_no_body_and_errors_that_name_a_link_once(self):
         world, ball = ball_world(height=5.0)
         with self.assertRaisesRegex(brim.InputError, r'^filter: between/1: "flor" is not a body.*did you mean "floor"'):

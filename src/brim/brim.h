@@ -13,6 +13,7 @@
 #include "brim/record/runner.h"
 #include "brim/scene/own_kind.h"
 #include "brim/scene/scene.h"
+#include "brim/world/queries.h"
 #include "brim/world/sense/sensors.h"
 #include "brim/world/step_report.h"
 #include "brim/world/world.h"

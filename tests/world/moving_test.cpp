@@ -188,7 +188,8 @@ TEST(Move, IsRefusedWhereSomethingElseSaysWhereTheBodyIs) {
               w.move(1, {2.0 * Mat3::Identity(), Vec3::Zero()});
             }),
             "move: 'box' must be moved by finite numbers and a rotation");
-  EXPECT_EQ(message([&] { w.set_velocity(2, Vec3::UnitX(), Vec3::Zero()); }), "set_velocity: 'ground' is fixed");
+  EXPECT_EQ(message([&] { w.set_target(1, Pose{}); }),
+            "set_target: 'box' (rigid) moves by forces; obstacles are driven");
   EXPECT_EQ(message([&] { w.remove(7); }), "remove: body 7 is not there; there are 3");
   Material slick;
   slick.friction = -1.0;

@@ -75,6 +75,7 @@ void World::Impl::take_memory() {
   levels.take(state.warm_start, std::span(bodies).first(count()));
   edits.take(state.warm_start, static_cast<int>(count()));
   aims.take(state.warm_start, [this](int b) { return aimed(b); });
+  motions.take(state.warm_start, [this](int b) { return aimed(b); });
   links.take(state.warm_start);
   sleep.take(state.warm_start);
 }
@@ -82,6 +83,7 @@ void World::Impl::take_memory() {
 void World::Impl::keep_memory() {
   sleep.keep(state.warm_start);
   links.keep(state.warm_start);
+  motions.keep(state.warm_start);
   aims.keep(state.warm_start);
   edits.keep(state.warm_start);
   levels.keep(state.warm_start);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -20,6 +21,7 @@ namespace brim {
 struct AppliedForce;  // brim/world/applied_force.h
 struct Attachment;    // brim/world/attachment.h
 struct Pose;          // brim/raster/shape.h
+struct QueryHit;      // brim/world/queries.h
 class Watcher;        // brim/world/watcher.h
 struct Wiring;        // brim/world/wiring.h
 
@@ -79,6 +81,9 @@ struct PartRef {
   int body = 0, index = 0;
 };
 
+/// Which bodies a query sees, by their numbers; none: all.
+using BodyFilter = std::function<bool(int body)>;
+
 /// Bodies, their state, and the step that moves them (design: one step). Every number of a body, part, attachment or
 /// force that is not there throws InputError.
 class World {
@@ -130,9 +135,17 @@ class World {
   /// Adds an external action on bodies, at their present positions. Setting a state from before takes it away.
   /// @throws InputError  @return its number, its place among those that exist
   int apply(const AppliedForce& force);
+  /// Ends an external action. Those behind it move up by one place. Setting a state from before brings it back.
+  /// @throws InputError
+  void remove_force(int i);
   int force_count() const;
   /// Number that no other external action of this world ever has.
   std::int64_t force_id(int i) const;
+  /// Changes a body's velocities at once by an impulse [N s] at its matter that is at a point [m] now, as attachments
+  /// find it: solids take any point. The momentum changes by the impulse, and the angular momentum by its moment, where
+  /// nothing of the body is fixed; attachments and contacts answer in the next step. Wakes the body.
+  /// @throws InputError  @return where it acted [m]
+  Vec3 apply_impulse(int b, const Vec3& impulse, const Vec3& point);
 
   /// Grabs a body by a spring to a point in space, at the material that is there now (a deformable body: all material
   /// within two voxels). Releases the previous grab. Not part of the state, reports or records: the hand is not in the
@@ -157,8 +170,13 @@ class World {
   /// Moves all of a body from x to R x + t, and rotates its velocities by R.
   /// @throws InputError  for kinds that cannot be moved, attached bodies, and bodies moved by keyframes
   void move(int b, const Pose& by);
-  /// Gives a body a rigid velocity: of its centre of mass [m/s], and about it [rad/s]. @throws InputError
+  /// Gives a body a rigid velocity: of its centre of mass [m/s], and about it [rad/s]. An obstacle keeps it until it is
+  /// given another, in place of its keyframes; its velocity is that of the origin of its frame. @throws InputError
   void set_velocity(int b, const Vec3& velocity, const Vec3& angular_velocity);
+  /// Moves an obstacle to a pose of its frame at constant velocities, by the shorter turn, and holds it there. Contact
+  /// sees these velocities, so that it pushes and carries. Replaces its keyframes. Part of the state.
+  /// @param duration  [s] 0: one step  @throws InputError  for bodies other than obstacles
+  void set_target(int b, const Pose& pose, double duration = 0.0);
   /// Sets the surface material of all parts of a body from now on. @throws InputError
   void set_material(int b, const Material& material);
   /// Present material of one part.
@@ -208,6 +226,23 @@ class World {
   double voxel_size(int part) const;
   /// Density of one part on arbitrary tiles of step h, for viewers and tests.
   void density(int part, double h, std::span<const TileKey> tiles, std::span<DensityBlock> out) const;
+
+  // ---- queries of the present state: nothing is kept between them (docs/cpp.md#queries) ----
+  /// First surface that a ray meets, within max_distance [m]; bodies in which it begins are met at distance 0. Of equal
+  /// distances that of the first body. @param direction  of any length but 0  @throws InputError
+  std::optional<QueryHit> raycast(const Vec3& origin, const Vec3& direction,
+                                  double max_distance = std::numeric_limits<double>::infinity(),
+                                  const BodyFilter& filter = {}) const;
+  /// Nearest point of any surface within max_distance [m]; within bodies, of the one in which the point lies deepest.
+  /// @throws InputError
+  std::optional<QueryHit> closest_point(const Vec3& point,
+                                        double max_distance = std::numeric_limits<double>::infinity(),
+                                        const BodyFilter& filter = {}) const;
+  /// Numbers of the bodies with matter in a ball, ascending. @param radius  [m] 0: at a point  @throws InputError
+  std::vector<int> overlap_ball(const Vec3& center, double radius, const BodyFilter& filter = {}) const;
+  /// The same in a box. @param box  pose of its centre  @param extents  [m] full  @throws InputError
+  std::vector<int> overlap_box(const Pose& box, const Vec3& extents, const BodyFilter& filter = {}) const;
+
   /// Hash of the whole state: equal runs have equal hashes at every step.
   std::uint64_t hash() const;
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brim/body/kinematic.h"
 #include "brim/body/movable.h"
 #include "brim/core/error.h"
 #include "brim/world/attachment.h"
@@ -18,6 +19,13 @@ constexpr double kMomentumMissed = 1e-6, kNoMotion = 1e-12;
 bool is_driven(const Body& body) {
   const auto* movable = dynamic_cast<const Movable*>(&body);
   return movable != nullptr && movable->driven();
+}
+
+/// True for a finite place and a rotation.
+bool is_placement(const Pose& pose) {
+  return pose.translation.allFinite() && pose.rotation.allFinite() &&
+         (pose.rotation * pose.rotation.transpose()).isApprox(Mat3::Identity(), 1e-6) &&
+         !(pose.rotation.determinant() < 0.0);
 }
 
 }  // namespace
@@ -96,9 +104,7 @@ void World::move(int b, const Pose& by) {
   w.need(b, "move");
   const Body& body = this->body(b);
   const auto refuse = [&](const std::string& why) { throw InputError(fmt::format("move: '{}' {}", body.name(), why)); };
-  if (!by.translation.allFinite() || !by.rotation.allFinite() ||
-      !(by.rotation * by.rotation.transpose()).isApprox(Mat3::Identity(), 1e-6) || by.rotation.determinant() < 0.0)
-    refuse("must be moved by finite numbers and a rotation");
+  if (!is_placement(by)) refuse("must be moved by finite numbers and a rotation");
   if (const std::string why = refuses_move(body, by.rotation); !why.empty()) refuse(why);
   w.start();
   if (grabbed() == b) refuse("is grabbed; release it first");
@@ -127,6 +133,12 @@ void World::set_velocity(int b, const Vec3& velocity, const Vec3& angular_veloci
   };
   if (!velocity.allFinite() || !angular_velocity.allFinite()) refuse("needs finite numbers");
   if (frozen(b)) refuse("is frozen; let it go first");
+  if (dynamic_cast<const Kinematic*>(&body) != nullptr) {
+    KinematicMotion motion;
+    motion.velocity = velocity, motion.spin = angular_velocity;
+    w.drive(b, motion);
+    return;
+  }
   if (body.immobile()) refuse("is fixed");
   w.start();
   w.update_bodies();
@@ -150,6 +162,39 @@ void World::set_velocity(int b, const Vec3& velocity, const Vec3& angular_veloci
   std::ranges::copy(v, w.v(static_cast<std::size_t>(b)).begin());
   w.whole_is_old = true;
   w.update_bodies();
+}
+
+void World::set_target(int b, const Pose& pose, double duration) {
+  Impl& w = *impl_;
+  w.need(b, "set_target");
+  const Body& body = this->body(b);
+  const auto refuse = [&](const std::string& why) {
+    throw InputError(fmt::format("set_target: '{}' {}", body.name(), why));
+  };
+  if (dynamic_cast<const Kinematic*>(&body) == nullptr)
+    refuse(fmt::format("({}) moves by forces; obstacles are driven", body.kind()));
+  if (frozen(b)) refuse("is frozen; let it go first");
+  if (!is_placement(pose)) refuse("needs a pose of finite numbers and a rotation");
+  if (!(duration >= 0.0) || !std::isfinite(duration))
+    refuse(fmt::format("is not driven for {} s; must be a number from 0", duration));
+  KinematicMotion motion;
+  motion.to_pose = true;
+  motion.position = pose.translation, motion.rotation = Quat(pose.rotation).normalized();
+  motion.at = w.state.time + (duration > 0.0 ? duration : w.options.time_step);
+  w.drive(b, motion);
+}
+
+void World::Impl::drive(int b, const KinematicMotion& motion) {
+  const auto i = static_cast<std::size_t>(b);
+  start();
+  wake_all();
+  take_memory();
+  motions.set(b, motion, [this](int n) { return aimed(n); });
+  keep_memory();
+  // The choice of the next sub-step sees how fast it moves.
+  bodies[i]->prescribe(state.time, options.time_step, q(i), v(i));
+  whole_is_old = true;
+  update_bodies();
 }
 
 void World::set_material(int b, const Material& material) {

@@ -19,6 +19,7 @@
 #include "brim/world/fluid_coupling.h"
 #include "brim/world/free_flight.h"
 #include "brim/world/implicit_step.h"
+#include "brim/world/kinematic_motions.h"
 #include "brim/world/levels.h"
 #include "brim/world/links.h"
 #include "brim/world/outer_actions.h"
@@ -33,6 +34,8 @@
 #include "brim/world/world_part.h"
 
 namespace brim {
+
+struct SeenMatter;
 
 /// Data of a world. Its functions are sorted by topic: world.cpp bodies and state, world_wiring.cpp how they are
 /// connected, world_editing.cpp changes between steps, world_absences.cpp bodies that are out and what edits change,
@@ -60,6 +63,7 @@ struct World::Impl {
   Levels levels;
   Edits edits;
   DriveAims aims;
+  KinematicMotions motions;
   /// A body that was removed, or brought back: the object in its place, and its own coordinates meanwhile.
   struct Absence {
     std::unique_ptr<Body> other;
@@ -134,7 +138,7 @@ struct World::Impl {
   [[noreturn]] void refuse_name(const std::string& name) const;
   /// The body that was added, even if another object stands in its place now.
   const Body& own(std::size_t b) const;
-  /// The same by a number that may be none, for DriveAims.
+  /// The same by a number that may be none, for DriveAims and KinematicMotions.
   Body* aimed(int b);
   bool out(std::size_t b) const { return b < absences.size() && absences[b].out; }
   /// Coordinates and velocities of a body, removed or not.
@@ -166,6 +170,8 @@ struct World::Impl {
   void run_scheduled(World& world, StepReport& report);
   /// World::set_drives of some drives of a body. @throws InputError  for what is not finite
   void aim(int b, std::size_t first, std::span<const double> position, std::span<const double> velocity);
+  /// Gives an obstacle a motion from now on.
+  void drive(int b, const KinematicMotion& motion);
   void keep_apart();
   /// Writes down in the state which attachments and forces exist.
   void note_wiring();
@@ -220,6 +226,8 @@ struct World::Impl {
   void advance(double dt, StepReport& report);
   /// Brings the coupling of grid fluids to the state after the sub-step.
   void follow_solids(StepReport& report);
+  /// The matter that a query sees, in the order of bodies, after edits and at the present state.
+  std::vector<SeenMatter> seen(const BodyFilter& sees);
   void measure(StepReport& report);
   /// Energies of bodies and springs, and the largest speed. Bodies must be up to date.
   void measure_motion(StepReport& report);

@@ -4,10 +4,12 @@
 #include <numbers>
 
 #include "brim/body/aimed_drives.h"
+#include "brim/body/kinematic.h"
 #include "brim/core/checked_index.h"
 #include "brim/core/error.h"
 #include "brim/world/applied_force.h"
 #include "brim/world/attachment.h"
+#include "brim/world/impulse.h"
 #include "brim/world/space.h"
 #include "brim/world/world_impl.h"
 
@@ -257,6 +259,45 @@ int World::apply(const AppliedForce& force) {
   w.note_wiring();
   w.wake_all();
   return number;
+}
+
+void World::remove_force(int i) {
+  Impl& w = *impl_;
+  OuterActions::List list = w.actions.list();
+  list.erase(list.begin() + static_cast<std::ptrdiff_t>(checked_index(i, list.size(), "remove_force", "force")));
+  w.actions.set_list(list);
+  w.note_wiring();
+  w.wake_all();
+}
+
+Vec3 World::apply_impulse(int b, const Vec3& impulse, const Vec3& point) {
+  Impl& w = *impl_;
+  w.need(b, "apply_impulse");
+  const Body& body = this->body(b);
+  const auto refuse = [&](const std::string& why) {
+    throw InputError(fmt::format("apply_impulse: '{}' {}", body.name(), why));
+  };
+  if (!impulse.allFinite() || !point.allFinite()) refuse("needs an impulse and a point of finite numbers");
+  if (frozen(b)) refuse("is frozen; let it go first");
+  if (body.immobile() || dynamic_cast<const Kinematic*>(&body) != nullptr)
+    refuse(fmt::format("({}) does not move by forces", body.kind()));
+  w.start();
+  w.update_bodies();
+  const auto i = static_cast<std::size_t>(b);
+  std::vector<WorldPart> mine;
+  for (const int p : w.side_of(b).parts) mine.push_back(w.parts[static_cast<std::size_t>(p)]);
+  const std::optional<ImpulseEffect> effect = find_impulse_effect(mine, w.options.ramp_voxels, w.q(i), impulse, point);
+  if (!effect) refuse(fmt::format("({}) has no points to act on", body.kind()));
+  const std::span<double> v = w.v(i);
+  std::vector<double> after(v.begin(), v.end());
+  for (std::size_t k = 0; k < v.size(); ++k) after[k] += effect->change[k];
+  if (!std::ranges::all_of(after, [](double x) { return std::isfinite(x); }))
+    refuse("would not have finite velocities; the impulse is too large");
+  w.wake(i);
+  std::ranges::copy(after, w.v(i).begin());
+  w.whole_is_old = true;
+  w.update_bodies();
+  return effect->point;
 }
 
 int World::force_count() const { return static_cast<int>(impl_->actions.size()); }

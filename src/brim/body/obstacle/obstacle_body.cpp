@@ -52,11 +52,18 @@ void ObstacleBody::initial_state(std::span<double> q, std::span<double> v) const
 }
 
 void ObstacleBody::prescribe(double time, double dt, std::span<const double> q, std::span<double> v) const {
-  if (!animated() || !(dt > 0.0)) {
+  if (motion_ && !motion_->to_pose) {
+    Eigen::Map<Vec3>(v.data()) = motion_->velocity, Eigen::Map<Vec3>(v.data() + 3) = motion_->spin;
+    return;
+  }
+  // A target that was reached is held.
+  const bool moves = motion_ ? motion_->at - time > 1e-9 * dt : animated();
+  if (!moves || !(dt > 0.0)) {
     std::fill(v.begin(), v.end(), 0.0);
     return;
   }
-  const PoseKey next = pose_at(model_.keys, time + dt);
+  const PoseKey next = motion_ ? PoseKey{time, motion_->position, motion_->rotation} : pose_at(model_.keys, time + dt);
+  if (motion_) dt = std::max(dt, motion_->at - time);
   Eigen::Map<Vec3>(v.data()) = (next.position - Vec3(q[0], q[1], q[2])) / dt;
   const Quat now(q[3], q[4], q[5], q[6]);
   Eigen::Map<Vec3>(v.data() + 3) = vector_from_rotation(next.rotation * now.conjugate()) / dt;
@@ -67,7 +74,7 @@ void ObstacleBody::update(double, std::span<const double> q, std::span<const dou
 }
 
 void ObstacleBody::advance(double dt, std::span<double> q, std::span<const double> v) const {
-  if (!animated()) return;
+  if (!animated() && !motion_) return;
   Eigen::Map<Vec3>(q.data()) += dt * Vec3(v[0], v[1], v[2]);
   const Quat next = (rotation_from_vector(dt * Vec3(v[3], v[4], v[5])) * Quat(q[3], q[4], q[5], q[6])).normalized();
   q[3] = next.w(), q[4] = next.x(), q[5] = next.y(), q[6] = next.z();

@@ -2,6 +2,7 @@
 
 #include "brim/body/body.h"
 #include "brim/body/distance_bound.h"
+#include "brim/body/kinematic.h"
 #include "brim/body/movable.h"
 #include "brim/body/posed_display.h"
 #include "brim/body/posed_shape.h"
@@ -25,14 +26,15 @@ struct ObstacleModel {
   Shared<TriMesh> surface;  ///< for display, shape's frame
 };
 
-/// Static or animated rigid solid of infinite mass. q and v are those of a rigid body (origin of the shape); all of v
-/// is prescribed, so the solver has no unknowns.
+/// Static, animated or driven (Kinematic) rigid solid of infinite mass. q and v are those of a rigid body (origin of
+/// the shape); all of v is prescribed, so the solver has no unknowns.
 class ObstacleBody final : public Body,
                            public DistanceBound,
                            public RigidFrame,
                            public Turns,
                            public PosedDisplay,
-                           public Movable {
+                           public Movable,
+                           public Kinematic {
  public:
   /// @throws InputError when keys are missing or their times do not increase
   explicit ObstacleBody(ObstacleModel model);
@@ -45,7 +47,8 @@ class ObstacleBody final : public Body,
   void update(double time, std::span<const double> q, std::span<const double> v) override;
   void advance(double dt, std::span<double> q, std::span<const double> v) const override;
   void move(const Pose& by, std::span<double> q, std::span<double> v) const override { move_frame(by, q, v); }
-  bool driven() const override { return animated(); }
+  bool driven() const override { return animated() && !motion_; }
+  void set_motion(const std::optional<KinematicMotion>& motion) override { motion_ = motion; }
 
   void add_forces(const Environment&, std::span<double>) const override {}
   void apply_mass(std::span<const double> x, std::span<double> y) const override;
@@ -92,6 +95,7 @@ class ObstacleBody final : public Body,
   ObstacleModel model_;
   PosedShape solid_;
   Display display_;
+  std::optional<KinematicMotion> motion_;  // in place of the keys
   double reach_ = 0.0;
 };
 
