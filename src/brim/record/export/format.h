@@ -19,8 +19,8 @@ using Line = std::array<std::int32_t, 2>;  ///< vertices of a segment
 struct Item {
   int body = 0;            ///< number in the run
   std::string name;        ///< in the run
-  std::string file_name;   ///< unique among the items; letters, digits, "_", "-", "." only
-  std::string identifier;  ///< unique among the items; a letter or "_", then letters, digits, "_"
+  std::string file_name;   ///< see file_names (names.h)
+  std::string identifier;  ///< see identifiers (names.h)
   const RecordedBody* recorded = nullptr;
   bool still = false;                    ///< all frames have the same positions
   Vec3f colour = Vec3f::Constant(0.5f);  ///< linear red, green, blue, as in the viewer

@@ -1,28 +1,13 @@
 #include "brim/record/export/items.h"
 
 #include <cmath>
-#include <set>
 
 #include "brim/core/error.h"
+#include "brim/record/export/names.h"
 
 namespace brim::exporting {
 
 namespace {
-
-bool letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
-bool digit(char c) { return c >= '0' && c <= '9'; }
-
-/// The name made of allowed characters, lengthened by a number where another item has it already. "contacts" is kept
-/// for the contacts.
-template <class Allowed>
-std::string fit_name(std::string name, std::set<std::string>& taken, Allowed allowed) {
-  for (char& c : name)
-    if (!allowed(c)) c = '_';
-  if (name.empty() || name.front() == '.') name.insert(name.begin(), '_');
-  std::string unique = name;
-  for (int n = 2; !taken.insert(unique).second; ++n) unique = name + "_" + std::to_string(n);
-  return unique;
-}
 
 /// sRGB, as hexadecimal colours on screens are, to linear.
 Vec3f linear(int rgb) {
@@ -47,19 +32,23 @@ std::vector<Item> make_items(const RunReader& run, const std::vector<int>& bodie
     const bool fixed = run.bodies()[b].immobile && run.still(static_cast<int>(b));
     colours.push_back(linear(fixed ? kFixedColour : kColours[moving++ % std::size(kColours)]));
   }
-  std::set<std::string> files = {"contacts"}, identifiers = {"contacts", "World", "Materials"};
+  // Of all bodies of the run, so that a choice of them changes no name.
+  std::vector<std::string> names;
+  for (const RecordedBody& body : run.bodies()) names.push_back(body.name);
+  const std::vector<std::string> files = file_names(names),
+                                 words = identifiers(names, {"contacts", "World", "Materials"});
   std::vector<Item> items;
   for (const int b : bodies) {
-    const RecordedBody& body = run.bodies()[static_cast<std::size_t>(b)];
+    const auto n = static_cast<std::size_t>(b);
+    const RecordedBody& body = run.bodies()[n];
     Item item;
     item.body = b;
     item.name = body.name;
-    item.file_name = fit_name(body.name, files, [](char c) { return letter(c) || digit(c) || c == '-' || c == '.'; });
-    const std::string word = !body.name.empty() && digit(body.name.front()) ? "_" + body.name : body.name;
-    item.identifier = fit_name(word, identifiers, [](char c) { return letter(c) || digit(c); });
+    item.file_name = files[n];
+    item.identifier = words[n];
     item.recorded = &body;
     item.still = run.still(b);
-    item.colour = colours[static_cast<std::size_t>(b)];
+    item.colour = colours[n];
     items.push_back(std::move(item));
   }
   return items;

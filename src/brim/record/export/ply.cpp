@@ -30,7 +30,7 @@ class PlyWriter : public Writer {
     const std::vector<Triangle>& triangles = frame.triangles[i];
     const std::vector<Line>& lines = frame.lines[i];
     const bool sized = d.kind != Display::Kind::Triangles && d.radius > 0.0;
-    std::string head = "ply\nformat binary_little_endian 1.0\ncomment brim: " + item.file_name + "; metres, z up\n";
+    std::string head = "ply\nformat binary_little_endian 1.0\ncomment brim: " + item.identifier + "; metres, z up\n";
     head += fmt::format("element vertex {}\nproperty float x\nproperty float y\nproperty float z\n", x.size());
     if (!v.empty()) head += "property float vx\nproperty float vy\nproperty float vz\n";
     if (sized) head += "property float pscale\n";
