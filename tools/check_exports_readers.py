@@ -150,8 +150,21 @@ def vtk_reads_obj(folder, truth, work):
     return f"{len(points)} points and {triangles} faces in the last of {len(truth.frames)} files"
 
 
+@cache
+def catalogue(folder):
+    """Where each body is, by its name: what export.json tells."""
+    return {b["name"]: b for b in json.loads((folder / "export.json").read_text())["bodies"]}
+
+
 def ply_of(folder, body, f):
-    return folder / (f"{body.name}.ply" if body.still else f"{body.name}_{f:05}.ply")
+    file = catalogue(folder)[body.name]["file"]
+    return folder / (file % f if "%" in file else file)
+
+
+def paths_of(folder, body):
+    """Of a body within a file: one, or those of its pieces."""
+    entry = catalogue(folder)[body.name]
+    return [p["path"] for p in entry["pieces"] if "path" in p] or [entry["path"]]
 
 
 def meshio_reads_ply(folder, truth, work):
@@ -207,9 +220,10 @@ def blender_reads_obj(folder, truth, work):
     data = blender("obj", [folder / f"frame_{f:05}.obj"], [0], work)
     bodies = [b for b in truth.bodies if b.display != "points"]  # it leaves points out
     for body in bodies:
-        same(found_in(data, f"{body.name}@0"), body.positions[f], body.name)
+        name = catalogue(folder)[body.name]["path"]
+        same(found_in(data, f"{name}@0"), body.positions[f], body.name)
         if body.display == "triangles":
-            faces = data[f"{body.name}#faces"]
+            faces = data[f"{name}#faces"]
             assert faces == body.cells[f], f"{body.name}: {faces} faces instead of {body.cells[f]}"
     return f"{len(bodies)} objects with their faces, frame {f} (it leaves points out)"
 
@@ -234,7 +248,8 @@ def blender_reads_gltf(folder, truth, work):
                 assert len(shown) == 1, f"{body.name}, frame {f}: {len(shown)} surfaces at once"
                 same_set(shown[0], body.positions[f], f"{body.name}, frame {f}")
                 continue
-            same_set(found_in(data, f"{body.name}@{k}"), body.positions[f], f"{body.name}, frame {f}")
+            found = np.concatenate([found_in(data, f"{p}@{k}") for p in paths_of(folder, body)])
+            same_set(found, body.positions[f], f"{body.name}, frame {f}")
     return f"{len(truth.bodies)} objects, moving as recorded at {len(truth.frames)} times"
 
 
@@ -242,7 +257,7 @@ def blender_reads_vdb(folder, truth, work):
     f = truth.frames[-1]
     data = blender("vdb", [folder / f"frame_{f:05}.vdb"], [0], work)
     found = set(data["grids"].tolist())
-    assert found == {b.name for b in truth.bodies}, f"grids {sorted(found)}"
+    assert found == {catalogue(folder)[b.name]["path"] for b in truth.bodies}, f"grids {sorted(found)}"
     return f"{len(found)} grids, frame {f}"
 
 
@@ -253,7 +268,7 @@ def vdb_print_reads_vdb(folder, truth, work):
         names = [line.split(":", 1)[1].strip(" '") for line in result.stdout.splitlines()
                  if line.strip().startswith("Name:")] or result.stdout
         for body in truth.bodies:
-            assert body.name in names, f"no grid of {body.name} in frame {f}"
+            assert catalogue(folder)[body.name]["path"] in names, f"no grid of {body.name} in frame {f}"
     return f"{len(truth.bodies)} grids in each of {len(truth.frames)} files"
 
 
@@ -302,10 +317,11 @@ def tinyusdz_reads_usda(folder, truth, work):
     found, f = json.loads(out.read_text()), truth.frames[0]
     meshes = [b for b in truth.bodies if b.display == "triangles"]
     for body in meshes:
-        mesh = found_in(found["meshes"], body.name)
-        same(mesh["points"], body.positions[f], body.name)
-        assert mesh["faces"] == body.cells[f], f"{body.name}: {mesh['faces']} faces instead of {body.cells[f]}"
-    missing = {b.name for b in truth.bodies} - set(found["prims"])
+        parts = [found_in(found["meshes"], p.rsplit("/", 1)[1]) for p in paths_of(folder, body)]
+        same(np.concatenate([p["points"] for p in parts]), body.positions[f], body.name)
+        faces = sum(p["faces"] for p in parts)
+        assert faces == body.cells[f], f"{body.name}: {faces} faces instead of {body.cells[f]}"
+    missing = {p.rsplit("/", 1)[1] for b in truth.bodies for p in paths_of(folder, b)} - set(found["prims"])
     assert not missing, f"nothing of {', '.join(missing)}"
     return f"{len(found['prims'])} prims, {len(meshes)} meshes in place, frame {f} (it knows no later time)"
 

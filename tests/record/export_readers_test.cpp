@@ -37,7 +37,7 @@ def body(b, f): return np.array([at(b, i, f) for i in range(COUNT[b])])
 def near(a, b, what):
     a, b = np.asarray(a, float), np.asarray(b, float)
     assert a.shape == b.shape, (what, a.shape, b.shape)
-    assert np.abs(a - b).max(initial=0) < 2e-6, (what, a, b)
+    assert np.abs(a - b).max(initial=0) < (1e-5 if what == 'velocity' else 2e-6), (what, a, b)
 SOLID = [[0,2,1],[0,1,3],[0,3,2],[1,2,3]]
 )";
 
@@ -79,8 +79,9 @@ for s in sets:
     near(points, body(b, f), s.get('name'))
     assert [o.GetNumberOfVerts(), o.GetNumberOfLines(), o.GetNumberOfPolys()] == [[0,0,2],[0,0,4],[0,0,4],[0,3,0],[5,0,0]][b]
     if b == 1: near(N(o.GetPolys().GetConnectivityArray()).reshape(-1, 3), SOLID, 'triangles')
-    if b == 4: near(field('velocity'), [(0, 0, 1)] * 5, 'velocity'); near(field('radius'), [0.125] * 5, 'radius')
-    else: assert o.GetPointData().GetArray('velocity') is None
+    # Of the grains as recorded, of the others differences of positions: this run has no scene and no twists.
+    near(field('velocity'), (body(b, f + 1) - body(b, f - 1)) / 0.2, 'velocity')
+    if b == 4: near(field('radius'), [0.125] * 5, 'radius')
     seen += 1
 assert seen == 15
 )");
@@ -108,7 +109,7 @@ for f, frame in zip(FRAMES, run.findall('Grid')):
         b = NAMES.index(name)
         near(m.points, body(b, f), name)
         if b == 1: near(m.cells[0].data, SOLID, 'triangles')
-        if b == 4: near(m.point_data['velocity'], [(0, 0, 1)] * 5, 'velocity')
+        near(m.point_data['velocity'], (body(b, f + 1) - body(b, f - 1)) / 0.2, 'velocity')
 )");
 }
 

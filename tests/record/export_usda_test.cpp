@@ -11,6 +11,7 @@
 
 #include "brim/record/export/export.h"
 #include "support/made_run.h"
+#include "support/moving_run.h"
 #include "support/removing_run.h"
 
 namespace brim::export_usda_test {
@@ -272,6 +273,43 @@ TEST_F(Usda, OneFrameNeedsNoSamples) {
   expect_near(root.children[2].attributes.at("points").value, flat(2, 5), "ball.1");
   EXPECT_TRUE(root.children[2].attributes.at("points").samples.empty());
   EXPECT_EQ(root.children[5].attributes.at("primvars:force").value, (std::vector<double>{0, 0, -5, 0, 0, -5}));
+}
+
+/// Points of a prim under its matrix at a time code: rows from the left.
+std::vector<double> placed(const Prim& prim, double frame) {
+  const std::vector<double>& local = prim.attributes.at("points").value;
+  const std::vector<double>& m = prim.attributes.at("xformOp:transform").samples.at(frame);
+  std::vector<double> x;
+  for (std::size_t i = 0; i + 2 < local.size(); i += 3)
+    for (std::size_t c = 0; c < 3; ++c)
+      x.push_back(local[i] * m[c] + local[i + 1] * m[4 + c] + local[i + 2] * m[8 + c] + m[12 + c]);
+  return x;
+}
+
+TEST_F(Usda, LinksAreMeshesOfTheirOwnThatMoveAsAWhole) {
+  const testing::MovingRun moving;
+  const RunReader run(moving.folder());
+  const auto number = std::ranges::find(run.bodies(), "arm", &RecordedBody::name) - run.bodies().begin();
+  const Prim all = read(moving.folder(), ":");
+  const Prim& arm = *std::ranges::find(all.children, "arm", &Prim::name);
+  EXPECT_EQ(arm.type, "Xform");
+  ASSERT_EQ(arm.children.size(), 2u);
+  std::size_t triangles = 0;
+  for (const Prim& link : arm.children) {
+    EXPECT_EQ(link.type, "Mesh");
+    const auto& corners = link.attributes.at("faceVertexIndices").value;
+    EXPECT_LT(*std::ranges::max_element(corners), static_cast<double>(link.attributes.at("points").value.size() / 3));
+    triangles += corners.size() / 3;
+  }
+  EXPECT_EQ(triangles, run.triangles(static_cast<int>(number), 0).size());
+  for (std::int64_t f = 0; f < run.frames(); ++f) {
+    std::vector<double> x, wanted;
+    for (const Prim& link : arm.children)
+      for (const double c : placed(link, static_cast<double>(f))) x.push_back(c);
+    for (const Vec3f& p : run.positions(static_cast<int>(number), f))
+      wanted.insert(wanted.end(), p.data(), p.data() + 3);
+    expect_near(x, wanted, fmt::format("frame {}", f));
+  }
 }
 
 // USD interpolates points between samples: one in the frame of the removal would have motion blur draw every grain on

@@ -172,6 +172,17 @@ State RunReader::state(std::int64_t frame) const {
   return s;
 }
 
+std::vector<RecordedPiece> RunReader::pieces(int body) const {
+  const Impl& d = *impl_;
+  const std::size_t b = d.need_body(body);
+  std::vector<RecordedPiece> list;
+  if (d.format == 1) return list;
+  const RunTables::Place& place = d.tables.places[b];
+  for (std::size_t i = place.first_piece; i < place.first_piece + place.pieces; ++i)
+    list.push_back({list.empty() ? 0 : list.back().first_vertex + list.back().vertices, d.tables.mesh(i).size()});
+  return list;
+}
+
 std::vector<Vec3f> RunReader::positions(int body, std::int64_t frame) const {
   const Impl& d = *impl_;
   const RecordedBody& b = d.tables.bodies[d.need_body(body)];

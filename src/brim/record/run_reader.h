@@ -18,6 +18,11 @@ struct RecordedEnd {
   Vec3f a, b;             ///< on its first body; on the other one or in space
 };
 
+/// A rigid piece of a body's display: its vertices, one after another.
+struct RecordedPiece {
+  std::size_t first_vertex = 0, vertices = 0;
+};
+
 /// Reads run.h5, complete, growing or interrupted (docs/formats.md). Frame 0 is the start. All versions of the format
 /// are supported. Every function throws InputError for unknown frames and names, and for damaged files: contents are
 /// checked before use. Not thread-safe.
@@ -44,6 +49,10 @@ class RunReader {
   double time(std::int64_t frame) const;
   const std::vector<RecordedBody>& bodies() const;
   const std::vector<RecordedPart>& parts() const;
+
+  /// Pieces of a body whose display moves in rigid ones, in the order of its vertices: those of an articulated body are
+  /// its parts. Empty for a body that deforms, and for all of older runs.
+  std::vector<RecordedPiece> pieces(int body) const;
 
   /// Complete state to continue the world from a frame, bit for bit.
   State state(std::int64_t frame) const;

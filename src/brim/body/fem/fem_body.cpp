@@ -46,6 +46,10 @@ FemBody::FemBody(const TetMesh& mesh, const FemOptions& options, AveragedElement
 
 void FemBody::display_positions(std::span<Vec3f> x) const { shown_->positions(x_, x); }
 
+void FemBody::display_velocities(std::span<const double> v, std::span<const Vec3f>, std::span<Vec3f> u) const {
+  shown_->positions(node_vectors(v), u);
+}
+
 void FemBody::show(std::span<const double> value, std::span<float> out) const {
   shown_->values(node_means(particle_count(), mesh_.tets, tet_volumes(mesh_), {}, value), out);
 }

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "brim/body/fem/averaged_elements.h"
+#include "brim/body/moving_display.h"
 #include "brim/body/particles/particle_body.h"
 #include "brim/body/particles/tet_display.h"
 
@@ -23,7 +24,7 @@ struct FemOptions : ParticleOptions {
 /// Elastic solid of linear tetrahedra with large rotations and strains (docs/bodies/finite_elements.md).
 /// Contact: the band method (raster_tets) with barycentric weights, exact in linear and angular momentum.
 /// Tests: tests/body/fem_body_test.cpp
-class FemBody final : public ParticleBody, public StressedSolid {
+class FemBody final : public ParticleBody, public StressedSolid, public MovingDisplay {
  public:
   /// @param mesh  rest shape, world frame; every vertex in a tetrahedron
   /// @throws InputError  when a number is out of range or the mesh cannot be used
@@ -34,6 +35,7 @@ class FemBody final : public ParticleBody, public StressedSolid {
 
   const Display& display() const override { return shown_->display(); }
   void display_positions(std::span<Vec3f> x) const override;
+  void display_velocities(std::span<const double> v, std::span<const Vec3f>, std::span<Vec3f> u) const override;
   StressField stress_field() const override { return elements_.stress_field(mesh_, x_); }
   void show(std::span<const double> value, std::span<float> out) const override;
 

@@ -16,6 +16,7 @@
 #include "brim/body/grid_fluid/wet_faces.h"
 #include "brim/body/known_volume.h"
 #include "brim/body/movable_base.h"
+#include "brim/body/moving_display.h"
 #include "brim/body/restless.h"
 #include "brim/body/touched_surface.h"
 #include "brim/body/walled.h"
@@ -51,7 +52,8 @@ class GridFluidBody final : public Body,
                             public FlowsAround,
                             public IdleVelocities,
                             public MovableBase,
-                            public KnownVolume {
+                            public KnownVolume,
+                            public MovingDisplay {
  public:
   /// @throws InputError for a grid without cells, or values out of range
   explicit GridFluidBody(GridFluidModel model);
@@ -127,6 +129,8 @@ class GridFluidBody final : public Body,
   const Display& display() const override { return display_; }
   void display_positions(std::span<Vec3f>) const override {}
   void display_surface(std::vector<Vec3f>& x, std::vector<Triangle>& triangles) const override;
+  /// Of the surface and the material along it.
+  void display_velocities(std::span<const double> v, std::span<const Vec3f> x, std::span<Vec3f> u) const override;
   bool meets_air(const Vec3& x) const override;
   void velocity_places(std::span<Vec3> x) const override;
 

@@ -64,4 +64,13 @@ void GridFluidBody::make_map(int, std::span<const Vec3> points, std::span<const 
       model_.grid, wet_, phi_, [this](int cell) { return touched_motion(cell); }, points);
 }
 
+void GridFluidBody::display_velocities(std::span<const double> v, std::span<const Vec3f> x, std::span<Vec3f> u) const {
+  std::vector<Vec3> points, velocities(x.size());
+  for (const Vec3f& p : x) points.push_back(p.cast<double>());
+  FaceMap map;
+  map.reset(model_.grid, wet_, phi_, SurfaceMotion::Follows, points);
+  map.apply(v, velocities);
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] = velocities[i].cast<float>();
+}
+
 }  // namespace brim

@@ -1,5 +1,7 @@
 #include "brim/body/mass_spring/mass_spring_body.h"
 
+#include <algorithm>
+
 #include "brim/body/particles/line_contact.h"
 #include "brim/body/particles/sheet_contact.h"
 #include "brim/body/particles/tet_contact.h"
@@ -69,6 +71,14 @@ void MassSpringBody::display_positions(std::span<Vec3f> x) const {
     solid_->positions(x_, x);
   else
     ParticleBody::display_positions(x);
+}
+
+void MassSpringBody::display_velocities(std::span<const double> v, std::span<const Vec3f>, std::span<Vec3f> u) const {
+  const std::span<const Vec3> nodes = node_vectors(v);
+  if (solid_)
+    solid_->positions(nodes, u);
+  else
+    std::ranges::transform(nodes, u.begin(), [](const Vec3& w) { return Vec3f(w.cast<float>()); });
 }
 
 }  // namespace brim

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "brim/body/mass_spring/spring_mesh.h"
+#include "brim/body/moving_display.h"
 #include "brim/body/particles/strain_damped_body.h"
 #include "brim/body/particles/tet_display.h"
 
@@ -22,7 +23,7 @@ struct MassSpringOptions : ParticleOptions {
 /// Contact (paper, sections 5.2 and 5.4): solids by the band method, sheets by their thickness, nets by the radius of
 /// their lines; exact in linear and angular momentum, except for the spin of a net's lines about themselves.
 /// Tests: tests/body/mass_spring_body_test.cpp
-class MassSpringBody final : public StrainDampedBody {
+class MassSpringBody final : public StrainDampedBody, public MovingDisplay {
  public:
   /// @param mesh  rest shape, world frame; every vertex in a cell
   /// @throws InputError  when a number is out of range or the mesh cannot be used
@@ -35,6 +36,7 @@ class MassSpringBody final : public StrainDampedBody {
   const SpringElements* stiff_springs() const override { return &springs_; }
   const Display& display() const override { return solid_ ? solid_->display() : display_; }
   void display_positions(std::span<Vec3f> x) const override;
+  void display_velocities(std::span<const double> v, std::span<const Vec3f>, std::span<Vec3f> u) const override;
 
   const SpringElements& springs() const { return springs_; }
 

@@ -61,16 +61,22 @@ void CarriedBody::make_map(int, std::span<const Vec3> points, std::span<const st
   volume_.make_map(particle_count(), points, sources, map);
 }
 
-void CarriedBody::display_positions(std::span<Vec3f> x) const {
-  BRIM_CHECK(x.size(), ==, surface_.rows());
+void CarriedBody::display_positions(std::span<Vec3f> x) const { carry(x_, x); }
+
+void CarriedBody::display_velocities(std::span<const double> v, std::span<const Vec3f>, std::span<Vec3f> u) const {
+  carry(node_vectors(v), u);
+}
+
+void CarriedBody::carry(std::span<const Vec3> nodes, std::span<Vec3f> out) const {
+  BRIM_CHECK(out.size(), ==, surface_.rows());
   parallel_for(
-      x.size(),
+      out.size(),
       [&](std::size_t i) {
         Vec3 sum = Vec3::Zero();
         for (std::int32_t e = surface_.first[i]; e < surface_.first[i + 1]; ++e)
           sum += surface_.weight[static_cast<std::size_t>(e)] *
-                 x_[static_cast<std::size_t>(surface_.source[static_cast<std::size_t>(e)])];
-        x[i] = sum.cast<float>();
+                 nodes[static_cast<std::size_t>(surface_.source[static_cast<std::size_t>(e)])];
+        out[i] = sum.cast<float>();
       },
       1024);
 }

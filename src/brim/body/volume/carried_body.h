@@ -1,6 +1,7 @@
 #pragma once
 
 #include "brim/body/matter_sources.h"
+#include "brim/body/moving_display.h"
 #include "brim/body/particles/particle_body.h"
 #include "brim/body/stressed_solid.h"
 #include "brim/body/volume/carried_volume.h"
@@ -16,7 +17,7 @@ struct CarriedSurface {
 
 /// Elastic body whose nodes move particles of matter (the volume layer), from which density and map are made. Derived
 /// kinds define the nodes and their forces.
-class CarriedBody : public ParticleBody, public MatterSources, public StressedSolid {
+class CarriedBody : public ParticleBody, public MatterSources, public StressedSolid, public MovingDisplay {
  public:
   void update(double time, std::span<const double> q, std::span<const double> v) override;
   PartInfo part(int) const override { return part_; }
@@ -29,6 +30,7 @@ class CarriedBody : public ParticleBody, public MatterSources, public StressedSo
   std::int32_t source_of_matter(std::int32_t source) const override { return VolumeLayer::source_of_matter(source); }
   const Display& display() const override { return display_; }
   void display_positions(std::span<Vec3f> x) const override;
+  void display_velocities(std::span<const double> v, std::span<const Vec3f>, std::span<Vec3f> u) const override;
 
   const CarriedVolume& volume() const { return volume_; }
 
@@ -42,6 +44,9 @@ class CarriedBody : public ParticleBody, public MatterSources, public StressedSo
   void show_nodes(std::span<const double> value, std::span<float> out) const;
 
  private:
+  /// Positions or velocities of nodes at the vertices of the display.
+  void carry(std::span<const Vec3> nodes, std::span<Vec3f> out) const;
+
   CarriedVolume volume_;
   WeightRows surface_;
   double largest_row_ = 1.0;  // Σ|φ|: largest ratio of particle to node speed

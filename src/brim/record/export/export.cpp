@@ -1,12 +1,12 @@
 #include "brim/record/export/export.h"
 
 #include <algorithm>
-#include <cstring>
-#include <nlohmann/json.hpp>
 
 #include "brim/core/error.h"
+#include "brim/record/export/catalogue.h"
 #include "brim/record/export/items.h"
 #include "brim/record/export/staging.h"
+#include "brim/record/export/velocities.h"
 #include "brim/world/edits.h"
 #include "brim/world/measures.h"
 
@@ -47,21 +47,7 @@ const Format& format_named(const std::string& name) {
   throw InputError(fmt::format("format \"{}\" is not one that can be written; it must be one of {}", name, known));
 }
 
-/// Velocities are recorded per generalised coordinate. They are those of the display's vertices where the coordinates
-/// are the vertices' positions; for any other body the run has none. Grains have their spin behind each velocity.
-std::vector<Vec3f> vertex_velocities(const RecordedBody& body, const State& state, const std::vector<Vec3f>& x) {
-  const std::size_t stride = body.kind == "points" ? 6 : 3;
-  if (body.q_size != 3 * x.size() || body.v_size != stride * x.size()) return {};
-  const double *q = state.q.data() + body.q_offset, *v = state.v.data() + body.v_offset;
-  std::vector<Vec3f> velocities(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    if (Vec3f(Vec3(q + 3 * i).cast<float>()) != x[i]) return {};
-    velocities[i] = Vec3(v + stride * i).cast<float>();
-  }
-  return velocities;
-}
-
-Frame read_frame(const Job& job, std::int64_t index, std::int64_t order) {
+Frame read_frame(const Job& job, Velocities& velocities, std::int64_t index, std::int64_t order) {
   Frame frame;
   frame.index = index;
   frame.order = order;
@@ -81,7 +67,8 @@ Frame read_frame(const Job& job, std::int64_t index, std::int64_t order) {
       triangles = job.run->triangles(item.body, index);
       lines = item.recorded->display.lines;
     }
-    frame.velocities.push_back(gone ? std::vector<Vec3f>() : vertex_velocities(*item.recorded, state, x));
+    const bool moving = !gone && item.velocity != VelocitySource::None;
+    frame.velocities.push_back(moving ? velocities.at(item.body, index, state, x) : std::vector<Vec3f>());
     frame.positions.push_back(std::move(x));
     frame.triangles.push_back(std::move(triangles));
     frame.lines.push_back(std::move(lines));
@@ -94,22 +81,6 @@ Frame read_frame(const Job& job, std::int64_t index, std::int64_t order) {
   for (const ContactSample& c : job.run->contacts(index))
     if (takes_part(c.part_a) || takes_part(c.part_b)) frame.contacts.push_back(c);
   return frame;
-}
-
-std::string manifest(const Job& job, const std::string& format, const std::vector<std::string>& files) {
-  nlohmann::ordered_json bodies = nlohmann::ordered_json::array();
-  for (const Item& item : job.items) bodies.push_back(item.name);
-  return nlohmann::ordered_json{{"format", format},
-                                {"scene", job.run->scene_name()},
-                                {"brim_version", job.run->brim_version()},
-                                {"first_frame", job.frames.first},
-                                {"last_frame", job.frames.last},
-                                {"stride", job.frames.stride},
-                                {"frame_time", job.run->frame_time()},
-                                {"bodies", bodies},
-                                {"files", files}}
-             .dump(2, ' ', false, nlohmann::json::error_handler_t::replace) +
-         "\n";
 }
 
 }  // namespace
@@ -126,17 +97,23 @@ ExportResult export_run(const RunReader& run, const ExportRequest& request, cons
   if (format.world && !world_at)
     throw InputError(
         fmt::format("format \"{}\" writes what is not recorded and needs the scene of the run", format.name));
+  Velocities velocities(run, world_at);
+  if (format.velocities)
+    for (Item& item : job.items) item.velocity = velocities.source(item.body);
   Staging staging(request.folder, request.force);
   job.folder = staging.folder();
+  Catalogue catalogue(job, format.name);
   const std::unique_ptr<Writer> writer = format.make(job);
   const std::int64_t count = job.frames.count();
   for (std::int64_t k = 0; k < count; ++k) {
-    writer->frame(read_frame(job, job.frames.first + k * job.frames.stride, k));
+    const Frame frame = read_frame(job, velocities, job.frames.first + k * job.frames.stride, k);
+    writer->frame(frame);
+    catalogue.frame(frame);
     if (progress && !progress(k + 1, count)) throw InputError("the export was stopped; nothing of it is left");
   }
   writer->finish();
   ExportResult result{count, staging.files()};
-  staging.commit(manifest(job, format.name, result.files), result.files);
+  staging.commit(catalogue.text(*writer, result.files), result.files);
   return result;
 }
 

@@ -15,13 +15,31 @@ namespace brim::exporting {
 
 using Line = std::array<std::int32_t, 2>;  ///< vertices of a segment
 
+/// How the velocities of a body's vertices are found.
+enum class VelocitySource {
+  None,        ///< not at all: the body's surface changes, and the world cannot be built anew
+  Twist,       ///< from the recorded velocity and spin of a rigid body
+  Nodes,       ///< vertices are nodes, whose velocities are recorded
+  Map,         ///< by the body itself, from what is recorded: (∂x/∂q) v
+  Differences  ///< of positions in the frames before and after
+};
+
+/// A part of a body that moves as a rigid one, as links do.
+struct ItemPiece {
+  std::string name;        ///< of the part
+  std::string identifier;  ///< unique within the item; as that of items
+  RecordedPiece vertices;
+};
+
 /// A body to be exported.
 struct Item {
   int body = 0;            ///< number in the run
   std::string name;        ///< in the run
-  std::string file_name;   ///< unique among the items; letters, digits, "_", "-", "." only
-  std::string identifier;  ///< unique among the items; a letter or "_", then letters, digits, "_"
+  std::string file_name;   ///< see file_names (names.h)
+  std::string identifier;  ///< see identifiers (names.h)
   const RecordedBody* recorded = nullptr;
+  std::vector<ItemPiece> pieces;  ///< two or more of a body of several rigid parts; else empty
+  VelocitySource velocity = VelocitySource::None;
   bool still = false;                    ///< all frames have the same positions
   Vec3f colour = Vec3f::Constant(0.5f);  ///< linear red, green, blue, as in the viewer
 };
@@ -34,7 +52,7 @@ struct Frame {
   std::vector<std::vector<Vec3f>> positions;     ///< [m], per item, shape (vertices)
   std::vector<std::vector<Triangle>> triangles;  ///< per item; those of this frame for changing surfaces
   std::vector<std::vector<Line>> lines;          ///< per item
-  std::vector<std::vector<Vec3f>> velocities;    ///< [m/s], per item; empty if the run has none per vertex
+  std::vector<std::vector<Vec3f>> velocities;    ///< [m/s], per item; empty where Item::velocity is None
   std::vector<char> gone;                        ///< per item: removed, so that all its lists here are empty
   std::vector<ContactSample> contacts;           ///< contacts that involve an item
 };
@@ -49,18 +67,28 @@ struct Job {
   WorldAt world_at;
 };
 
+/// Where a body or the contacts are in an export, as export.json tells it.
+struct ItemPlace {
+  std::string file{};  ///< "%05d" stands for the frame's number; empty: nowhere
+  std::string path{};  ///< within the file: prim, node, grid, object or array; empty: the file as a whole
+  std::vector<std::string> pieces{};  ///< likewise of Item::pieces; empty: they are not apart
+};
+
 /// Writes one format: frames in order, then finish.
 class Writer {
  public:
   virtual ~Writer() = default;
+  virtual ItemPlace place(const Item& item) const = 0;
+  virtual ItemPlace contacts_place() const { return {}; }
   virtual void frame(const Frame& frame) = 0;
   virtual void finish() {}
 };
 
 struct Format {
   const char* name;
-  const char* text;    ///< one-line description
-  bool world = false;  ///< needs Job::world_at
+  const char* text;         ///< one-line description
+  bool world = false;       ///< needs Job::world_at
+  bool velocities = false;  ///< writes Frame::velocities; without it they are not found
   std::unique_ptr<Writer> (*make)(const Job&);
 };
 
@@ -76,6 +104,9 @@ std::unique_ptr<Writer> make_vdb(const Job& job);
 std::unique_ptr<Writer> make_vtk(const Job& job);
 std::unique_ptr<Writer> make_vtu(const Job& job);
 std::unique_ptr<Writer> make_xdmf(const Job& job);
+
+/// "name_%05d.end", the names of numbered() for every frame.
+std::string pattern(std::string_view name, std::string_view end);
 
 /// "name_00012.end", with the frame's number in the run.
 std::string numbered(std::string_view name, std::int64_t frame, std::string_view end);

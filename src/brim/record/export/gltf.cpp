@@ -60,12 +60,24 @@ std::vector<Vec3f> difference(const std::vector<Vec3f>& a, const std::vector<Vec
 }
 
 /// Binary glTF 2.0: run.glb, one animation. Bodies that moved as rigid ones are a mesh and a moving node; every frame
-/// of any other body is a morph target. A root node turns z up into the format's y up. Vertices are doubled along
-/// creases and carry normals. Points and lines have no thickness in this format; contacts and velocities are left out.
+/// of any other body is a morph target; bodies of several rigid pieces are a node with a moving one for each. A root
+/// node turns z up into the format's y up. Vertices are doubled along creases and carry normals. Points and lines have
+/// no thickness in this format; contacts and velocities are left out.
 class GltfWriter : public Writer {
  public:
   explicit GltfWriter(const Job& job) : job_(job) {}
   void frame(const Frame& frame) override { film_.add(job_, frame); }
+
+  ItemPlace place(const Item& item) const override {
+    ItemPlace place = {.file = "run.glb", .path = item.name};
+    if (item.recorded->changing) {
+      for (std::size_t at = 0; (at = place.path.find('%', at)) != std::string::npos; at += 2)
+        place.path.insert(at, "%");
+      place.path += "_%05d";
+    }
+    for (const ItemPiece& piece : item.pieces) place.pieces.push_back(piece.name);
+    return place;
+  }
 
   void finish() override {
     const float half = std::sqrt(0.5f);
@@ -78,8 +90,7 @@ class GltfWriter : public Writer {
         continue;
       }
       if (film_.samples[i].empty() || film_.positions[i].front().empty()) continue;
-      children.push_back(nodes_.size());
-      body(i);
+      children.push_back(body(i));
     }
     if (!children.empty()) nodes_[0]["children"] = children;
     Json root = {{"asset", {{"version", "2.0"}, {"generator", "brim " + job_.run->brim_version()}}},
@@ -127,25 +138,42 @@ class GltfWriter : public Writer {
     return node;
   }
 
-  void body(std::size_t i) {
+  /// A body as a node, with its pieces, if it has several, as nodes below it. @return number of the node
+  std::size_t body(std::size_t i) {
     const Item& item = job_.items[i];
     const auto& frames = film_.positions[i];
     material(item);
-    Json node = {{"name", item.name}, {"mesh", meshes_.size()}};
-    const auto motion = find_rigid_motion(frames);
-    if (motion) {
-      mesh(item, item.name, {motion->local}, item.recorded->display.triangles);
-      place(node, *motion, i);
-    } else {
-      mesh(item, item.name, frames, item.recorded->display.triangles);
-      if (frames.size() > 1) morph(i);
+    Json node = {{"name", item.name}}, pieces = Json::array();
+    for (const ItemPiece& piece : item.pieces) {
+      Json below = {{"name", piece.name}};
+      shape(below, i, piece.name, cut(frames, piece.vertices), cut(item.recorded->display.triangles, piece.vertices));
+      pieces.push_back(nodes_.size());
+      nodes_.push_back(std::move(below));
     }
+    if (item.pieces.empty())
+      shape(node, i, item.name, frames, item.recorded->display.triangles);
+    else
+      node["children"] = pieces;
     if (!film_.always(i)) {
       std::vector<std::pair<std::size_t, bool>> when;
       for (const std::size_t f : film_.changes(i)) when.push_back({f, film_.present[i][f] != 0});
       show(node, when);
     }
     nodes_.push_back(std::move(node));
+    return nodes_.size() - 1;
+  }
+
+  /// Gives the node that is added next a mesh and its motion.
+  void shape(Json& node, std::size_t i, const std::string& name, const std::vector<std::vector<Vec3f>>& frames,
+             const std::vector<Triangle>& triangles) {
+    node["mesh"] = meshes_.size();
+    if (const auto motion = find_rigid_motion(frames)) {
+      mesh(job_.items[i], name, {motion->local}, triangles);
+      place(node, *motion, i);
+      return;
+    }
+    mesh(job_.items[i], name, frames, triangles);
+    if (frames.size() > 1) morph(i);
   }
 
   /// A mesh with the first frame as its shape and the others as morph targets.

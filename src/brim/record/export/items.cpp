@@ -1,28 +1,13 @@
 #include "brim/record/export/items.h"
 
 #include <cmath>
-#include <set>
 
 #include "brim/core/error.h"
+#include "brim/record/export/names.h"
 
 namespace brim::exporting {
 
 namespace {
-
-bool letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
-bool digit(char c) { return c >= '0' && c <= '9'; }
-
-/// The name made of allowed characters, lengthened by a number where another item has it already. "contacts" is kept
-/// for the contacts.
-template <class Allowed>
-std::string fit_name(std::string name, std::set<std::string>& taken, Allowed allowed) {
-  for (char& c : name)
-    if (!allowed(c)) c = '_';
-  if (name.empty() || name.front() == '.') name.insert(name.begin(), '_');
-  std::string unique = name;
-  for (int n = 2; !taken.insert(unique).second; ++n) unique = name + "_" + std::to_string(n);
-  return unique;
-}
 
 /// sRGB, as hexadecimal colours on screens are, to linear.
 Vec3f linear(int rgb) {
@@ -38,6 +23,26 @@ Vec3f linear(int rgb) {
 constexpr int kColours[] = {0x4f83b5, 0xe2a03f, 0xb8455f, 0x43a88c, 0xe8c9a0, 0x6b4f8f, 0x8cc7dd, 0x7b5a3a};
 constexpr int kFixedColour = 0xb4babd;
 
+/// Rigid pieces of a body that has several, named as its parts are, in identifiers without the body's own name.
+std::vector<ItemPiece> pieces_of(const RunReader& run, int body) {
+  const std::vector<RecordedPiece> recorded = run.pieces(body);
+  if (recorded.size() < 2) return {};
+  std::vector<std::string> names(recorded.size()), words;
+  for (std::size_t i = 0; i < names.size(); ++i) names[i] = fmt::format("piece {}", i);
+  for (const RecordedPart& part : run.parts())
+    if (part.body == body && static_cast<std::size_t>(part.part) < names.size())
+      names[static_cast<std::size_t>(part.part)] = part.name;
+  const std::string prefix = run.bodies()[static_cast<std::size_t>(body)].name + "/";
+  for (const std::string& name : names) {
+    const std::string word = name.starts_with(prefix) ? name.substr(prefix.size()) : name;
+    words.push_back(!word.empty() && word[0] >= '0' && word[0] <= '9' ? "piece_" + word : word);
+  }
+  words = identifiers(words);
+  std::vector<ItemPiece> pieces;
+  for (std::size_t i = 0; i < names.size(); ++i) pieces.push_back({names[i], words[i], recorded[i]});
+  return pieces;
+}
+
 }  // namespace
 
 std::vector<Item> make_items(const RunReader& run, const std::vector<int>& bodies) {
@@ -47,23 +52,30 @@ std::vector<Item> make_items(const RunReader& run, const std::vector<int>& bodie
     const bool fixed = run.bodies()[b].immobile && run.still(static_cast<int>(b));
     colours.push_back(linear(fixed ? kFixedColour : kColours[moving++ % std::size(kColours)]));
   }
-  std::set<std::string> files = {"contacts"}, identifiers = {"contacts", "World", "Materials"};
+  // Of all bodies of the run, so that a choice of them changes no name.
+  std::vector<std::string> names;
+  for (const RecordedBody& body : run.bodies()) names.push_back(body.name);
+  const std::vector<std::string> files = file_names(names),
+                                 words = identifiers(names, {"contacts", "World", "Materials"});
   std::vector<Item> items;
   for (const int b : bodies) {
-    const RecordedBody& body = run.bodies()[static_cast<std::size_t>(b)];
+    const auto n = static_cast<std::size_t>(b);
+    const RecordedBody& body = run.bodies()[n];
     Item item;
     item.body = b;
     item.name = body.name;
-    item.file_name = fit_name(body.name, files, [](char c) { return letter(c) || digit(c) || c == '-' || c == '.'; });
-    const std::string word = !body.name.empty() && digit(body.name.front()) ? "_" + body.name : body.name;
-    item.identifier = fit_name(word, identifiers, [](char c) { return letter(c) || digit(c); });
+    item.file_name = files[n];
+    item.identifier = words[n];
     item.recorded = &body;
+    item.pieces = pieces_of(run, b);
     item.still = run.still(b);
-    item.colour = colours[static_cast<std::size_t>(b)];
+    item.colour = colours[n];
     items.push_back(std::move(item));
   }
   return items;
 }
+
+std::string pattern(std::string_view name, std::string_view end) { return fmt::format("{}_%05d.{}", name, end); }
 
 std::string numbered(std::string_view name, std::int64_t frame, std::string_view end) {
   return fmt::format("{}_{:05}.{}", name, frame, end);

@@ -52,6 +52,24 @@ Points centred(const std::vector<Vec3f>& x, Vec3& mean) {
 
 }  // namespace
 
+std::vector<std::vector<Vec3f>> cut(const std::vector<std::vector<Vec3f>>& frames, const RecordedPiece& piece) {
+  std::vector<std::vector<Vec3f>> own;
+  for (const std::vector<Vec3f>& frame : frames) {
+    const auto first = frame.begin() + static_cast<std::ptrdiff_t>(piece.first_vertex);
+    own.emplace_back(first, first + static_cast<std::ptrdiff_t>(piece.vertices));
+  }
+  return own;
+}
+
+std::vector<Triangle> cut(const std::vector<Triangle>& triangles, const RecordedPiece& piece) {
+  const auto first = static_cast<std::int32_t>(piece.first_vertex),
+             end = first + static_cast<std::int32_t>(piece.vertices);
+  std::vector<Triangle> own;
+  for (const Triangle& t : triangles)
+    if (t[0] >= first && t[0] < end) own.push_back({t[0] - first, t[1] - first, t[2] - first});
+  return own;
+}
+
 std::optional<RigidMotion> find_rigid_motion(const std::vector<std::vector<Vec3f>>& frames) {
   if (frames.empty() || frames.front().size() < 3) return std::nullopt;
   RigidMotion motion;

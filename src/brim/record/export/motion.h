@@ -41,4 +41,9 @@ struct RigidMotion {
 /// deviates by more than rounding: 4e-6 of the scene's extent.
 std::optional<RigidMotion> find_rigid_motion(const std::vector<std::vector<Vec3f>>& frames);
 
+/// Positions of a piece alone, over frames.
+std::vector<std::vector<Vec3f>> cut(const std::vector<std::vector<Vec3f>>& frames, const RecordedPiece& piece);
+/// Triangles of a piece alone, its vertices from 0.
+std::vector<Triangle> cut(const std::vector<Triangle>& triangles, const RecordedPiece& piece);
+
 }  // namespace brim::exporting

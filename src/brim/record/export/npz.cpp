@@ -43,6 +43,10 @@ class NpzWriter : public Writer {
       : job_(job), file_(job.run->path(), h5::File::Mode::Read), zip_(job.folder / "run.npz") {}
 
   void frame(const Frame&) override {}  // arrays are copied whole, at the end
+  ItemPlace place(const Item& item) const override {
+    return {.file = "run.npz", .path = fmt::format("display/{}", item.body)};
+  }
+  ItemPlace contacts_place() const override { return {.file = "run.npz", .path = "contacts"}; }
 
   void finish() override {
     const std::vector<std::string> sets = file_.datasets();

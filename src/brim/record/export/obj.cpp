@@ -29,6 +29,7 @@ class ObjWriter : public Writer {
     }
     file.close();
   }
+  ItemPlace place(const Item& item) const override { return {.file = pattern("frame", "obj"), .path = item.file_name}; }
 
  private:
   void body(std::size_t i, const Frame& frame, std::size_t first, std::string& text) const {

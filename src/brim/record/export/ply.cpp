@@ -22,6 +22,10 @@ class PlyWriter : public Writer {
     }
     contacts(frame);
   }
+  ItemPlace place(const Item& item) const override {
+    return {.file = item.still ? item.file_name + ".ply" : pattern(item.file_name, "ply")};
+  }
+  ItemPlace contacts_place() const override { return {.file = pattern("contacts", "ply")}; }
 
  private:
   void body(const Item& item, const Frame& frame, std::size_t i, const std::string& name) const {
@@ -30,9 +34,10 @@ class PlyWriter : public Writer {
     const std::vector<Triangle>& triangles = frame.triangles[i];
     const std::vector<Line>& lines = frame.lines[i];
     const bool sized = d.kind != Display::Kind::Triangles && d.radius > 0.0;
-    std::string head = "ply\nformat binary_little_endian 1.0\ncomment brim: " + item.file_name + "; metres, z up\n";
+    std::string head = "ply\nformat binary_little_endian 1.0\ncomment brim: " + item.identifier + "; metres, z up\n";
     head += fmt::format("element vertex {}\nproperty float x\nproperty float y\nproperty float z\n", x.size());
-    if (!v.empty()) head += "property float vx\nproperty float vy\nproperty float vz\n";
+    const bool moving = item.velocity != VelocitySource::None;
+    if (moving) head += "property float vx\nproperty float vy\nproperty float vz\n";
     if (sized) head += "property float pscale\n";
     if (!triangles.empty())
       head += fmt::format("element face {}\nproperty list uchar int vertex_indices\n", triangles.size());
@@ -42,7 +47,7 @@ class PlyWriter : public Writer {
     file.write(head + "end_header\n");
     for (std::size_t n = 0; n < x.size(); ++n) {
       file.write(x[n].data(), sizeof(Vec3f));
-      if (!v.empty()) file.write(v[n].data(), sizeof(Vec3f));
+      if (moving) file.write(v[n].data(), sizeof(Vec3f));
       if (sized) file.write_number(static_cast<float>(d.radius));
     }
     for (const Triangle& t : triangles) {

@@ -32,12 +32,13 @@ std::string material(const StressField& field, VtkFile& file) {
 
 }  // namespace
 
-std::string stress_piece(const StressField& field, bool samples, std::span<const double> v, VtkFile& file) {
+std::string stress_piece(const StressField& field, bool samples, std::optional<std::span<const double>> v,
+                         VtkFile& file) {
   std::vector<Vec3f> x;
   for (const Vec3& place : field.place) x.push_back(place.cast<float>());
   std::string piece = fmt::format("<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n", x.size(), field.size());
   piece += "<PointData>\n";
-  if (!v.empty()) piece += file.array("Float32", "velocity", 3, std::vector<float>(v.begin(), v.end()));
+  if (v) piece += file.array("Float32", "velocity", 3, std::vector<float>(v->begin(), v->end()));
   if (samples) piece += material(field, file);
   piece += "</PointData>\n<CellData>\n";
   if (!samples) piece += material(field, file);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,8 +13,9 @@ namespace brim::exporting {
 /// the tensors as XX, YY, ZZ, XY, YZ, XZ.
 /// @param field    may be empty, for a solid that was removed
 /// @param samples  it is one of samples: has no tetrahedra
-/// @param v        [m/s] of the nodes, shape (nodes, 3) flat, or empty: none
+/// @param v        [m/s] of the nodes, shape (nodes, 3) flat; nothing: no such array
 /// @return the piece
-std::string stress_piece(const StressField& field, bool samples, std::span<const double> v, VtkFile& file);
+std::string stress_piece(const StressField& field, bool samples, std::optional<std::span<const double>> v,
+                         VtkFile& file);
 
 }  // namespace brim::exporting

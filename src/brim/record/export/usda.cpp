@@ -45,13 +45,20 @@ std::string quoted(const std::string& text) {
 }
 
 /// USD as text: run.usda, z up, metres, one time code per recorded frame. Bodies that moved as rigid ones are a shape
-/// and a sampled matrix; all others have sampled points, with velocities where the run has them; those that are removed
-/// a sampled visibility. Surfaces are Mesh, lines BasisCurves, points Points; contacts are Points with force, friction
-/// and overlap as primvars.
+/// and a sampled matrix, those of several rigid pieces an Xform with such a shape for each; all others have sampled
+/// points, with velocities where the run has them; those that are removed a sampled visibility. Surfaces are Mesh,
+/// lines BasisCurves, points Points; contacts are Points with force, friction and overlap as primvars.
 class UsdaWriter : public Writer {
  public:
   explicit UsdaWriter(const Job& job) : job_(job) {}
   void frame(const Frame& frame) override { film_.add(job_, frame); }
+
+  ItemPlace place(const Item& item) const override {
+    ItemPlace place = {.file = "run.usda", .path = "/World/" + item.identifier};
+    for (const ItemPiece& piece : item.pieces) place.pieces.push_back(place.path + "/" + piece.identifier);
+    return place;
+  }
+  ItemPlace contacts_place() const override { return {.file = "run.usda", .path = "/World/contacts"}; }
 
   void finish() override {
     OutputFile file(job_.folder / "run.usda");
@@ -62,7 +69,8 @@ class UsdaWriter : public Writer {
         "def Xform \"World\"\n{{\n",
         quoted("Run of scene " + job_.run->scene_name() + " by brim " + job_.run->brim_version()), film_.indices.back(),
         rate, film_.indices.front(), rate));
-    for (std::size_t i = 0; i < job_.items.size(); ++i) file.write(body(i));
+    for (std::size_t i = 0; i < job_.items.size(); ++i)
+      file.write(job_.items[i].pieces.empty() ? body(i) : assembly(i));
     file.write(contacts() + "}\n");
     file.close();
   }
@@ -93,10 +101,7 @@ class UsdaWriter : public Writer {
     const char* type = d.kind == Display::Kind::Triangles ? "Mesh"
                        : d.kind == Display::Kind::Lines   ? "BasisCurves"
                                                           : "Points";
-    std::string out = fmt::format(
-        "    def {} \"{}\" (\n        customData = {{\n            string brim_name = {}\n"
-        "        }}\n    )\n    {{\n",
-        type, item.identifier, quoted(item.name));
+    std::string out = head(type, item.identifier, item.name);
     std::vector<std::int32_t> order;  // vertices as the prim lists them; empty: as recorded
     const bool changing = item.recorded->changing;
     if (d.kind == Display::Kind::Triangles) {
@@ -112,23 +117,72 @@ class UsdaWriter : public Writer {
     out += fmt::format("{}color3f[] primvars:displayColor = [{}]\n", kPad, tuple(item.colour)) + visibility(i);
     if (frames.empty()) return out + "    }\n\n";
     const auto& v = film_.velocities[i];
-    const bool moving = std::ranges::none_of(v, [](const auto& list) { return list.empty(); });
-    // Where there are velocities the points move in their own right.
-    const auto motion = frames.size() > 1 && !moving && !changing ? find_rigid_motion(frames) : std::nullopt;
+    const bool moving = item.velocity != VelocitySource::None && !item.still;
+    // Vertices with velocities of their own are never taken for a shape that moves as one.
+    const bool rigid = item.velocity != VelocitySource::Nodes && item.velocity != VelocitySource::Map &&
+                       d.kind != Display::Kind::Points && !changing;
+    const auto motion = frames.size() > 1 && rigid ? find_rigid_motion(frames) : std::nullopt;
     const auto picked = [&](const std::vector<Vec3f>& x) {
       if (order.empty()) return joined(x);
       return joined(order, [&](std::int32_t n) { return tuple(x[static_cast<std::size_t>(n)]); });
     };
     if (motion) {
       out += extent({motion->local}) + fmt::format("{}point3f[] points = {}\n", kPad, picked(motion->local));
-      out +=
-          sampled("matrix4d xformOp:transform", samples, [&](std::size_t s) { return matrix(motion->placements[s]); });
-      out += fmt::format("{}uniform token[] xformOpOrder = [\"xformOp:transform\"]\n", kPad);
+      out += placements(*motion, samples);
     } else {
       out += extent(frames) + sampled("point3f[] points", samples, [&](std::size_t s) { return picked(frames[s]); });
       if (moving) out += sampled("vector3f[] velocities", samples, [&](std::size_t s) { return picked(v[s]); });
     }
     return out + "    }\n\n";
+  }
+
+  static std::string head(const char* type, const std::string& identifier, const std::string& name) {
+    return fmt::format(
+        "    def {} \"{}\" (\n        customData = {{\n            string brim_name = {}\n"
+        "        }}\n    )\n    {{\n",
+        type, identifier, quoted(name));
+  }
+
+  std::string placements(const RigidMotion& motion, const std::vector<std::size_t>& samples) const {
+    return sampled("matrix4d xformOp:transform", samples, [&](std::size_t s) { return matrix(motion.placements[s]); }) +
+           fmt::format("{}uniform token[] xformOpOrder = [\"xformOp:transform\"]\n", kPad);
+  }
+
+  /// A body of several rigid pieces: an Xform with a Mesh for each, which moves as a whole.
+  std::string assembly(std::size_t i) const {
+    const Item& item = job_.items[i];
+    std::string out = head("Xform", item.identifier, item.name) + visibility(i);
+    for (const ItemPiece& piece : item.pieces) out += indented(part(i, piece));
+    return out + "    }\n\n";
+  }
+
+  std::string part(std::size_t i, const ItemPiece& piece) const {
+    const Item& item = job_.items[i];
+    const std::vector<Triangle> triangles = cut(item.recorded->display.triangles, piece.vertices);
+    std::string out =
+        head("Mesh", piece.identifier, piece.name) +
+        surface(item.recorded->display, {0}, [&](std::size_t) -> const std::vector<Triangle>& { return triangles; }) +
+        fmt::format("{}color3f[] primvars:displayColor = [{}]\n", kPad, tuple(item.colour));
+    const auto frames = cut(film_.positions[i], piece.vertices);
+    const auto motion = frames.size() > 1 ? find_rigid_motion(frames) : std::nullopt;
+    if (motion)
+      out += extent({motion->local}) + fmt::format("{}point3f[] points = {}\n", kPad, joined(motion->local)) +
+             placements(*motion, film_.samples[i]);
+    else if (!frames.empty())
+      out += extent(frames) +
+             sampled("point3f[] points", film_.samples[i], [&](std::size_t s) { return joined(frames[s]); });
+    return out + "    }\n";
+  }
+
+  /// Lines of a prim within a prim.
+  static std::string indented(const std::string& text) {
+    std::string out;
+    for (std::size_t at = 0; at < text.size();) {
+      const std::size_t end = std::min(text.find('\n', at), text.size() - 1) + 1;
+      out.append("    ").append(text, at, end - at);
+      at = end;
+    }
+    return out;
   }
 
   /// When a body that is removed, or comes back, is shown; values of this type are held, not interpolated. Without

@@ -51,6 +51,8 @@ class VdbWriter : public Writer {
     }
   }
 
+  ItemPlace place(const Item& item) const override { return {.file = pattern("frame", "vdb"), .path = item.file_name}; }
+
  private:
   double voxel_size(const World& world, int body) const {
     if (job_.voxel_size > 0.0) return job_.voxel_size;

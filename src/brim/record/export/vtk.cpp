@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <map>
+#include <optional>
+
 #include "brim/record/export/format.h"
 #include "brim/record/export/output_file.h"
 #include "brim/record/export/stress_grid.h"
@@ -29,7 +32,8 @@ class VtkWriter : public Writer {
     for (std::size_t i = 0; i < job_.items.size(); ++i) {
       const Item& item = job_.items[i];
       const StressedSolid* solid = world ? dynamic_cast<const StressedSolid*>(&world->body(item.body)) : nullptr;
-      const char* end = solid ? "vtu" : "vtp";
+      if (frame.order == 0) ends_[item.body] = solid ? "vtu" : "vtp";
+      const std::string end = ends_.at(item.body);
       const std::string name = item.still ? item.file_name + "." + end : numbered(item.file_name, frame.index, end);
       if (!item.still || frame.order == 0) {
         if (solid)
@@ -43,6 +47,12 @@ class VtkWriter : public Writer {
     contacts(frame, name);
     list(frame.time, job_.items.size(), "contacts", name);
   }
+
+  ItemPlace place(const Item& item) const override {
+    const std::string end = ends_.at(item.body);
+    return {.file = item.still ? item.file_name + "." + end : pattern(item.file_name, end)};
+  }
+  ItemPlace contacts_place() const override { return {.file = pattern("contacts", "vtp")}; }
 
   void finish() override {
     OutputFile file(job_.folder / "run.pvd");
@@ -66,7 +76,7 @@ class VtkWriter : public Writer {
     VtkFile file;
     std::string piece = piece_head(x.size(), verts, lines.size(), triangles.size());
     piece += "<PointData>\n";
-    if (!v.empty()) piece += file.vectors("velocity", v);
+    if (item.velocity != VelocitySource::None) piece += file.vectors("velocity", v);
     if (d.kind != Display::Kind::Triangles && d.radius > 0.0)
       piece += file.array("Float32", "radius", 1, std::vector<float>(x.size(), static_cast<float>(d.radius)));
     piece += "</PointData>\n<Points>\n" + file.vectors("points", x) + "</Points>\n";
@@ -79,10 +89,12 @@ class VtkWriter : public Writer {
                 const std::string& name) const {
     StressField field = solid.stress_field();
     const bool samples = field.tets.empty();
-    if (frame.gone[i] != 0) field = {};
-    const bool nodal = !samples && v.size() == 3 * field.place.size();
+    const bool nodal = !samples && v.size() == 3 * field.place.size(), gone = frame.gone[i] != 0;
+    if (gone) field = {};
     VtkFile file;
-    const std::string piece = stress_piece(field, samples, nodal ? v : std::span<const double>(), file);
+    std::optional<std::span<const double>> velocities;
+    if (nodal) velocities = gone ? std::span<const double>() : v;
+    const std::string piece = stress_piece(field, samples, velocities, file);
     file.write(job_.folder / name, "UnstructuredGrid", piece, frame.time);
   }
 
@@ -107,6 +119,7 @@ class VtkWriter : public Writer {
 
   const Job& job_;
   bool stress_;
+  std::map<int, std::string> ends_;  ///< of the files of each body
   std::string collection_;
 };
 

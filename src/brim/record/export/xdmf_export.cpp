@@ -39,6 +39,9 @@ class XdmfWriter : public Writer {
     text_ += "</Grid>\n";
   }
 
+  ItemPlace place(const Item& item) const override { return {.file = "run.xdmf", .path = item.name}; }
+  ItemPlace contacts_place() const override { return {.file = "run.xdmf", .path = "contacts"}; }
+
   void finish() override {
     data_.flush();
     OutputFile file(job_.folder / "run.xdmf");
@@ -104,14 +107,14 @@ class XdmfWriter : public Writer {
                            item(cells_of(i), Type::Int32, n, lines ? 2 : 3));
     }
     const std::string at = fmt::format("/frames/{}/{}", body.still ? job_.frames.first : frame.index, i);
+    const bool moving = body.velocity != VelocitySource::None;
     if (!body.still || !data_.exists(at)) {
       data_.group(at);
       put(at + "/positions", Type::Float32, vertices, 3, frame.positions[i].data());
+      if (moving) put(at + "/velocity", Type::Float32, vertices, 3, frame.velocities[i].data());
     }
     text_ += "<Geometry GeometryType=\"XYZ\">" + item(at + "/positions", Type::Float32, vertices, 3) + "</Geometry>\n";
-    if (!frame.velocities[i].empty() && !body.still)
-      text_ += attribute("velocity", "Vector",
-                         put(at + "/velocity", Type::Float32, vertices, 3, frame.velocities[i].data()));
+    if (moving) text_ += attribute("velocity", "Vector", item(at + "/velocity", Type::Float32, vertices, 3));
     text_ += "</Grid>\n";
   }
 
