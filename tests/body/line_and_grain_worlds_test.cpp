@@ -149,7 +149,8 @@ double lost_torque(double aside) {
   o.material.friction = 0.0;
   w.add(named<RodBody>("rod", line(Vec3(-0.6, aside, 0.32), Vec3(0.6, aside, 0.28), 8), o));
   w.add(testing::ball("ball", {Vec3(0, 0, 0), Quat::Identity(), Vec3(0, 0, 1)}, 0.0, 0.25, 50.0));
-  const Watched run = watch(w, 0.5);
+  // While the ball presses: what grazes later has next to no force to compare with.
+  const Watched run = watch(w, 0.25);
   EXPECT_LT(run.linear, 1e-12);
   EXPECT_LT(run.overlap, 1.0);
   return run.angular;

@@ -12,8 +12,8 @@ namespace brim {
 class GuidedParticles {
  public:
   virtual ~GuidedParticles() = default;
-  /// For the coming step; the next update clears it. @param guided  nonzero for particles that lie on a solid or on a
-  /// fixed part, shape (particles)
+  /// For the coming step; the next update clears it. @param guided  nonzero for particles that lie on a rigid body or
+  /// on a fixed part, shape (particles)
   virtual void set_guided(std::span<const std::uint8_t> guided) = 0;
   /// For the coming step; the next update clears it. @param linked  nonzero for particles that a link holds
   virtual void set_linked(std::span<const std::uint8_t> linked) = 0;

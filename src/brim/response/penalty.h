@@ -38,7 +38,7 @@ struct PairState {
   std::array<std::int32_t, 2> body = {0, 1};  ///< numbers of the two bodies
   bool fixed = false;                         ///< one of the bodies does not move
   bool firm = false;    ///< one of the bodies does not move, or does not yield to pressure while the other does
-  bool guide = false;   ///< one of the parts is a solid, or does not move, and the other deforms
+  bool guide = false;   ///< one of the parts is a rigid body, or does not move, and the other deforms
   bool sheet = false;   ///< one of the parts is a sheet, or a fluid
   bool balls = false;   ///< one of the parts consists of balls that turn
   double growth = 1.0;  ///< [-] stiffness at full overlap over k (hardening.h)

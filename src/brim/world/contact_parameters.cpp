@@ -11,6 +11,7 @@
 #include <unordered_set>
 
 #include "brim/body/movable.h"
+#include "brim/body/rigid_frame.h"
 #include "brim/body/solid_of.h"
 #include "brim/body/spinning_balls.h"
 #include "brim/core/interface_of.h"
@@ -67,6 +68,9 @@ double inverse_mass_of(const WorldPart& p) {
   const bool held = is_fixed(p) || (movable != nullptr && *movable->bound() != 0);
   return held ? 0.0 : 1.0 / p.body->mass();
 }
+
+/// A rigid body. Links of trees are not: what hangs from one between others gains energy when it is guided.
+bool is_frame(const WorldPart& p) { return interface_of<RigidFrame>(*p.body) != nullptr; }
 
 }  // namespace
 
@@ -312,7 +316,7 @@ void ContactParameters::choose(std::span<const WorldPart> parts, std::span<const
         .fixed = fixed,
         .firm =
             fixed || rigid || (is_rigid(a) != is_rigid(b) && std::isinf(a.info.modulus) != std::isinf(b.info.modulus)),
-        .guide = !solid && (fixed || is_rigid(a) != is_rigid(b)),
+        .guide = !solid && (fixed || is_frame(a) != is_frame(b)),
         .sheet = sheet,
         .balls = grains,
         .growth = growth,
