@@ -7,7 +7,7 @@ from typing import Any, Tuple
 import numpy as np
 
 from ._core import InputError, nearest_word
-from .body import Array, Body, _matrix
+from .body import Array, Body, _matrix, _vector
 
 
 # Name, kind, first coordinate and their number, the same of velocities, lower, upper, number of the drive or -1, stiffness, damping.
@@ -216,12 +216,12 @@ class Link:
     def place(self, point: Any) -> Array:
         """Where a point of its frame is [m], shape (3,)."""
         position, rotation, *_ = self._state()
-        place: Array = position + _matrix(rotation) @ np.asarray(point, dtype=np.float64)
+        place: Array = position + _matrix(rotation) @ np.array(_vector(point, "point"))
         return place
 
     def jacobian(self, point: Any = (0.0, 0.0, 0.0)) -> Array:
         """As Articulated.jacobian."""
-        return self._body._core.link_jacobian(self._body.number, self._number, np.asarray(point, dtype=np.float64))
+        return self._body._core.link_jacobian(self._body.number, self._number, _vector(point, "point"))
 
     def __repr__(self) -> str:
         return f'<Link "{self.name}" of "{self._body.name}">'

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _core
 from .stress import Stress
 
 if TYPE_CHECKING:
@@ -16,12 +17,29 @@ Array = NDArray[np.float64]
 Force = Callable[[float, Array, Array], Any]
 
 
+def _numbers(value: Any, name: str) -> Array:
+    try:
+        return np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise _core.InputError(f"{name}: {value!r} is not allowed; must be numbers") from None
+
+
+def _vector(value: Any, name: str) -> list[float]:
+    vector = _numbers(value, name)
+    if vector.shape != (3,):
+        raise _core.InputError(f"{name}: shape {vector.shape} is not allowed; must be (3,)")
+    numbers: list[float] = vector.tolist()
+    return numbers
+
+
 def _matrix(rotation: Any) -> Array:
-    r = np.asarray(rotation, dtype=np.float64)
+    r = _numbers(rotation, "rotation")
     if r.shape == (3, 3):
         return r
-    if r.shape != (4,) or not np.linalg.norm(r) > 0:
-        raise ValueError(f"rotation: shape {r.shape} is not allowed; must be a quaternion (w, x, y, z) or a matrix (3, 3)")
+    if r.shape != (4,):
+        raise _core.InputError(f"rotation: shape {r.shape} is not allowed; must be a quaternion (w, x, y, z) or a matrix (3, 3)")
+    if not np.linalg.norm(r) > 0 or not np.isfinite(r).all():
+        raise _core.InputError(f"rotation: the quaternion {r.tolist()} is not allowed; must have a length and finite numbers")
     w, x, y, z = r / np.linalg.norm(r)
     return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
                      [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
@@ -150,7 +168,7 @@ class Body:
 
         @raises InputError for what does not move, and grid fluids, which have no points to hold
         """
-        place = self.center if at is None else np.asarray(at, dtype=np.float64)
+        place = self.center if at is None else _vector(at, "at")
         self._core.grab(self._number, place, float(stiffness), float(damping))
 
     def freeze(self) -> None:
@@ -175,9 +193,9 @@ class Body:
         """
         turn = np.eye(3) if rotation is None else _matrix(rotation)
         center = self.center
-        pivot = center if about is None else np.asarray(about, dtype=np.float64)
+        pivot = center if about is None else np.array(_vector(about, "about"))
         turned = turn @ (center - pivot) + pivot
-        shift = np.asarray(by, dtype=np.float64) if to is None else np.asarray(to, dtype=np.float64) - turned
+        shift = np.array(_vector(by, "by")) if to is None else np.array(_vector(to, "to")) - turned
         translation = shift if rotation is None else pivot - turn @ pivot + shift
         self._core.move(self._number, turn.ravel().tolist(), translation.tolist())
 
@@ -185,13 +203,13 @@ class Body:
         """Gives the body the motion of a rigid one: of its centre of mass [m/s], and about it [rad/s], both of shape (3,). An obstacle keeps
         it until it is given another, in place of its keyframes; its velocity is that of the origin of its frame.
         @raises InputError for bodies that are fixed, frozen, or cannot move as a whole"""
-        self._core.set_velocity(self._number, velocity, angular_velocity)
+        self._core.set_velocity(self._number, _vector(velocity, "velocity"), _vector(angular_velocity, "angular_velocity"))
 
     def set_target(self, position: Any = None, rotation: Any = None, duration: float = 0.0) -> None:
         """Moves an obstacle to a place [m] and rotation of its frame within a time [s], 0: in the next step, and holds it there.
         It pushes and carries what it touches on the way. What is not given stays. rotation: a quaternion (w, x, y, z) or a
         matrix (3, 3); the shorter turn is taken. Replaces its keyframes. @raises InputError for bodies other than obstacles"""
-        place = None if position is None else np.asarray(position, dtype=np.float64).tolist()
+        place = None if position is None else _vector(position, "position")
         turn = None if rotation is None else _matrix(rotation).ravel().tolist()
         self._core.set_target(self._number, place, turn, float(duration))
 

@@ -8,7 +8,7 @@ from typing import Any, Iterable, NamedTuple, Union
 import numpy as np
 
 from . import _core
-from .body import Array, Body, _matrix
+from .body import Array, Body, _matrix, _vector
 
 Bodies = Union[Body, str, Iterable[Union[Body, str]]]
 
@@ -25,14 +25,6 @@ class Hit(NamedTuple):
     """Of the surface, outward, shape (3,)."""
     distance: float
     """[m] along the ray; to the surface of World.closest_point, negative inside."""
-
-
-def _vector(value: Any, name: str) -> list[float]:
-    vector = np.asarray(value, dtype=np.float64)
-    if vector.shape != (3,):
-        raise _core.InputError(f"{name}: shape {vector.shape} is not allowed; must be (3,)")
-    numbers: list[float] = vector.tolist()
-    return numbers
 
 
 class Queries:

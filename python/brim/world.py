@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from . import _core
 from ._core import InputError
 from .articulated import Articulated
-from .body import Array, Body, Force
+from .body import Array, Body, Force, _vector
 from .link import Attachment
 from .own_body import OwnBody
-from .query import Queries, _vector
+from .query import Queries
 from .running import Running, StepError
 from .sensor import ContactEvent, Sensor
 from .scene_file import scene_text, take_arrays, write_arrays
@@ -268,10 +268,7 @@ class World(Queries):
 
     def set_gravity(self, gravity: Any) -> None:
         """From the next step on [m/s^2], shape (3,). It is part of a saved state, but not of a saved scene."""
-        vector = np.asarray(gravity, dtype=np.float64)
-        if vector.shape != (3,):
-            raise InputError(f"gravity: shape {vector.shape} is not allowed; must be (3,)")
-        self._core.set_gravity(vector.tolist())
+        self._core.set_gravity(_vector(gravity, "gravity"))
 
     # ---- editing -----------------------------------------------------------------------------------------------------
 
@@ -317,7 +314,7 @@ class World(Queries):
     def pull(self, to: Any) -> None:
         """Where the place that was grabbed (``Body.grab``) is pulled from the next step on [m], shape (3,).
         @raises InputError when nothing is grabbed"""
-        self._core.pull(np.asarray(to, dtype=np.float64))
+        self._core.pull(_vector(to, "to"))
 
     def release(self) -> None:
         """Lets go of what is grabbed, if anything is."""

@@ -116,6 +116,19 @@ class Misuse(unittest.TestCase):
         world, ball = ball_world()
         with self.assertRaisesRegex(brim.InputError, r"gravity: shape \(2,\) is not allowed; must be \(3,\)"):
             world.set_gravity((0, 0))
+        for ask, words in ((lambda: ball.set_velocity((0, 0)), r"velocity: shape \(2,\) is not allowed; must be \(3,\)"),
+                           (lambda: ball.set_velocity((0, 0, 0), 1.0), r"angular_velocity: shape \(\) is not allowed"),
+                           (lambda: ball.set_velocity("fast"), "velocity: 'fast' is not allowed; must be numbers"),
+                           (lambda: ball.move((0, 0)), r"by: shape \(2,\) is not allowed"),
+                           (lambda: ball.move(rotation=(1, 0, 0)), "must be a quaternion"),
+                           (lambda: ball.move(rotation=(0, 0, 0, 0)), "must have a length and finite numbers"),
+                           (lambda: ball.grab((1, 2)), r"at: shape \(2,\) is not allowed")):
+            with self.assertRaisesRegex(brim.InputError, words):
+                ask()
+        with tempfile.TemporaryDirectory() as folder:
+            world.run(frames=1, record=f"{folder}/run").all()
+            with self.assertRaisesRegex(brim.InputError, "holds a run already; .*force=True"):
+                world.run(frames=1, record=f"{folder}/run").all()
 
         class Nothing(brim.Env):
             def build(self):

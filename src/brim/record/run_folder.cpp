@@ -43,7 +43,8 @@ void check_run_folder(const std::string& folder, bool force) {
     throw InputError(
         fmt::format("{}: holds other files; a run needs a new or empty folder, or one with an older run", folder));
   if (!force)
-    throw InputError(fmt::format("{}: holds a run already; --force replaces it, --resume goes on with it", folder));
+    throw InputError(fmt::format(
+        "{}: holds a run already; --force replaces it (in Python force=True), --resume goes on with it", folder));
 }
 
 void remove_run_files(const std::string& folder) {
