@@ -240,7 +240,9 @@ bool ImplicitStep::correct_by(const Correct& correct, std::span<double> delta) {
   const double before = contact_seconds();
   auto rows_timer = std::make_optional<ScopedSeconds>(within);
   const std::size_t n = c.v.size();
-  added_.assign((whole_ && !c.response.has_stops()) || alone_ ? 0 : n, 0.0);
+  const bool foresees =
+      std::ranges::any_of(c.bodies, [](const auto& body) { return interface_of<ForeseesContact>(*body) != nullptr; });
+  added_.assign(foresees || !((whole_ && !c.response.has_stops()) || alone_) ? n : 0, 0.0);
   const auto respond = [&](std::span<const double> b, std::span<double> x, double slack) {
     return cg_.solve(system_, b, slack * settings_->tolerance, settings_->max_iterations, x);
   };

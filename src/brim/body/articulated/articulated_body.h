@@ -5,6 +5,7 @@
 #include "brim/body/articulated/tree_flow.h"
 #include "brim/body/articulated/tree_map.h"
 #include "brim/body/distance_bound.h"
+#include "brim/body/foresees_contact.h"
 #include "brim/body/mass_center.h"
 #include "brim/body/movable.h"
 #include "brim/body/movable_base.h"
@@ -31,7 +32,8 @@ class ArticulatedBody final : public Body,
                               public Movable,
                               public AimedDrives,
                               public MassCenter,
-                              public MovableBase {
+                              public MovableBase,
+                              public ForeseesContact {
  public:
   /// @throws InputError as Tree does, and for a joint that moves no mass
   explicit ArticulatedBody(ArticulatedModel model);
@@ -98,6 +100,9 @@ class ArticulatedBody final : public Body,
   void display_positions(std::span<Vec3f> x) const override;
   std::size_t piece_count() const override { return parts_.size(); }
   const PosedShape& piece(std::size_t i) const override { return parts_[i].solid; }
+
+  /// Lets go of limits from which the last solve takes their joints away.
+  bool foresee(std::span<const double> v) override { return joints_.release(tree_, v); }
 
   /// True when a joint has a motor.
   bool restless() const override { return joints_.driven(); }

@@ -105,8 +105,14 @@ void JointForces::add_limits(std::size_t link, double dt, double mass, const Vec
     t.force -= c * rate * outwards;
     t.C += c * outwards * outwards.transpose();
     if (given && beyond > 0.0) energy_ += 0.5 * k * beyond * beyond;
-    if (hard && dt > 0.0)
-      acting_.push_back({{link, outwards, std::max(-beyond, 0.0) / dt}, dt * k * beyond, dt * (dt * k + c)});
+    if (dt > 0.0)
+      acting_.push_back({{link, outwards, std::max(-beyond, 0.0) / dt},
+                         dt * k * beyond,
+                         dt * (dt * k + c),
+                         k * beyond + c * rate,
+                         k,
+                         c,
+                         hard});
   };
   if (j.ball) {
     const double angle = x.norm();
@@ -117,21 +123,40 @@ void JointForces::add_limits(std::size_t link, double dt, double mass, const Vec
   }
 }
 
+std::pair<double, double> JointForces::impulse_of(const Acting& a, const Tree& tree, std::span<const double> v) {
+  const Tree::Link& l = tree.links()[a.stop.link];
+  double rate = 0.0;
+  for (int k = 0; k < l.dof; ++k) rate += a.stop.outwards[k] * v[l.v0 + k];
+  return {-a.push - a.resist * rate, rate};
+}
+
 std::vector<JointStop> JointForces::stops(const Tree& tree, std::span<const double> v, std::span<Mat3> T) const {
   std::vector<JointStop> out;
   for (const Acting& a : acting_) {
-    const Tree::Link& l = tree.links()[a.stop.link];
+    if (!a.hard) continue;
     const Vec3& n = a.stop.outwards;
-    double rate = 0.0;
-    for (int k = 0; k < l.dof; ++k) rate += n[k] * v[l.v0 + k];
+    const auto [impulse, rate] = impulse_of(a, tree, v);
     JointStop stop = a.stop;
-    stop.impulse = -a.push - a.resist * rate;
+    stop.impulse = impulse;
     stop.pulls = stop.impulse > 0.0;
     if (stop.pulls) stop.most = std::min(rate, 0.0);
     out.push_back(stop);
     T[stop.link] -= a.resist * n * n.transpose();
   }
   return out;
+}
+
+bool JointForces::release(const Tree& tree, std::span<const double> v) {
+  const auto pulls = [&](const Acting& a) { return impulse_of(a, tree, v).first > 0.0; };
+  for (const Acting& a : acting_) {
+    if (!pulls(a)) continue;
+    const Vec3& n = a.stop.outwards;
+    Term& t = term_[a.stop.link];
+    t.force += a.force * n;
+    t.K -= a.k * n * n.transpose();
+    t.C -= a.c * n * n.transpose();
+  }
+  return std::erase_if(acting_, pulls) > 0;
 }
 
 void JointForces::add_forces(const Tree& tree, std::span<double> Q) const {

@@ -30,6 +30,10 @@ class JointForces {
   /// system(), per link: loses what is theirs
   std::vector<JointStop> stops(const Tree& tree, std::span<const double> v, std::span<Mat3> T) const;
 
+  /// Lets go of the limits that would pull their joints outwards if the step ended at velocities v: a blow has taken
+  /// them away. @return true when there are any
+  bool release(const Tree& tree, std::span<const double> v);
+
   /// Q += forces.
   void add_forces(const Tree& tree, std::span<double> Q) const;
   /// y −= K x and y −= C x, K = −∂Q/∂q and C = −∂Q/∂v positive semi-definite.
@@ -69,11 +73,16 @@ class JointForces {
   Term term(std::size_t link, double time, double dt, double mass, const Vec3& x, const Vec3& u, bool hard);
   void add_limits(std::size_t link, double dt, double mass, const Vec3& x, const Vec3& u, bool hard, Term& t);
 
-  /// A hard stop that acts: its impulse is −push − resist u.
+  /// A limit that acts: its impulse is −push − resist u, its force at the start `force` inwards, of stiffness k and
+  /// damping c.
   struct Acting {
     JointStop stop;
     double push, resist;
+    double force, k, c;
+    bool hard;
   };
+  /// Impulse of a limit if the solve ends at velocities v, and its joint's rate outwards.
+  static std::pair<double, double> impulse_of(const Acting& a, const Tree& tree, std::span<const double> v);
 
   std::vector<Joint> joint_;
   std::vector<Term> term_;
