@@ -23,7 +23,8 @@ void leapfrog_gravity(std::span<const WorldPart> parts, const ContactStage& stag
     }
   std::vector<std::pair<int, int>> touching;
   const auto touch = [&](std::int32_t a, std::int32_t b) {
-    touching.emplace_back(parts[a].body_index, parts[b].body_index);
+    const int i = parts[a].body_index, j = parts[b].body_index;
+    if (swings[i] || swings[j]) touching.emplace_back(i, j);
   };
   for (std::size_t p = 0; p < contacts.first_link_pair(); ++p)
     if (contacts.pairs[p].begin < contacts.pairs[p].end) touch(contacts.pairs[p].part_a, contacts.pairs[p].part_b);

@@ -12,7 +12,7 @@ namespace brim {
 /// sub-step before the end, as in the leapfrog method: between two such velocities gravity acts for the mean of both
 /// sub-steps, (dt₀ + dt)/2. With dt alone a swing whose sub-steps are shorter where it is fast would lose energy at
 /// every change of length. Solids that touch anything else, directly or by others, have a factor of 1: contact balances
-/// their weight.  Tests: tests/world/link_joints_test.cpp
+/// their weight.  Tests: tests/world/links_swing_test.cpp
 /// @param before  [s] dt₀, length of the sub-step before; 0: there was none, all have 1
 /// @param given   factors on gravity per body; those beyond its end have 1
 /// @param factor  the product of both, per body
